@@ -1,0 +1,28 @@
+"""The one exception a user is meant to read."""
+
+
+class InputError(ValueError):
+    """Something the user gave is wrong: the message is one line naming file, field, found and expected.
+
+    Command-line programs print it without a traceback and exit with code 2.
+    """
+
+    @classmethod
+    def at(cls, place: str, found: object, expected: str) -> "InputError":
+        """Build the message ``place: found ..., expected ...``.
+
+        Parameters
+        ----------
+        place : str
+            File and field, for example ``config/config.yaml: training.steps``.
+        found : object
+            What was there.
+        expected : str
+            What should have been there.
+
+        Returns
+        -------
+        InputError
+            Ready to be raised.
+        """
+        return cls(f"{place}: found {found}, expected {expected}")

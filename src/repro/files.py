@@ -1,0 +1,101 @@
+"""Result files that are whole or absent: written to a temporary name, then renamed."""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from repro.errors import InputError
+
+#: Significant digits of every number in a CSV: enough to redraw and to check, short enough to read.
+CSV_FLOAT_FORMAT = "%.10g"
+
+
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` fill a temporary file beside `path`, then rename it to `path`.
+
+    Parameters
+    ----------
+    path : Path
+        Destination; its folder is made if missing.
+    write : callable
+        Called with the temporary path, which keeps the suffix of `path`.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)  # mkstemp makes the file private
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write UTF-8 text with Unix line ends."""
+
+    def fill(temporary: Path) -> None:
+        temporary.write_bytes(text.encode())
+
+    write_whole(path, fill)
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write JSON with sorted keys; a NaN is refused."""
+    write_text(path, json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n")
+
+
+def write_csv(path: Path, frame: pd.DataFrame) -> None:
+    """Write a table without its index, numbers with ten significant digits."""
+    text = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+    write_text(path, text)
+
+
+def read_json(path: Path) -> object:
+    """Read JSON.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or not JSON.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a JSON file") from error
+    except ValueError as error:
+        raise InputError.at(str(path), f"text that is not JSON ({error})", "a JSON file") from error
+
+
+def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
+    """Read a CSV table and check that it has the columns asked for.
+
+    Parameters
+    ----------
+    path : Path
+        File to read.
+    columns : tuple of str
+        Columns that must be there.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, not a table, or lacks a column.
+    """
+    try:
+        frame = pd.read_csv(path)
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+    except (ValueError, pd.errors.ParserError) as error:
+        raise InputError.at(str(path), f"text that is not a table ({error})", "a CSV table") from error
+    missing = [c for c in columns if c not in frame.columns]
+    if missing:
+        raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+    return frame

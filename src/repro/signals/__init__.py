@@ -1,0 +1,1 @@
+"""Signals: the DCT-II filter, derivative and subsampling, the similarity metric, and trajectories."""

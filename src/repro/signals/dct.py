@@ -1,0 +1,167 @@
+"""DCT-II low-pass, derivative and subsampling (Eq. 5-7, 14; Fig. 5).
+
+The transform is the orthonormal DCT of type 2 along the last axis, which is Eq. 5.
+"""
+
+from typing import Literal
+
+import numpy as np
+from scipy.fft import dct, idct
+
+from repro.model.parameters import Array
+
+FrequencyReading = Literal["rad_per_s", "hertz", "index"]
+FREQUENCY_READINGS: tuple[FrequencyReading, ...] = ("rad_per_s", "hertz", "index")
+
+
+def spectrum(x: Array) -> Array:
+    """DCT-II spectrum of Eq. 5.
+
+    Parameters
+    ----------
+    x : array of shape (..., N)
+        Signal.
+
+    Returns
+    -------
+    array of shape (..., N)
+        Coefficients; the transform is orthonormal, so norms and inner products are kept.
+
+    Raises
+    ------
+    ValueError
+        If there is no sample or a sample is not finite.
+    """
+    x = np.asarray(x, dtype=np.float64)
+    if x.ndim == 0 or x.shape[-1] == 0:
+        raise ValueError("x: a signal needs at least one sample.")
+    if not np.isfinite(x).all():
+        raise ValueError("x: every sample must be finite.")
+    return np.asarray(dct(x, type=2, norm="ortho", axis=-1))
+
+
+def band_frequency(n: int, h: float, reading: FrequencyReading = "rad_per_s") -> Array:
+    """Frequency omega of each DCT-II band, as the filter of Eq. 6 and 14 reads it.
+
+    Parameters
+    ----------
+    n : int
+        Number of samples N.
+    h : float
+        Sampling period, s.
+    reading : {"rad_per_s", "hertz", "index"}
+        What omega means: pi k / (N h), k / (2 N h), or the band number k itself. The paper does not say.
+
+    Returns
+    -------
+    array of shape (n,)
+        omega for k = 0 ... N-1.
+
+    Raises
+    ------
+    ValueError
+        If `h` is not positive or the reading is unknown.
+    """
+    if not h > 0:
+        raise ValueError(f"h: the sampling period must be positive, got {h}.")
+    k = np.arange(n, dtype=np.float64)
+    if reading == "rad_per_s":
+        return np.pi * k / (n * h)
+    if reading == "hertz":
+        return k / (2.0 * n * h)
+    if reading == "index":
+        return k
+    raise ValueError(f"reading: must be one of {FREQUENCY_READINGS}, got {reading!r}.")
+
+
+def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
+    """Gaussian low-pass in the DCT-II domain (Eq. 14).
+
+    Parameters
+    ----------
+    x : array of shape (..., N)
+        Signal.
+    h : float
+        Sampling period, s.
+    c_f : float
+        Filter coefficient, not negative; 0 leaves the signal as it is.
+    reading : {"rad_per_s", "hertz", "index"}
+        Unit of omega in exp(-c_f omega^2).
+
+    Returns
+    -------
+    array of shape (..., N)
+        Filtered signal.
+
+    Raises
+    ------
+    ValueError
+        If `c_f` is negative, or `x`, `h` or `reading` is not valid.
+    """
+    if not c_f >= 0:
+        raise ValueError(f"c_f: the filter coefficient must not be negative, got {c_f}.")
+    bands = spectrum(x)
+    gain = np.exp(-c_f * band_frequency(bands.shape[-1], h, reading) ** 2)
+    return np.asarray(idct(bands * gain, type=2, norm="ortho", axis=-1))
+
+
+def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
+    """Filtered derivative of a sampled signal (Eq. 6).
+
+    The backward difference of the first sample would need the one before it, which does not exist; the
+    second sample's difference stands in for it.
+
+    Parameters
+    ----------
+    x : array of shape (..., N)
+        Signal with at least two samples.
+    h : float
+        Sampling period, s.
+    c_f : float
+        Filter coefficient, not negative.
+    reading : {"rad_per_s", "hertz", "index"}
+        Unit of omega in exp(-c_f omega^2).
+
+    Returns
+    -------
+    array of shape (..., N)
+        Derivative, in units of `x` per second.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two samples, or an argument is not valid.
+    """
+    x = np.asarray(x, dtype=np.float64)
+    if x.ndim == 0 or x.shape[-1] < 2:
+        raise ValueError("x: a derivative needs at least two samples.")
+    difference = np.diff(x, axis=-1)
+    difference = np.concatenate([difference[..., :1], difference], axis=-1)
+    return dct2low(difference / h, h, c_f, reading)
+
+
+def dct2sub(x: Array, m: int) -> Array:
+    """Subsample to any length by keeping the first M bands of the DCT-II (Fig. 5).
+
+    Parameters
+    ----------
+    x : array of shape (..., N)
+        Signal.
+    m : int
+        Number of samples to keep, 1 <= M <= N; N need not be a multiple of M.
+
+    Returns
+    -------
+    array of shape (..., m)
+        Subsampled signal, scaled by sqrt(M/N) so that levels stay.
+
+    Raises
+    ------
+    ValueError
+        If `m` is not between 1 and N.
+    """
+    bands = spectrum(x)
+    n = bands.shape[-1]
+    if not 1 <= m <= n:
+        raise ValueError(f"m: must be between 1 and the {n} samples of x, got {m}.")
+    return np.asarray(idct(bands[..., :m] * np.sqrt(m / n), type=2, norm="ortho", axis=-1))

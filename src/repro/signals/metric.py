@@ -1,0 +1,169 @@
+"""Similarity of two signals in time and in frequency: ``metr2ev`` (Algorithm 2, Tables 6-8, 10).
+
+The listing of Algorithm 2 is lost; the formulas are the ones that explain the published figures best
+(see `repro.paper.metric_search`). Because the DCT-II of Eq. 5 is orthonormal it keeps inner products
+(Parseval), so the frequency similarity needs no transform: with X, Y the spectra of x, y,
+``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``. `TorqueScorer` rests on that.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from repro.model.parameters import Array, check_beta
+from repro.signals.dct import spectrum
+
+TimeFormula = Literal["energy", "mean-square"]
+TIME_FORMULAS: tuple[TimeFormula, ...] = ("energy", "mean-square")
+
+
+@dataclass(frozen=True)
+class Similarity:
+    """Similarity as fractions of 1, one value for each signal pair.
+
+    Attributes
+    ----------
+    time, frequency : arrays of shape (...)
+        The two factors of Algorithm 2.
+    """
+
+    time: Array
+    frequency: Array
+
+    @property
+    def total(self) -> Array:
+        """Product of both factors: what the tables call Total."""
+        return self.time * self.frequency
+
+
+@dataclass(frozen=True)
+class MetricSettings:
+    """Choices that the lost listing of Algorithm 2 leaves open.
+
+    Attributes
+    ----------
+    time_formula : {"energy", "mean-square"}
+        Time error: |x-y|^2 / |x|^2, or the mean of (x-y)^2 in the signal's own unit.
+    exponent : float
+        Power that balances the two factors; the paper prints 0.4.
+    """
+
+    time_formula: TimeFormula = "energy"
+    exponent: float = 0.4
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown formula or an exponent that is not positive."""
+        if self.time_formula not in TIME_FORMULAS:
+            raise ValueError(f"time_formula: must be one of {TIME_FORMULAS}, got {self.time_formula!r}.")
+        if not self.exponent > 0:
+            raise ValueError(f"exponent: must be positive, got {self.exponent}.")
+
+
+PUBLISHED_METRIC = MetricSettings()
+
+
+def _similarity(error_energy: Array, energy: Array, cosine: Array, n: int, s: MetricSettings) -> Similarity:
+    """Both factors from |x-y|^2, |x|^2 and the cosine between x and y."""
+    scale = energy if s.time_formula == "energy" else np.full_like(energy, float(n))
+    time = np.clip(1.0 - np.maximum(error_energy, 0.0) / scale, 0.0, 1.0) ** s.exponent
+    distance = np.sqrt(np.clip(2.0 - 2.0 * cosine, 0.0, None))
+    frequency = np.clip(1.0 - distance, 0.0, 1.0) ** s.exponent
+    return Similarity(time, frequency)
+
+
+def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> Similarity:
+    """Similarity of a rebuilt signal `y` to an actual signal `x`.
+
+    time = (1 - |x-y|^2 / |x|^2)^0.4 and frequency = (1 - |X/|X| - Y/|Y||)^0.4 with X, Y the DCT-II
+    spectra, each floored at 0; total = time * frequency.
+
+    Parameters
+    ----------
+    x : array of shape (..., N)
+        Actual signal; must not be zero throughout.
+    y : array of shape (..., N)
+        Rebuilt signal. One that is zero throughout has similarity 0.
+    settings : MetricSettings
+        Formula choices.
+
+    Returns
+    -------
+    Similarity
+        Arrays of the broadcast leading shape.
+
+    Raises
+    ------
+    ValueError
+        If lengths differ, a sample is not finite, or `x` is zero throughout.
+    """
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    if x.shape[-1:] != y.shape[-1:]:
+        raise ValueError(f"x, y: lengths differ, {x.shape[-1:]} and {y.shape[-1:]}.")
+    bands_x, bands_y = spectrum(x), spectrum(y)
+    energy_x, energy_y = np.sum(x**2, -1), np.sum(y**2, -1)
+    if not (energy_x > 0).all():
+        raise ValueError("x: the actual signal is zero throughout, so similarity to it is not defined.")
+    # The difference of unit spectra, not 2 - 2 cos: it stays exact to rounding near similarity 1.
+    unit_x = bands_x / np.sqrt(energy_x)[..., None]
+    unit_y = bands_y / np.where(energy_y > 0, np.sqrt(energy_y), 1.0)[..., None]
+    distance_squared = np.where(energy_y > 0, np.sum((unit_x - unit_y) ** 2, -1), 2.0)
+    error_energy = np.sum((x - y) ** 2, -1)
+    energy = np.broadcast_to(energy_x, error_energy.shape).copy()
+    return _similarity(error_energy, energy, 1.0 - 0.5 * distance_squared, x.shape[-1], settings)
+
+
+class TorqueScorer:
+    """``metr2ev`` of many parameter sets against one torque, from inner products alone.
+
+    For tau_r = Y beta, |tau - tau_r|^2 and <tau, tau_r> are quadratic and linear in beta, so a set costs
+    one 9 x 9 form for each joint whatever the length of the signals.
+
+    Parameters
+    ----------
+    tau : array of shape (2, N)
+        Actual torque.
+    y : array of shape (2, N, 9)
+        Regressor of the motion.
+    settings : MetricSettings
+        Formula choices.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not agree, a value is not finite, or a joint's torque is zero throughout.
+    """
+
+    def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
+        if tau.shape != y.shape[:-1] or y.shape[-1] != 9:
+            raise ValueError(f"tau, y: shapes {tau.shape} and {y.shape} must be (2, N) and (2, N, 9).")
+        if not (np.isfinite(tau).all() and np.isfinite(y).all()):
+            raise ValueError("tau, y: every value must be finite.")
+        self._settings = settings
+        self._n = tau.shape[-1]
+        self._energy = np.einsum("jn,jn->j", tau, tau)
+        if not (self._energy > 0).all():
+            raise ValueError("tau: a joint's torque is zero throughout, so similarity to it is not defined.")
+        self._gram = np.einsum("jna,jnb->jab", y, y)
+        self._cross = np.einsum("jna,jn->ja", y, tau)
+
+    def __call__(self, beta: Array) -> Similarity:
+        """Similarity of the torques rebuilt from `beta`.
+
+        Parameters
+        ----------
+        beta : array of shape (..., 9)
+            Parameter sets.
+
+        Returns
+        -------
+        Similarity
+            Arrays of shape (..., 2): one value for each joint.
+        """
+        beta = check_beta(beta)
+        cross = beta @ self._cross.T  # (..., 2)
+        rebuilt = np.maximum(np.einsum("...a,jab,...b->...j", beta, self._gram, beta, optimize=True), 0.0)
+        error = self._energy - 2.0 * cross + rebuilt
+        norm = np.sqrt(rebuilt * self._energy)
+        cosine = np.divide(cross, norm, out=np.zeros_like(cross), where=norm > 0)
+        return _similarity(error, np.broadcast_to(self._energy, error.shape), cosine, self._n, self._settings)

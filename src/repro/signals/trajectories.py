@@ -1,0 +1,115 @@
+"""The identification trajectory (Eq. 10, Fig. 6) and the random validation trajectory (Fig. 16)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.model.parameters import Array
+from repro.signals.dct import FrequencyReading, dct2dev, dct2low
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A sampled motion of both joints.
+
+    Attributes
+    ----------
+    time : array of shape (N,)
+        s.
+    q, dq, ddq : arrays of shape (2, N)
+        Position (rad), velocity (rad/s), acceleration (rad/s^2).
+    """
+
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+
+
+def sample_times(duration: float, h: float) -> Array:
+    """Sampling instants 0, h, 2h, ... covering `duration`.
+
+    Parameters
+    ----------
+    duration : float
+        s.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    array of shape (N,)
+        N = duration / h, rounded to the nearest integer (3770 for 3 pi s at 2.5 ms).
+
+    Raises
+    ------
+    ValueError
+        If fewer than two samples fit.
+    """
+    n = round(duration / h)
+    if n < 2:
+        raise ValueError(f"duration: {duration} s holds fewer than two samples of {h} s.")
+    return np.arange(n, dtype=np.float64) * h
+
+
+def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3) -> Motion:
+    """Trajectory of Eq. 10 with its exact derivatives.
+
+    Played slower or faster it keeps its shape: over `duration` the phase runs from 0 to 3 pi.
+
+    Parameters
+    ----------
+    duration : float
+        s; 3 pi as published.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    Motion
+        N = duration / h samples.
+    """
+    t = sample_times(duration, h)
+    rate = 3.0 * np.pi / duration  # phase per second
+    p = rate * t
+    q = np.stack([np.sin(p) + 0.1 * np.cos(2.5 * p + 3.0), -np.cos(p) - 0.1 * np.sin(2.5 * p + 3.0)])
+    dq = np.stack([np.cos(p) - 0.25 * np.sin(2.5 * p + 3.0), np.sin(p) - 0.25 * np.cos(2.5 * p + 3.0)])
+    ddq = np.stack([-np.sin(p) - 0.625 * np.cos(2.5 * p + 3.0), np.cos(p) + 0.625 * np.sin(2.5 * p + 3.0)])
+    return Motion(t, q, rate * dq, rate**2 * ddq)
+
+
+def random_trajectory(
+    rng: np.random.Generator,
+    duration: float,
+    h: float,
+    c_f: float,
+    reading: FrequencyReading,
+    low: float = 0.0,
+    high: float = 1.0,
+) -> Motion:
+    """Uniform random positions filtered with Eq. 14 (Section V-B).
+
+    Derivatives are taken by Eq. 6 without further filtering: the position is band-limited already.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of the random vector.
+    duration, h : float
+        Length and sampling period, s.
+    c_f : float
+        Coefficient of Eq. 14.
+    reading : {"rad_per_s", "hertz", "index"}
+        Unit of omega in Eq. 14.
+    low, high : float
+        Range of the random numbers, rad.
+
+    Returns
+    -------
+    Motion
+        N = duration / h samples.
+    """
+    t = sample_times(duration, h)
+    q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, reading)
+    dq = dct2dev(q, h, 0.0)
+    return Motion(t, q, dq, dct2dev(dq, h, 0.0))
