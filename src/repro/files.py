@@ -58,6 +58,10 @@ def write_csv(path: Path, frame: pd.DataFrame) -> None:
     write_text(path, text)
 
 
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a JSON number")
+
+
 def read_json(path: Path) -> object:
     """Read JSON.
 
@@ -67,7 +71,7 @@ def read_json(path: Path) -> object:
         If the file is missing or not JSON.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a JSON file") from error
     except ValueError as error:
@@ -94,7 +98,9 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
     except (ValueError, pd.errors.ParserError) as error:
-        raise InputError.at(str(path), f"text that is not a table ({error})", "a CSV table") from error
+        raise InputError.at(
+            str(path), f"text that is not a table ({' '.join(str(error).split())})", "a CSV table"
+        ) from error
     missing = [c for c in columns if c not in frame.columns]
     if missing:
         raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")

@@ -123,6 +123,8 @@ def rebuild_torque(y: Array, beta: Array) -> Array:
         Torque, N m.
     """
     beta = check_beta(beta)
+    if y.ndim < 1 or y.shape[-1] != 9:
+        raise ValueError(f"y: the last axis of a regressor must hold 9 columns, got shape {y.shape}.")
     flat = beta @ y.reshape(-1, 9).T  # (..., 2N)
     return flat.reshape(*beta.shape[:-1], *y.shape[:-1])
 
@@ -215,8 +217,11 @@ def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_stee
     Raises
     ------
     ValueError
-        If `beta` has a wrong shape or M(q) is singular.
+        If a shape is wrong, a value is not finite, or M(q) is singular.
     """
+    for name, state in (("q", q), ("dq", dq), ("tau", tau)):
+        if np.shape(state)[-1:] != (2,) or not np.isfinite(state).all():
+            raise ValueError(f"{name}: must be finite with two joints on the last axis, got shape {np.shape(state)}.")
     dq, beta = np.asarray(dq), check_beta(beta)
     friction = beta[..., 5:7] * dq + beta[..., 7:9] * np.tanh(friction_steepness * dq)
     bias = (coriolis_matrix(q, dq, beta) @ dq[..., None])[..., 0] + gravity_torque(q, beta) + friction

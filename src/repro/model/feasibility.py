@@ -25,7 +25,7 @@ def is_positive(beta: Array) -> NDArray[np.bool_]:
 
 
 def is_positive_definite(beta: Array) -> NDArray[np.bool_]:
-    """M(q) is positive definite for every q2, and friction and inertia are positive.
+    """M(q) is positive definite for every q2, and friction is not negative.
 
     det M = I3 (I1 + I2 c) - (I3 + I2 c / 2)^2 = I3 (I1 - I3) - I2^2 c^2 / 4 is smallest at c^2 = 1.
 

@@ -62,8 +62,8 @@ def band_frequency(n: int, h: float, reading: FrequencyReading = "rad_per_s") ->
     ValueError
         If `h` is not positive or the reading is unknown.
     """
-    if not h > 0:
-        raise ValueError(f"h: the sampling period must be positive, got {h}.")
+    if not 0 < h < np.inf:
+        raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
     k = np.arange(n, dtype=np.float64)
     if reading == "rad_per_s":
         return np.pi * k / (n * h)
@@ -96,10 +96,10 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
     Raises
     ------
     ValueError
-        If `c_f` is negative, or `x`, `h` or `reading` is not valid.
+        If `c_f` is negative or not finite, or `x`, `h` or `reading` is not valid.
     """
-    if not c_f >= 0:
-        raise ValueError(f"c_f: the filter coefficient must not be negative, got {c_f}.")
+    if not 0 <= c_f < np.inf:
+        raise ValueError(f"c_f: the filter coefficient must be finite and not negative, got {c_f}.")
     bands = spectrum(x)
     gain = np.exp(-c_f * band_frequency(bands.shape[-1], h, reading) ** 2)
     return np.asarray(idct(bands * gain, type=2, norm="ortho", axis=-1))

@@ -63,12 +63,11 @@ class MetricSettings:
 PUBLISHED_METRIC = MetricSettings()
 
 
-def _similarity(error_energy: Array, energy: Array, cosine: Array, n: int, s: MetricSettings) -> Similarity:
-    """Both factors from |x-y|^2, |x|^2 and the cosine between x and y."""
+def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: MetricSettings) -> Similarity:
+    """Both factors from |x-y|^2, |x|^2 and |X/|X| - Y/|Y||^2."""
     scale = energy if s.time_formula == "energy" else np.full_like(energy, float(n))
     time = np.clip(1.0 - np.maximum(error_energy, 0.0) / scale, 0.0, 1.0) ** s.exponent
-    distance = np.sqrt(np.clip(2.0 - 2.0 * cosine, 0.0, None))
-    frequency = np.clip(1.0 - distance, 0.0, 1.0) ** s.exponent
+    frequency = np.clip(1.0 - np.sqrt(np.maximum(chord2, 0.0)), 0.0, 1.0) ** s.exponent
     return Similarity(time, frequency)
 
 
@@ -100,6 +99,9 @@ def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> 
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if x.shape[-1:] != y.shape[-1:]:
         raise ValueError(f"x, y: lengths differ, {x.shape[-1:]} and {y.shape[-1:]}.")
+    for name, signal in (("x", x), ("y", y)):
+        if not np.isfinite(signal).all():
+            raise ValueError(f"{name}: every sample must be finite.")
     bands_x, bands_y = spectrum(x), spectrum(y)
     energy_x, energy_y = np.sum(x**2, -1), np.sum(y**2, -1)
     if not (energy_x > 0).all():
@@ -107,10 +109,10 @@ def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> 
     # The difference of unit spectra, not 2 - 2 cos: it stays exact to rounding near similarity 1.
     unit_x = bands_x / np.sqrt(energy_x)[..., None]
     unit_y = bands_y / np.where(energy_y > 0, np.sqrt(energy_y), 1.0)[..., None]
-    distance_squared = np.where(energy_y > 0, np.sum((unit_x - unit_y) ** 2, -1), 2.0)
+    chord2 = np.where(energy_y > 0, np.sum((unit_x - unit_y) ** 2, -1), 2.0)
     error_energy = np.sum((x - y) ** 2, -1)
     energy = np.broadcast_to(energy_x, error_energy.shape).copy()
-    return _similarity(error_energy, energy, 1.0 - 0.5 * distance_squared, x.shape[-1], settings)
+    return _similarity(error_energy, energy, chord2, x.shape[-1], settings)
 
 
 class TorqueScorer:
@@ -135,7 +137,7 @@ class TorqueScorer:
     """
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
-        if tau.shape != y.shape[:-1] or y.shape[-1] != 9:
+        if tau.ndim != 2 or tau.shape[0] != 2 or y.shape != (*tau.shape, 9):
             raise ValueError(f"tau, y: shapes {tau.shape} and {y.shape} must be (2, N) and (2, N, 9).")
         if not (np.isfinite(tau).all() and np.isfinite(y).all()):
             raise ValueError("tau, y: every value must be finite.")
@@ -166,4 +168,5 @@ class TorqueScorer:
         error = self._energy - 2.0 * cross + rebuilt
         norm = np.sqrt(rebuilt * self._energy)
         cosine = np.divide(cross, norm, out=np.zeros_like(cross), where=norm > 0)
-        return _similarity(error, np.broadcast_to(self._energy, error.shape), cosine, self._n, self._settings)
+        chord2 = 2.0 - 2.0 * cosine
+        return _similarity(error, np.broadcast_to(self._energy, error.shape), chord2, self._n, self._settings)

@@ -44,15 +44,19 @@ def sample_times(duration: float, h: float) -> Array:
     Raises
     ------
     ValueError
-        If fewer than two samples fit.
+        If an argument is not positive and finite, or fewer than two samples fit.
     """
+    if not 0 < h < np.inf:
+        raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
+    if not np.isfinite(duration):
+        raise ValueError(f"duration: must be finite, got {duration}.")
     n = round(duration / h)
     if n < 2:
         raise ValueError(f"duration: {duration} s holds fewer than two samples of {h} s.")
     return np.arange(n, dtype=np.float64) * h
 
 
-def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3) -> Motion:
+def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 0) -> Motion:
     """Trajectory of Eq. 10 with its exact derivatives.
 
     Played slower or faster it keeps its shape: over `duration` the phase runs from 0 to 3 pi.
@@ -63,13 +67,24 @@ def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3) 
         s; 3 pi as published.
     h : float
         Sampling period, s.
+    margin : int
+        Samples added before the start and after the end, which **cut** of Algorithm 1 removes again
+        together with the filter's edges.
 
     Returns
     -------
     Motion
-        N = duration / h samples.
+        N = duration / h + 2 margin samples; time is 0 where the trajectory proper starts.
+
+    Raises
+    ------
+    ValueError
+        If `margin` is negative or fewer than two samples fit.
     """
-    t = sample_times(duration, h)
+    if margin < 0:
+        raise ValueError(f"margin: must not be negative, got {margin}.")
+    n = sample_times(duration, h).size
+    t = h * np.arange(-margin, n + margin, dtype=np.float64)
     rate = 3.0 * np.pi / duration  # phase per second
     p = rate * t
     q = np.stack([np.sin(p) + 0.1 * np.cos(2.5 * p + 3.0), -np.cos(p) - 0.1 * np.sin(2.5 * p + 3.0)])
@@ -108,7 +123,14 @@ def random_trajectory(
     -------
     Motion
         N = duration / h samples.
+
+    Raises
+    ------
+    ValueError
+        If a range, a length or a filter setting is not valid.
     """
+    if not -np.inf < low < high < np.inf:
+        raise ValueError(f"high: must be finite and above the finite low, got {low} to {high}.")
     t = sample_times(duration, h)
     q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, reading)
     dq = dct2dev(q, h, 0.0)

@@ -1,0 +1,81 @@
+# Set-up, reproduction and checks; `make` alone lists the targets.
+
+PYTHON ?= python3
+PYTHONS ?= python3.11 python3.12 python3.13
+CORES ?= 2
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+# Jobs of the workflow find the environment's programs first.
+SNAKEMAKE = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake
+
+# A stamp in the environment is named after what it was made from, so that a change of that makes it anew.
+stamp = $(VENV)/$(1)-$(shell { $(PYTHON) -V; cat $(2); } 2>&1 | sha256sum | cut -c1-16)
+LOCKED := $(call stamp,locked,requirements.lock)
+INSTALLED := $(call stamp,installed,requirements.lock pyproject.toml)
+TESTABLE := $(call stamp,testable,requirements.lock requirements-test.lock pyproject.toml)
+
+.PHONY: help reproduce test smoke setup setup-test lock clean check-python
+
+help:
+	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
+	@echo "make test       set up $(VENV) with the test tools and run every check"
+	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
+	@echo "make lock       make requirements.lock and requirements-test.lock anew from pyproject.toml"
+	@echo "make clean      remove $(VENV) and caches; results stay"
+	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES) PYTHONS='$(PYTHONS)' (make lock)"
+
+reproduce: setup
+	$(SNAKEMAKE) --cores $(CORES)
+
+smoke: setup
+	$(SNAKEMAKE) --cores $(CORES) --configfile config/smoke.yaml
+
+test: setup-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(SNAKEMAKE) --lint
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest
+
+setup: $(INSTALLED)
+
+setup-test: $(TESTABLE)
+
+# The lock names no CUDA library. Where pip finds only the CUDA build of PyTorch, that build cannot be imported
+# without the libraries it asks for, so they are fetched as well, without hashes.
+$(LOCKED): | check-python
+	@echo "Setting up $(VENV) from requirements.lock"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(PIP) install --quiet --no-deps --require-hashes -r requirements.lock
+	@$(BIN)/python -c "import torch" 2>/dev/null || { \
+	  echo "pip found the CUDA build of PyTorch: fetching its CUDA libraries too (README.md: getting the CPU build)"; \
+	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"; }
+	@touch $@
+
+$(INSTALLED): $(LOCKED)
+	@$(PIP) install --quiet --no-deps --no-build-isolation --editable .
+	@rm -f $(VENV)/installed-*
+	@touch $@
+
+$(TESTABLE): $(INSTALLED)
+	@$(PIP) install --quiet --no-deps --require-hashes -r requirements-test.lock
+	@rm -f $(VENV)/testable-*
+	@touch $@
+
+lock: | check-python
+	$(PYTHON) envs/lock.py $(PYTHONS)
+
+check-python:
+	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))" 2>/dev/null || { \
+	  echo "error: PYTHON: found $(PYTHON) ($$($(PYTHON) -V 2>&1 | head -n 1)), expected Python 3.11 to 3.13," \
+	    "for example make reproduce PYTHON=python3.11" >&2; exit 1; }
+	@$(PYTHON) -c "import ensurepip, venv" 2>/dev/null || { \
+	  echo "error: PYTHON: found $(PYTHON) without the venv module, expected one with it;" \
+	    "on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+
+clean:
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis build src/*.egg-info
+	find src tests workflow envs benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

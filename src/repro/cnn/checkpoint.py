@@ -1,0 +1,151 @@
+"""Weights and training state on disk, as safetensors: no pickle, whole or absent."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+from torch import Tensor, nn
+
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.network import NetworkSettings
+from repro.errors import InputError
+from repro.files import write_whole
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a training run stands.
+
+    Attributes
+    ----------
+    step : int
+        Steps done.
+    loss_sum : float
+        Sum of the training losses since the last row.
+    seconds : float
+        Wall time so far.
+    rows : list of tuple
+        Step, learning rate, training loss, test loss and seconds of each row of the history.
+    """
+
+    step: int = 0
+    loss_sum: float = 0.0
+    seconds: float = 0.0
+    rows: list[tuple[float, float, float, float, float]] = field(default_factory=list)
+
+
+def _write(path: Path, tensors: dict[str, Tensor], metadata: dict[str, str]) -> None:
+    contiguous = {name: t.detach().contiguous() for name, t in tensors.items()}
+    write_whole(path, lambda temporary: save_file(contiguous, temporary, metadata))
+
+
+def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> None:
+    """Write the weights.
+
+    Parameters
+    ----------
+    path : Path
+        Destination, ``.safetensors``.
+    network : nn.Module
+        Trained network.
+    metadata : dict of str
+        Facts kept in the file's header; nothing that changes from run to run belongs here.
+    """
+    _write(path, network.state_dict(), metadata)
+
+
+def _read(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
+    try:
+        with safe_open(path, framework="pt") as f:
+            return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
+
+
+def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
+    """Read the weights into a network for inference.
+
+    Parameters
+    ----------
+    path : Path
+        File made by `save_network`.
+    settings : NetworkSettings
+        Sizes.
+
+    Returns
+    -------
+    FactoredCNN
+        In single precision, without gradients.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, or holds other sizes.
+    """
+    tensors, _ = _read(path)
+    network = FactoredCNN(settings)
+    wanted = {name: tuple(t.shape) for name, t in network.state_dict().items()}
+    found = {name: tuple(t.shape) for name, t in tensors.items()}
+    if wanted != found:
+        wrong = sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n))[0]
+        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {wanted.get(wrong, 'none')}")
+    for name, tensor in tensors.items():
+        if not bool(torch.isfinite(tensor).all()):
+            raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")
+    network.load_state_dict(tensors)
+    return network.requires_grad_(False)
+
+
+def save_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optimizer, progress: Progress) -> None:
+    """Write weights, optimiser state and progress.
+
+    Parameters
+    ----------
+    path : Path
+        Destination.
+    network : nn.Module
+        Network being trained.
+    optimiser : torch.optim.Optimizer
+        Its optimiser.
+    progress : Progress
+        Where the run stands.
+    """
+    tensors = {f"network.{name}": t for name, t in network.state_dict().items()}
+    for index, state in optimiser.state_dict()["state"].items():
+        tensors |= {f"optimiser.{index}.{key}": t for key, t in state.items() if isinstance(t, Tensor)}
+    _write(path, tensors, {"progress": json.dumps(progress.__dict__)})
+
+
+def load_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optimizer) -> Progress:
+    """Restore what `save_checkpoint` wrote, or start anew if there is no file.
+
+    Parameters
+    ----------
+    path : Path
+        File to continue from.
+    network : nn.Module
+        Receives the weights.
+    optimiser : torch.optim.Optimizer
+        Receives its state.
+
+    Returns
+    -------
+    Progress
+        Where to continue.
+    """
+    if not path.exists():
+        return Progress()
+    tensors, metadata = _read(path)
+    prefix = "network."
+    network.load_state_dict({n.removeprefix(prefix): t for n, t in tensors.items() if n.startswith(prefix)})
+    state: dict[int, dict[str, Tensor]] = {}
+    for name, tensor in tensors.items():
+        if name.startswith("optimiser."):
+            _, index, key = name.split(".")
+            state.setdefault(int(index), {})[key] = tensor
+    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
+    raw = json.loads(metadata["progress"])
+    return Progress(raw["step"], raw["loss_sum"], raw["seconds"], [tuple(row) for row in raw["rows"]])

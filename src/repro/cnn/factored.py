@@ -1,0 +1,157 @@
+"""The same network on the factors of rank-2 images, without ever building one.
+
+For a channel Z[d] = sum_r u[d,r] v[d,r]^T the first convolution is
+
+    (W * Z)[o, i, j] = sum_{d,r,k} u[d,r,i+k] T[(d,r,k), (o,j)],   T[(d,r,k), (o,j)] = sum_l W[o,d,k,l] v[d,r,j+l],
+
+one (46 x 36) (36 x 460) product for each parity of i and j. The four products are the four members of each
+2 x 2 pool, so pooling is three elementwise maxima of contiguous blocks, and ReLU and bias, which keep the
+order, come after it on a quarter of the data.
+"""
+
+from typing import Any, Literal
+
+import torch
+import torch.nn.functional as F  # noqa: N812
+from torch import Tensor, nn
+
+from repro.cnn.network import NetworkSettings, SignalCNN
+
+Precision = Literal["float32", "bfloat16"]
+DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
+
+
+def _windows(x: Tensor, kernel: int) -> Tensor:
+    """Sliding windows split by the parity of their start: (..., S) -> (..., S'/2, parity, kernel)."""
+    w = x.unfold(-1, kernel, 1)
+    return w.view(*w.shape[:-2], w.shape[-2] // 2, 2, kernel)
+
+
+class _FirstLayer(torch.autograd.Function):
+    """ReLU(bias + maxpool2(conv(Z))) and its gradients for weight and bias; the images need none."""
+
+    @staticmethod
+    def forward(ctx: Any, u: Tensor, v: Tensor, weight: Tensor, bias: Tensor) -> Tensor:  # noqa: ANN401
+        n, d, r, _ = u.shape
+        maps, _, k, _ = weight.shape
+        rows = _windows(u, k).permute(4, 0, 3, 1, 2, 5)  # (parity, n, i, d, r, k)
+        rows = rows.reshape(2, n, rows.shape[2], d * r * k)
+        half = rows.shape[2]
+        columns = _windows(v, k).permute(4, 0, 1, 2, 5, 3).reshape(2, n * d * r, k, half)  # (parity, (n d r), l, j)
+        kernel = weight.permute(1, 2, 0, 3).reshape(1, d, 1, k * maps, k)  # (1, d, 1, (k o), l)
+        kernel = kernel.expand(n, d, r, k * maps, k).reshape(n * d * r, k * maps, k)
+        t = [torch.bmm(kernel, c).view(n, d * r * k, maps * half) for c in columns]  # (n, (d r k), (o j))
+        members = [torch.bmm(rows[i], t[j]) for i in (0, 1) for j in (0, 1)]  # (n, i, (o j)) each
+        pooled = torch.maximum(members[0], members[1])
+        torch.maximum(pooled, members[2], out=pooled)
+        torch.maximum(pooled, members[3], out=pooled)
+        out = F.relu_(pooled.view(n, half, maps, half) + bias.view(1, 1, maps, 1))
+        ctx.save_for_backward(rows, columns, pooled, out, *members)
+        ctx.shape = (d, r, k, maps)
+        return out.permute(0, 2, 1, 3)  # (n, maps, half, half)
+
+    @staticmethod
+    def backward(ctx: Any, *grads: Tensor) -> tuple[None, None, Tensor, Tensor]:  # noqa: ANN401
+        rows, columns, pooled, out, *members = ctx.saved_tensors
+        d, r, k, maps = ctx.shape
+        _, n, half, _ = rows.shape
+        wide = torch.promote_types(rows.dtype, torch.float32)  # sums over the batch are not left to bfloat16
+        grad = grads[0].permute(0, 2, 1, 3).contiguous()  # (n, i, o, j)
+        grad = torch.ops.aten.threshold_backward(grad, out, 0)
+        grad_bias = grad.sum((1, 3), dtype=wide).sum(0)
+        grad = grad.view(n, half, maps * half)
+        for m in members:
+            m.eq_(pooled)
+        # Neighbouring pixels often tie in bfloat16: the winners of a pool share its gradient.
+        winners = torch.add(members[0], members[1]).add_(members[2]).add_(members[3])
+        grad = grad.div_(winners)
+        grad_weight = torch.zeros(d, r, k * maps * k, dtype=wide)
+        for j in (0, 1):
+            g = torch.bmm(rows[0].mT, members[j].mul_(grad))
+            g.baddbmm_(rows[1].mT, members[2 + j].mul_(grad))  # (n, (d r k), (o j))
+            w = torch.bmm(g.view(n * d * r, k * maps, half), columns[j].mT)  # ((n d r), (k o), l)
+            grad_weight += w.view(n, d, r, -1).sum(0, dtype=wide)
+        grad_weight = grad_weight.sum(1)
+        weight = grad_weight.view(d, k, maps, k).permute(2, 0, 1, 3)
+        return None, None, weight.to(rows.dtype), grad_bias.to(rows.dtype)
+
+
+class FactoredCNN(SignalCNN):
+    """`SignalCNN` evaluated on factors; the weights are the same tensors under the same names.
+
+    Parameters
+    ----------
+    settings : NetworkSettings
+        Sizes.
+    precision : {"float32", "bfloat16"}
+        Arithmetic of layers 1 to 4. Weights, layers 5 and 6, and the optimiser stay in the weights' own dtype.
+    """
+
+    def __init__(self, settings: NetworkSettings, precision: str = "float32") -> None:
+        super().__init__(settings)
+        self.dtype = DTYPES[precision]
+
+    def _cast(self, layer: nn.Conv2d | nn.Linear) -> tuple[Tensor, Tensor]:
+        """Weight, channels last if it is a kernel, and bias in the arithmetic's dtype."""
+        if layer.bias is None:
+            raise ValueError("layer: every layer of this network has a bias.")
+        form = torch.channels_last if layer.weight.ndim == 4 else torch.contiguous_format
+        return layer.weight.to(self.dtype, memory_format=form), layer.bias.to(self.dtype)
+
+    def forward(self, u: Tensor, v: Tensor) -> Tensor:  # type: ignore[override]
+        """Residual that the image with these factors shows.
+
+        Parameters
+        ----------
+        u, v : tensors of shape (n, 2, 2, 100)
+            Factors from `repro.cnn.image.image_factors`.
+
+        Returns
+        -------
+        tensor of shape (n, 9)
+            Residuals in units of the largest torque.
+        """
+        weight, bias = self._cast(self.conv1)
+        x: Tensor = _FirstLayer.apply(u.to(self.dtype), v.to(self.dtype), weight, bias)  # type: ignore[no-untyped-call]
+        x = x.contiguous(memory_format=torch.channels_last)  # (n, 10, 46, 46)
+        return self.tail(x)
+
+    def forward_shared(self, u: Tensor, v: Tensor) -> Tensor:
+        """Residuals for many guesses at one torque, whose images share `v`: no gradients.
+
+        Parameters
+        ----------
+        u : tensor of shape (n, 2, 2, 100)
+            First factors.
+        v : tensor of shape (2, 2, 100)
+            Second factors.
+
+        Returns
+        -------
+        tensor of shape (n, 9)
+            Residuals in units of the largest torque.
+        """
+        n, c = len(u), self.dtype
+        weight, bias = self._cast(self.conv1)
+        maps, _, k, _ = weight.shape
+        rows = _windows(u.to(c), k).permute(4, 0, 3, 1, 2, 5)  # (parity, n, i, d, r, k)
+        half = rows.shape[2]
+        columns = _windows(v.to(c), k)  # (d, r, j, parity, l)
+        t = torch.einsum("odkl,drjpl->pdrkjo", weight, columns).flatten(1, 3).flatten(2)
+        flat = rows.reshape(2, n * half, -1)
+        x = flat[0] @ t[0]  # (n i, (j o))
+        for i, j in ((0, 1), (1, 0), (1, 1)):
+            torch.maximum(x, flat[i] @ t[j], out=x)
+        x = F.relu_(x.view(n, half, half, maps).add_(bias))
+        return self.tail(x.permute(0, 3, 1, 2))  # (n, 10, 46, 46), channels last as conv2 likes it
+
+    def tail(self, x: Tensor) -> Tensor:
+        """Layers 2 to 6 on the pooled maps of layer 1, ``(n, 10, 46, 46) -> (n, 9)``."""
+        # ReLU after the pool: the same function on a quarter of the data.
+        x = F.conv2d(x, *self._cast(self.conv2))  # -> (n, 10, 42, 42)
+        x = F.relu_(F.max_pool2d(x, 2))  # -> (n, 10, 21, 21)
+        x = F.relu_(F.conv2d(x, *self._cast(self.conv3)))  # -> (n, 10, 19, 19)
+        x = F.linear(x.flatten(1), *self._cast(self.fc4))  # (n, 3610) -> (n, 100)
+        x = F.relu(self.fc5(F.relu(x.to(self.fc5.weight.dtype))))  # -> (n, 50)
+        residual: Tensor = self.fc6(x)  # -> (n, 9)
+        return residual

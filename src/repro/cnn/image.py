@@ -1,0 +1,128 @@
+"""From torque, motion and a guess to the 100 x 100 x 2 image (Eq. 8 and 9), and its colours (Eq. 16).
+
+Each channel of Eq. 9 is a sum of two outer products, so it has rank 2 and is kept as its factors: with
+``u = (psi / m1, psi2 / m2)`` and ``v = (alpha, alpha2)`` the image is ``Z[d] = sum_r u[d, r] v[d, r]^T``.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating]
+
+Scale = Literal["shared-max", "channel-max", "constant"]
+SCALES: tuple[Scale, ...] = ("shared-max", "channel-max", "constant")
+
+#: Added before the logarithms of Eq. 9.
+LOG_OFFSET = 1e-3
+
+
+@dataclass(frozen=True)
+class ImageSettings:
+    """How Eq. 9 divides its two parts.
+
+    Attributes
+    ----------
+    scale : {"shared-max", "channel-max", "constant"}
+        What Z1 is divided by. ``shared-max``: one maximum over both channels, because both torques share
+        theirs (default). ``channel-max``: each channel's own. ``constant``: `constant`, so that a guess
+        wrong by a common factor looks different from a right one: the scale-aware image, an extension.
+    constant : float
+        Divisor of Z1 when `scale` is ``constant``.
+    """
+
+    scale: Scale = "shared-max"
+    constant: float = 4.0
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown scale or a divisor that is not positive."""
+        if self.scale not in SCALES:
+            raise ValueError(f"scale: must be one of {SCALES}, got {self.scale!r}.")
+        if not self.constant > 0:
+            raise ValueError(f"constant: must be positive, got {self.constant}.")
+
+
+def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
+    """Shift and scale to the range 0 to 1 over `axes` (**normalize** of Eq. 9); a constant becomes 0."""
+    low = x.min(axes, keepdims=True)
+    span = x.max(axes, keepdims=True) - low
+    unit: Floats = (x - low) / np.where(span > 0, span, 1)
+    return unit
+
+
+def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[Floats, Floats]:
+    """Factors of the image of Eq. 9.
+
+    Parameters
+    ----------
+    alpha : array of shape (..., 2, S)
+        Normalised torque tau_r of Eq. 8.
+    psi : array of shape (..., 2, S)
+        2 tau_r - f(q_r, dq_r, ddq_r, beta_n).
+    settings : ImageSettings
+        Choice of the divisors.
+
+    Returns
+    -------
+    u, v : arrays of shape (..., 2, 2, S)
+        Channel, rank and sample on the last three axes, in the dtype of the inputs.
+
+    Raises
+    ------
+    ValueError
+        If the last two axes are not (2, S).
+    """
+    if alpha.shape[-2] != 2 or alpha.shape[-2:] != psi.shape[-2:]:
+        raise ValueError(f"alpha, psi: the last two axes must be (2, S), got {alpha.shape} and {psi.shape}.")
+    axes = (-1,) if settings.scale == "channel-max" else (-2, -1)
+    alpha2 = np.log(_unit_range(alpha, axes) + np.asarray(LOG_OFFSET, alpha.dtype))
+    psi2 = np.log10(_unit_range(psi, axes) + np.asarray(LOG_OFFSET, psi.dtype))
+
+    def largest(a: Floats, b: Floats) -> Floats:
+        # max |a b^T| over a channel is the product of the factors' largest magnitudes.
+        product = np.abs(a).max(-1, keepdims=True) * np.abs(b).max(-1, keepdims=True)
+        largest_product = product if settings.scale == "channel-max" else product.max(-2, keepdims=True)
+        return np.where(largest_product > 0, largest_product, 1)
+
+    u1 = psi / np.asarray(settings.constant, psi.dtype) if settings.scale == "constant" else psi / largest(psi, alpha)
+    u2 = psi2 / largest(psi2, alpha2)
+    v = np.stack([alpha, alpha2], -2)
+    return np.stack([u1, u2], -2), np.broadcast_to(v, (*u1.shape[:-1], 2, v.shape[-1]))
+
+
+def assemble(u: Floats, v: Floats) -> Floats:
+    """Image Z from its factors: ``Z[..., d, i, j] = sum_r u[..., d, r, i] v[..., d, r, j]``.
+
+    Parameters
+    ----------
+    u, v : arrays of shape (..., 2, 2, S)
+        Factors from `image_factors`.
+
+    Returns
+    -------
+    array of shape (..., 2, S, S)
+        Channel, row (psi) and column (alpha).
+    """
+    image: Floats = np.swapaxes(u, -1, -2) @ v
+    return image
+
+
+def colours(image: Floats) -> Floats:
+    """Colour representation of Eq. 16, clipped to the displayable range.
+
+    Parameters
+    ----------
+    image : array of shape (..., 2, S, S)
+        Image of Eq. 9.
+
+    Returns
+    -------
+    array of shape (..., S, S, 3)
+        Red, green and blue from 0 to 1.
+    """
+    z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
+    rgb = np.stack([(2 / 3) * z1 + (0.7 / 3) * z2, (2 / 3) * z1, (2 / 3) * z1 + z2], -1)
+    shown: Floats = np.clip(rgb, 0.0, 1.0)
+    return shown

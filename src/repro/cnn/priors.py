@@ -1,0 +1,163 @@
+"""Where training arms and guesses come from (Section IV-A).
+
+The published ranges (lengths to 0.1 m, masses to 1 kg) cannot give an I2 above 0.02, yet the paper tests
+arms with I2 of 0.42 to 0.98. The default is therefore a mixture that covers both.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from repro.model.parameters import Array, Links, inertial_from_links
+
+Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
+PRIORS: tuple[Prior, ...] = ("mixture", "uniform", "log-uniform", "links", "published")
+
+LOW, HIGH = 1e-3, 1.0
+
+
+def _log_uniform(rng: np.random.Generator, low: float, high: float, shape: tuple[int, ...]) -> Array:
+    return np.exp(rng.uniform(np.log(low), np.log(high), shape))
+
+
+def _uniform_beta(rng: np.random.Generator, n: int) -> Array:
+    """All nine uniform on [1e-3, 1]."""
+    return rng.uniform(LOW, HIGH, (n, 9))
+
+
+def _log_uniform_beta(rng: np.random.Generator, n: int) -> Array:
+    """All nine log-uniform on [1e-3, 1]: arms with some parameters much smaller than others."""
+    return _log_uniform(rng, LOW, HIGH, (n, 9))
+
+
+def _links_beta(rng: np.random.Generator, n: int) -> Array:
+    """Physically consistent arms: log-uniform links, friction log-uniform on [1e-3, 1]."""
+    l1, l2 = (_log_uniform(rng, 0.05, 0.6, (n,)) for _ in range(2))
+    m1, m2 = (_log_uniform(rng, 0.05, 3.0, (n,)) for _ in range(2))
+    lc1, lc2 = l1 * rng.uniform(0.1, 0.9, n), l2 * rng.uniform(0.1, 0.9, n)
+    # The inertia of a slender rod, up to three times as much for motors and flanges.
+    j1, j2 = m1 * l1**2 / 12 * rng.uniform(0.5, 3, n), m2 * l2**2 / 12 * rng.uniform(0.5, 3, n)
+    inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
+    return np.concatenate([inertial, _log_uniform(rng, LOW, HIGH, (n, 4))], -1)
+
+
+def _published_beta(rng: np.random.Generator, n: int) -> Array:
+    """The ranges as printed: l, lc, J1 to 0.1; m, J2 and friction to 1; all from 1e-3."""
+    l1, lc1, lc2, j1 = (rng.uniform(LOW, 0.1, n) for _ in range(4))
+    m1, m2, j2 = (rng.uniform(LOW, HIGH, n) for _ in range(3))
+    inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
+    return np.concatenate([inertial, rng.uniform(LOW, HIGH, (n, 4))], -1)
+
+
+#: Shares of the mixture.
+MIXTURE = ((_uniform_beta, 0.5), (_log_uniform_beta, 0.25), (_links_beta, 0.25))
+
+
+def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> Array:
+    """Draw parameter sets of training arms.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of randomness.
+    n : int
+        How many.
+    prior : {"mixture", "uniform", "log-uniform", "links", "published"}
+        Distribution to draw from.
+
+    Returns
+    -------
+    array of shape (n, 9)
+        Parameters, all positive.
+
+    Raises
+    ------
+    ValueError
+        If the prior is unknown.
+    """
+    if prior == "mixture":
+        counts = rng.multinomial(n, [share for _, share in MIXTURE])
+        parts = [draw(rng, int(k)) for (draw, _), k in zip(MIXTURE, counts, strict=True)]
+        return rng.permutation(np.concatenate(parts))
+    draws = {"uniform": _uniform_beta, "log-uniform": _log_uniform_beta, "links": _links_beta}
+    draws["published"] = _published_beta
+    if prior not in draws:
+        raise ValueError(f"prior: must be one of {PRIORS}, got {prior!r}.")
+    return draws[prior](rng, n)
+
+
+@dataclass(frozen=True)
+class GuessSettings:
+    """How the guesses beta_n of the training images are drawn.
+
+    Attributes
+    ----------
+    low, high : float
+        Range of the uniform guesses of M_n images, as published.
+    exact_share : float
+        Share of M_p images, whose guess is right.
+    near_share : float
+        Share of guesses that miss by a normal error of log-uniform size: what refinement meets.
+    near_low, near_high : float
+        Range of that size.
+    """
+
+    low: float = 1e-3
+    high: float = 3.0
+    exact_share: float = 0.1
+    near_share: float = 0.2
+    near_low: float = 3e-3
+    near_high: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Refuse empty ranges and shares that do not add up."""
+        if not (0 < self.low < self.high and 0 < self.near_low < self.near_high):
+            raise ValueError("guess ranges: must be positive with low below high.")
+        if not (self.exact_share >= 0 and self.near_share >= 0 and self.exact_share + self.near_share <= 1):
+            raise ValueError("exact_share, near_share: must not be negative nor add up to more than 1.")
+
+
+def uniform_guess(rng: np.random.Generator, n: int, settings: GuessSettings) -> Array:
+    """Guesses of Algorithm 1, line 17: nine numbers uniform on [1e-3, 3].
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of randomness.
+    n : int
+        How many.
+    settings : GuessSettings
+        Range.
+
+    Returns
+    -------
+    array of shape (n, 9)
+        Guesses in units of the largest torque.
+    """
+    return rng.uniform(settings.low, settings.high, (n, 9))
+
+
+def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:
+    """Guesses for training images: uniform, near and exact in the chosen shares.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of randomness.
+    beta_bar : array of shape (n, 9)
+        Right answers in units of the largest torque.
+    settings : GuessSettings
+        Shares and ranges.
+
+    Returns
+    -------
+    array of shape (n, 9)
+        Guesses beta_n.
+    """
+    n = len(beta_bar)
+    kind = rng.uniform(size=(n, 1))
+    size = _log_uniform(rng, settings.near_low, settings.near_high, (n, 1))
+    near = np.maximum(beta_bar + size * rng.standard_normal((n, 9)), settings.low)
+    guess = np.where(kind < settings.exact_share + settings.near_share, near, uniform_guess(rng, n, settings))
+    return np.where(kind < settings.exact_share, beta_bar, guess)

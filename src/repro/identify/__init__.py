@@ -1,0 +1,1 @@
+"""Algorithm 1, its refinement, and the numeric experiment that tests both."""

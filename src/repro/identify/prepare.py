@@ -1,0 +1,131 @@
+"""Algorithm 1, lines 1 to 12: from a position and a torque to the signals that the search works on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.cnn.dataset import SignalSettings, image_regressor
+from repro.model.dynamics import check_motion, regressor
+from repro.model.parameters import Array
+from repro.signals.dct import dct2dev, dct2low, dct2sub
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Signals after line 12.
+
+    Attributes
+    ----------
+    q, dq, ddq : arrays of shape (2, N)
+        Cut position (rad), velocity (rad/s), acceleration (rad/s^2).
+    tau : array of shape (2, N)
+        Filtered and cut torque, N m, before line 6.
+    c_p : float
+        Factor of **fit2trt** (Eq. 15).
+    largest : float
+        Largest magnitude of the subsampled torque, N m, before line 6: the unit of the parameters in the search.
+    alpha : array of shape (2, M)
+        Subsampled torque over `largest` (tau_n).
+    model : array of shape (2, M, 9)
+        Regressor f uses in the image (line 18).
+    y_sub : array of shape (2, M, 9)
+        Regressor of the subsampled motion (line 26).
+    y : array of shape (2, N, 9)
+        Regressor of the cut motion (lines 30 and 31).
+    """
+
+    q: Array
+    dq: Array
+    ddq: Array
+    tau: Array
+    c_p: float
+    largest: float
+    alpha: Array
+    model: Array
+    y_sub: Array
+    y: Array
+
+
+def fit2trt(tau: Array, tau_mean: Array) -> float:
+    """Factor that brings a torque to the level of the training torques (Eq. 15).
+
+    Parameters
+    ----------
+    tau : array of shape (2, N)
+        Torque.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data (Fig. 9).
+
+    Returns
+    -------
+    float
+        Mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the
+        torque is zero to rounding carry no level and are left out.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ or the torque is zero throughout.
+    """
+    if tau.shape != tau_mean.shape:
+        raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
+    norm = np.linalg.norm(tau, axis=0)
+    level = norm > 1e-9 * norm.max()
+    if not level.any():
+        raise ValueError("tau: the torque is zero throughout.")
+    return float(np.mean(np.linalg.norm(tau_mean, axis=0)[level] / norm[level]))
+
+
+def prepare(
+    q: Array,
+    tau: Array,
+    tau_mean: Array,
+    settings: SignalSettings,
+    n1: int = 0,
+    n2: int | None = None,
+) -> Prepared:
+    """Lines 1 to 12 of Algorithm 1.
+
+    Parameters
+    ----------
+    q : array of shape (2, N)
+        Measured position, rad.
+    tau : array of shape (2, N)
+        Measured torque, N m.
+    tau_mean : array of shape (2, n2 - n1)
+        Mean torque of the training data at the cut samples.
+    settings : SignalSettings
+        Sampling period, filter and length of the subsampled signals.
+    n1, n2 : int
+        First sample kept and the one after the last; all by default.
+
+    Returns
+    -------
+    Prepared
+        Signals for the search.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ, values are not finite, the cut is empty, or the torque is zero throughout.
+    """
+    q, tau = check_motion(q, tau)
+    h, c_f, reading = settings.h, settings.c_f, settings.reading
+    dq = dct2dev(q, h, c_f, reading)  # line 1
+    ddq = dct2dev(dq, h, c_f, reading)  # line 2
+    tau = dct2low(tau, h, c_f, reading)  # line 3
+    n2 = q.shape[-1] if n2 is None else n2
+    if not 0 <= n1 < n2 - settings.samples < q.shape[-1]:
+        raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
+    q, dq, ddq, tau = (x[:, n1:n2] for x in (q, dq, ddq, tau))  # line 4
+    c_p = fit2trt(tau, tau_mean)  # line 5
+    # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
+    # alone; it is left out of the signals here and carried as a number.
+    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (q, dq, ddq, tau))  # line 7
+    largest = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
+    return Prepared(
+        q, dq, ddq, tau, c_p, largest, tau_s / largest,
+        model=image_regressor(q, dq, ddq, settings),
+        y_sub=regressor(q_s, dq_s, ddq_s),
+        y=regressor(q, dq, ddq),
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Drawing only: each figure from one CSV, each table from one tidy CSV; nothing here computes a result."""

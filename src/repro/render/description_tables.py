@@ -1,0 +1,110 @@
+"""Tables that describe: the dynamic parameters (Table 2), the network (Table 3), the metric search."""
+
+import pandas as pd
+
+from repro.render.contract import check_table, flags
+from repro.render.markup import EMPTY, Table, Text, formula, number, plain, unit
+
+#: Candidates listed of each factor; the chosen one is added if it is not among them.
+_LISTED = 10
+
+
+def parameters(frame: pd.DataFrame) -> Table:
+    """Dynamic parameters (Table 2).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``parameter, description, expression, unit``; parameter, expression and unit in ASCII as in
+        `repro.model.parameters`.
+
+    Returns
+    -------
+    Table
+        A row for each parameter.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    table = check_table(frame, text=("parameter", "description", "expression", "unit"))
+    rows = [
+        (formula(name), plain(description), formula(expression), unit(si))
+        for name, description, expression, si in table.itertuples(index=False)
+    ]
+    header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
+    return Table("Table 2", "tab:table02", plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
+
+
+def characteristics(frame: pd.DataFrame) -> Table:
+    """Characteristics of the network (Table 3).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``feature, value``, both text; sizes such as ``9 x 9 x 2 x 10``.
+
+    Returns
+    -------
+    Table
+        A row for each feature.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    table = check_table(frame, text=("feature", "value"))
+    rows = [(plain(feature), plain(value)) for feature, value in table.itertuples(index=False)]
+    caption = plain("Characteristics of the convolutional neural network.")
+    return Table("Table 3", "tab:table03", caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
+
+
+def metric_search(frame: pd.DataFrame) -> Table:
+    """Best candidate formulas of each factor of the similarity metric.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``factor, candidate, formula, rms_log_error_best, rms_log_error_mean, best_bandwidth, rank, chosen``;
+        bandwidth in rad/s, rank from 1 within its factor.
+
+    Returns
+    -------
+    Table
+        A block for each factor, by rank.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    errors = ("rms_log_error_best", "rms_log_error_mean")
+    table = check_table(frame, ("factor", "candidate", "formula"), (*errors, "best_bandwidth", "rank"))
+    table["chosen"] = flags(frame, "chosen")
+    blocks = []
+    for factor in dict.fromkeys(table["factor"]):
+        ranked = table[table["factor"] == factor].sort_values("rank", kind="stable")
+        listed = ranked[(ranked["rank"] <= _LISTED) | ranked["chosen"]]
+        rows = [
+            (
+                number(rank, 0),
+                plain(candidate),
+                formula(text),
+                number(best, 3),
+                Text(f"${bandwidth:.4g}$", f"{bandwidth:.4g}"),
+                number(mean, 3),
+                plain("yes") if chosen else EMPTY,
+            )
+            for _, candidate, text, best, mean, bandwidth, rank, chosen in listed.itertuples(index=False)
+        ]
+        blocks.append((plain(f"{factor[:1].upper()}{factor[1:]} factor"), rows))
+    caption = plain(
+        f"Search for the formula of metr2ev: the {_LISTED} best candidates of each factor by the rms log error with "
+        "which they explain the published Table 7; best, with the bandwidth of the random trajectory where it is "
+        "reached, and mean over all bandwidths."
+    )
+    names = ("Rank", "Candidate", "Formula", "Best", "at (rad/s)", "Mean", "Chosen")
+    header = tuple(plain(name) for name in names)
+    return Table("Metric search", "tab:metric_search", caption, "rllrrrl", header, blocks)

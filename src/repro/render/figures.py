@@ -1,0 +1,57 @@
+"""Every figure by name, and drawing one from its CSV to PDF and PNG."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from repro.errors import InputError
+from repro.files import read_csv
+from repro.render import candidates, images, lines, network, schematics, style, torques
+
+#: Figure from the table that holds its numbers; call these inside `style.house_style`.
+FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
+    "fig05": schematics.subsampling,
+    "fig06": lines.motion,
+    "fig07": network.network,
+    "fig08": images.examples,
+    "fig09": lines.torque_distribution,
+    "fig10": lines.loss,
+    "fig11": images.kernels,
+    "fig12": torques.torques_12,
+    "fig13": torques.torques_34,
+    "fig14": torques.spectra_all,
+    "fig15": torques.torques_all,
+    "fig16": lines.random_motion,
+    "fig17": torques.spectra_all,
+    "metric_search": candidates.metric_search,
+}
+
+
+def draw(name: str, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
+    """Draw one figure from its CSV.
+
+    Parameters
+    ----------
+    name : str
+        A key of `FIGURES`.
+    csv_path : Path
+        The numbers drawn.
+    pdf_path, png_path : Path
+        Destinations; the same CSV gives the same bytes.
+
+    Raises
+    ------
+    InputError
+        If there is no such figure, or the CSV is missing or not what the figure needs.
+    """
+    if name not in FIGURES:
+        raise InputError.at("figure", repr(name), f"one of {', '.join(FIGURES)}")
+    frame = read_csv(csv_path)
+    with style.house_style():
+        try:
+            figure = FIGURES[name](frame)
+        except InputError as error:
+            raise InputError(f"{csv_path}: {error}") from error
+        style.save(figure, name, pdf_path, png_path)

@@ -1,0 +1,153 @@
+"""Line figures: motions, the torque distribution and the loss (Fig. 6, 9, 10, 16)."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter, MaxNLocator
+
+from repro.errors import InputError
+from repro.render import style
+from repro.render.contract import Curve, read_curves
+
+TIME = "Time (s)"
+TORQUE = "Torque (N·m)"
+COEFFICIENT = "Coefficient (N·m)"
+
+_MOTION = {"position": "Position (rad)", "velocity": "Velocity (rad/s)", "acceleration": "Acceleration (rad/s²)"}
+JOINTS = ("joint1", "joint2")
+
+
+def plot_series(axes: Axes, name: str, curve: Curve) -> None:
+    """Draw one curve in the stroke and under the label of its series."""
+    axes.plot(*curve, label=style.SERIES_LABELS[name], **style.STROKES[name])
+
+
+def motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
+    """Position, velocity and acceleration of both joints over time (Fig. 6).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels position (rad), velocity (rad/s), acceleration (rad/s^2); series
+        joint1, joint2; x in s.
+    width : float
+        Width of the figure, in.
+
+    Returns
+    -------
+    Figure
+        Three stacked panels.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    curves = read_curves(frame, dict.fromkeys(_MOTION, JOINTS))
+    figure = style.new_figure(width, 3.9)
+    panels = figure.subplots(3, 1, sharex=True)
+    for axes, (panel, label) in zip(panels, _MOTION.items(), strict=True):
+        for name in JOINTS:
+            plot_series(axes, name, curves[panel][name])
+        axes.set_ylabel(label)
+        style.few_ticks(axes)
+    panels[-1].set_xlabel(TIME)
+    figure.align_ylabels()
+    style.legend_above(figure, panels[0], 2)
+    return figure
+
+
+def random_motion(frame: pd.DataFrame) -> Figure:
+    """Random validation trajectory (Fig. 16): as `motion`, but page wide because it turns so often.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As for `motion`.
+
+    Returns
+    -------
+    Figure
+        Three stacked panels.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return motion(frame, style.PAGE)
+
+
+def torque_distribution(frame: pd.DataFrame) -> Figure:
+    """Distribution of the training torques over time (Fig. 9).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels joint1, joint2; series p05, p25, p50, p75, p95 and mean of the
+        torque as a part of its maximum; x in s, the same for all series of a panel.
+
+    Returns
+    -------
+    Figure
+        Two stacked panels, one column wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    series = ("p05", "p25", "p50", "p75", "p95", "mean")
+    curves = read_curves(frame, dict.fromkeys(JOINTS, series))
+    figure = style.new_figure(style.COLUMN, 3.7)
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    for axes, joint in zip(panels, JOINTS, strict=True):
+        level = curves[joint]
+        x = level["p50"][0]
+        for name in series:
+            if not np.array_equal(level[name][0], x):
+                raise InputError.at(f"panel {joint}, series {name}: x", "other times", "the times of series p50")
+        axes.fill_between(x, level["p05"][1], level["p95"][1], color=style.FILL_LIGHT, lw=0, label=f"5{style.DASH}95 %")
+        axes.fill_between(x, level["p25"][1], level["p75"][1], color=style.FILL_DARK, lw=0, label=f"25{style.DASH}75 %")
+        plot_series(axes, "median", level["p50"])
+        plot_series(axes, "mean", level["mean"])
+        axes.set_title(style.SERIES_LABELS[joint])
+    figure.supylabel("Torque / largest torque (dimensionless)", fontsize=style.TEXT_SIZE)
+    panels[-1].set_xlabel(TIME)
+    style.legend_above(figure, panels[0], 4)
+    return figure
+
+
+def loss(frame: pd.DataFrame) -> Figure:
+    """Loss on training and test images over the iterations (Fig. 10).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panel loss; series train, test; x in iterations, y above 0.
+
+    Returns
+    -------
+    Figure
+        One panel with a logarithmic loss, one column wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    curves = read_curves(frame, {"loss": ("train", "test")})["loss"]
+    figure = style.new_figure(style.COLUMN, 2.3)
+    axes = figure.subplots()
+    for name, curve in curves.items():
+        if curve[1].min() <= 0:
+            raise InputError.at(f"series {name}: y", f"{curve[1].min():g}", "a loss above 0")
+        plot_series(axes, name, curve)
+    axes.set_yscale("log")
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.xaxis.set_major_locator(MaxNLocator(6))
+    axes.set_xlabel("Training iteration (steps)")
+    axes.set_ylabel("Loss (dimensionless)")
+    style.legend_above(figure, axes, 2)
+    return figure

@@ -1,0 +1,214 @@
+"""Table text in LaTeX and in Markdown at once: symbols, units, formulas, numbers, and the grid around them."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+_TIMES = "\N{MULTIPLICATION SIGN}"
+_DASH = "\N{EN DASH}"
+_TEX_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "%": r"\%",
+    "#": r"\#",
+    "_": r"\_",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    "±": r"$\pm$",
+    _DASH: "--",
+    _TIMES: r"$\times$",
+}
+_TEX_MATHS = {
+    " ": r"\,",
+    "*": r"\cdot ",
+    "|": r"\vert ",
+    "<": "<",
+    ">": ">",
+    "^": r"\hat{}",
+    "~": r"\sim ",
+}
+_MD_SPECIAL = re.compile(r"([\\`*_|<>\[\]])")
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_GREEK = {
+    "alpha": "\N{GREEK SMALL LETTER ALPHA}",
+    "beta": "β",
+    "lambda": "λ",
+    "pi": "π",
+    "omega": "ω",
+    "psi": "ψ",
+    "tau": "τ",
+}
+
+#: A formula is read as numbers, names (letters, then perhaps an index), powers, subscripts, and whatever else.
+_FORMULA = re.compile(
+    r"(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]+)(?P<index>\d*)"
+    r"|\^(?P<power>-?[\d.]+|[A-Za-z]|\([0-9A-Za-z/. +-]*\))|(?<=.)_(?P<below>[0-9A-Za-z]+)|(?P<other>.)"
+)
+_PRODUCT = re.compile(r"(?<=\d)\s*x\s*(?=\d)")
+
+
+@dataclass(frozen=True)
+class Text:
+    """One piece of text in both markups."""
+
+    tex: str
+    md: str
+
+    def __add__(self, other: "Text") -> "Text":
+        """Join two pieces."""
+        return Text(self.tex + other.tex, self.md + other.md)
+
+
+EMPTY = Text("", "")
+
+
+def plain(text: str) -> Text:
+    """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product.
+
+    Parameters
+    ----------
+    text : str
+        Any text; line ends become spaces.
+    """
+    text = _PRODUCT.sub(_TIMES, " ".join(text.split()))
+    return Text("".join(_TEX_SPECIAL.get(c, c) for c in text), _MD_SPECIAL.sub(r"\\\1", text))
+
+
+def formula(text: str) -> Text:
+    """A formula typed in ASCII, such as ``m2 lc2^2 + J2`` or ``1 - |x-y|^2/|x|^2``.
+
+    A single letter, or letters with an index, is a symbol (``lc1`` is l with index c1); a Greek letter is
+    spelled out; any other word is upright; ``_1`` is a subscript. What follows a comma outside
+    brackets is read as a remark.
+
+    Parameters
+    ----------
+    text : str
+        Formula.
+    """
+    brackets = 0
+    for place, sign in enumerate(text):
+        brackets += (sign == "(") - (sign == ")")
+        if sign == "," and brackets == 0:
+            return formula(text[:place]) + Text(", ", ", ") + plain(text[place + 1 :])
+    tex, md = [], []
+    for token in _FORMULA.finditer(text):
+        name, index, power = token["name"], token["index"], token["power"]
+        if power:
+            tex.append(f"^{{{power}}}")
+            md.append(power.translate(_SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
+        elif token["below"]:
+            tex.append(f"_{{{token['below']}}}")
+            md.append(token["below"].translate(_SUBSCRIPTS))
+        elif name:
+            tex.append(_tex_name(name, index))
+            md.append(_GREEK.get(name, name) + index.translate(_SUBSCRIPTS))
+        elif token["other"]:
+            other = plain(token["other"]) if token["other"].strip() else EMPTY
+            tex.append(_TEX_MATHS.get(token["other"], other.tex))
+            md.append("·" if token["other"] == "*" else other.md or " ")
+        else:
+            tex.append(token["number"])
+            md.append(token["number"])
+    spaced = re.sub(r"\\,([-+=])\\,", r" \1 ", "".join(tex))  # LaTeX spaces operators itself
+    return Text(f"${spaced}$", "".join(md))
+
+
+def _tex_name(name: str, index: str) -> str:
+    """Symbol or word of a formula in LaTeX maths."""
+    if name in _GREEK:
+        return f"\\{name}_{{{index}}}" if index else f"\\{name} "
+    if index:
+        return f"{name[0]}_{{{name[1:]}{index}}}"
+    return name if len(name) == 1 else f"\\mathrm{{{name}}}"
+
+
+def unit(text: str) -> Text:
+    """A unit typed in ASCII, such as ``kg m^2/s^2``; ``1`` and ``-`` stand for no unit."""
+    if text in ("1", "-"):
+        return Text("--", _DASH)
+    tex = re.sub(r"\^(-?\d+)", r"^{\1}", plain(text).tex.replace(r"\textasciicircum{}", "^")).replace(" ", r"\,")
+    md = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), text).replace(" ", "·")
+    return Text(f"$\\mathrm{{{tex}}}$", md)
+
+
+def number(value: float, decimals: int, spread: float | None = None) -> Text:
+    """A number with fixed decimals, and its spread if there is one."""
+    digits = f"{value:.{decimals}f}"
+    if spread is None:
+        return Text(f"${digits}$", digits)
+    return Text(f"${digits} \\pm {spread:.{decimals}f}$", f"{digits} ± {spread:.{decimals}f}")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A laid-out table.
+
+    Attributes
+    ----------
+    title : str
+        ``Table 6`` or the like, for Markdown; LaTeX numbers tables itself.
+    label : str
+        LaTeX label.
+    caption : Text
+        Caption.
+    alignment : str
+        ``l``, ``c`` or ``r`` for each column.
+    header : sequence of Text
+        Column names.
+    blocks : sequence of (heading, rows)
+        Rows under a heading that spans all columns; a heading of None is left out.
+    """
+
+    title: str
+    label: str
+    caption: Text
+    alignment: str
+    header: Sequence[Text]
+    blocks: Sequence[tuple[Text | None, Sequence[Sequence[Text]]]]
+
+    def tex(self) -> str:
+        """Complete LaTeX environment of a page-wide table; needs the package booktabs."""
+        lines = [
+            r"\begin{table*}[t]",
+            r"\centering\footnotesize",
+            f"\\caption{{{self.caption.tex}}}",
+            f"\\label{{{self.label}}}",
+            r"\smallskip\setlength{\tabcolsep}{4.5pt}",
+            f"\\begin{{tabular}}{{@{{}}{self.alignment}@{{}}}}",
+            r"\toprule",
+            _tex_row(self.header),
+        ]
+        for heading, rows in self.blocks:
+            lines.append(r"\midrule")
+            if heading is not None:
+                lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
+            lines += [_tex_row(row) for row in rows]
+        return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
+
+    def md(self) -> str:
+        """Markdown table under its title and caption."""
+        rules = {"l": ":---", "c": ":---:", "r": "---:"}
+        lines = [f"**{self.title}.** {self.caption.md}", "", _md_row(self.header)]
+        lines.append("| " + " | ".join(rules[side] for side in self.alignment) + " |")
+        for heading, rows in self.blocks:
+            if heading is not None:
+                name = Text("", f"**{heading.md}**")
+                lines.append(_md_row([name, *[EMPTY] * (len(self.alignment) - 1)]))
+            lines += [_md_row(row) for row in rows]
+        return "\n".join([*lines, ""])
+
+
+def _tex_row(cells: Sequence[Text]) -> str:
+    return " & ".join(cell.tex for cell in cells) + r" \\"
+
+
+def _md_row(cells: Sequence[Text]) -> str:
+    return "| " + " | ".join(cell.md for cell in cells) + " |"

@@ -1,0 +1,191 @@
+"""Tables of results: identified parameters (Tables 4, 5) and similarities (Tables 6, 7)."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from repro.errors import InputError
+from repro.render.contract import check_names, check_range, check_table
+from repro.render.markup import Table, Text, formula, number, plain, unit
+
+#: What the tables call each method, in the order of their blocks; others follow under their own name.
+METHODS = {
+    "true": "True parameters",
+    "algorithm1": "Algorithm 1",
+    "algorithm1+refinement": "Algorithm 1 + refinement (extension)",
+    "algorithm1+scale-aware": "Algorithm 1 + scale-aware image (extension)",
+    "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement + scale-aware image (extension)",
+    "least-squares": "Least squares",
+}
+
+
+def _methods(table: pd.DataFrame) -> list[str]:
+    """Methods of a table in the order of their blocks."""
+    found = list(dict.fromkeys(table["method"]))
+    return [name for name in METHODS if name in found] + [name for name in found if name not in METHODS]
+
+
+def _heading(method: str) -> Text:
+    """What a method is called."""
+    return plain(METHODS.get(method, method))
+
+
+def _row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
+    """Find the one row with these values.
+
+    Raises
+    ------
+    InputError
+        If there is none, or more than one.
+    """
+    chosen = table
+    for column, value in key.items():
+        chosen = chosen[chosen[column] == value]
+    if len(chosen) != 1:
+        place = ", ".join(f"{column} {value}" for column, value in key.items())
+        raise InputError.at(place, f"{len(chosen)} rows", "exactly one")
+    return chosen.iloc[0]
+
+
+def _parameters(frame: pd.DataFrame, cases: Sequence[str], title: str, label: str) -> Table:
+    """Lay out true and identified parameters, cases side by side, a block for each method."""
+    table = check_table(frame, ("case", "method", "parameter", "unit"), ("true", "estimate", "estimate_sd"))
+    check_names(table["case"], cases, "case")
+    check_range(table, ("estimate_sd",), 0.0, float("inf"), "a spread of 0 or more")
+    names = dict(zip(table["parameter"], table["unit"], strict=True))
+    repeated = bool((table["estimate_sd"] > 0).any())
+    blocks = []
+    for method in _methods(table):
+        rows = []
+        for name, si in names.items():
+            cells = [formula(name) + Text("~(", " (") + unit(si) + plain(")")]
+            for case in cases:
+                row = _row(table, {"method": method, "case": case, "parameter": name})
+                spread = float(row["estimate_sd"]) if repeated else None
+                cells += [number(float(row["true"]), 4), number(float(row["estimate"]), 4, spread)]
+            rows.append(cells)
+        blocks.append((_heading(method), rows))
+    spread_words = ", ± the standard deviation over the seeds" if repeated else ""
+    caption = plain(
+        f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
+    )
+    header = [plain("Parameter"), *(plain(f"{case} {word}") for case in cases for word in ("true", "identified"))]
+    return Table(title, label, caption, "l" + "rr" * len(cases), header, blocks)
+
+
+def parameters_12(frame: pd.DataFrame) -> Table:
+    """Identified parameters of the numeric tests N1 and N2 (Table 4).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``case, method, parameter, unit, true, estimate, estimate_sd``; one row for each case, method and
+        parameter. Where every spread is 0 (one seed) none is shown.
+
+    Returns
+    -------
+    Table
+        True and identified values side by side, a block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return _parameters(frame, ("N1", "N2"), "Table 4", "tab:table04")
+
+
+def parameters_34(frame: pd.DataFrame) -> Table:
+    """Identified parameters of the numeric tests N3 and N4 (Table 5).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As for `parameters_12`.
+
+    Returns
+    -------
+    Table
+        True and identified values side by side, a block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return _parameters(frame, ("N3", "N4"), "Table 5", "tab:table05")
+
+
+def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: str, of_what: str) -> Table:
+    """Lay out similarities in percent: rows by joint and factor, columns by case, a block for each method."""
+    factors = {"time": "Time", "frequency": "Freq.", "total": "Total"}
+    table = check_table(frame, ("case", "method"), ("joint", *factors, "total_sd", "seeds"))
+    check_names(table["case"], cases, "case")
+    check_range(table, (*factors, "total_sd"), 0.0, 1.0, "a fraction of 1")
+    seeds = sorted(set(table["seeds"]))
+    if len(seeds) > 1 or seeds[0] < 1:
+        raise InputError.at("seeds", ", ".join(f"{count:g}" for count in seeds), "one number of seeds, at least 1")
+    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    blocks = []
+    for method in _methods(table):
+        rows = []
+        for joint in (1, 2):
+            found = [_row(table, {"method": method, "case": case, "joint": joint}) for case in cases]
+            for factor, word in factors.items():
+                cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
+                for row in found:
+                    spread = 100.0 * float(row["total_sd"]) if factor == "total" and seeds[0] > 1 else None
+                    cells.append(number(100.0 * float(row[factor]), 2, spread))
+                rows.append(cells)
+        blocks.append((_heading(method), rows))
+    many = f"median of {seeds[0]:.0f} seeds, ± the standard deviation of the total over the seeds"
+    caption = plain(
+        f"Similarity (%) of the torques rebuilt {of_what}, numeric tests: {many if seeds[0] > 1 else 'one seed'}."
+    )
+    header = [plain("metr2ev (%)"), *(plain(case) for case in cases)]
+    return Table(title, label, caption, "l" + "r" * len(cases), header, blocks)
+
+
+def similarity(frame: pd.DataFrame) -> Table:
+    """Similarity on the identification trajectory, N1 to N4 (Table 6).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``case, method, joint, time, frequency, total, total_sd, seeds``; similarities and spread as fractions
+        of 1; one row for each case, method and joint. With one seed no spread is shown.
+
+    Returns
+    -------
+    Table
+        Percentages, a block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    what = "from the identified parameters"
+    return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 6", "tab:table06", what)
+
+
+def validation(frame: pd.DataFrame) -> Table:
+    """Similarity on the random validation trajectory, N1 to N4 (Table 7).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As for `similarity`.
+
+    Returns
+    -------
+    Table
+        Percentages, a block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    what = "on the random validation trajectory"
+    return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 7", "tab:table07", what)

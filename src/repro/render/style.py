@@ -1,0 +1,172 @@
+"""The one look of every figure: sizes, type, colours, strokes, and saving to the same bytes every time."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.typing import RcKeyType
+
+from repro.files import write_whole
+
+#: Widths of one IEEE column and of the full page, inches.
+COLUMN: Final = 3.5
+PAGE: Final = 7.16
+
+#: Points: running text of a figure, and the smallest type (ticks, notes).
+TEXT_SIZE: Final = 8.0
+SMALL_SIZE: Final = 7.0
+
+PNG_DPI: Final = 300
+
+#: Fonts are the ones matplotlib ships, so that every machine draws the same glyphs.
+RC: Final[dict[RcKeyType, Any]] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": TEXT_SIZE,
+    "axes.titlesize": TEXT_SIZE,
+    "axes.labelsize": TEXT_SIZE,
+    "xtick.labelsize": SMALL_SIZE,
+    "ytick.labelsize": SMALL_SIZE,
+    "legend.fontsize": TEXT_SIZE,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 3.0,
+    "axes.labelpad": 2.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.xmargin": 0.01,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "0.90",
+    "grid.linewidth": 0.4,
+    "xtick.direction": "out",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "lines.solid_capstyle": "round",
+    "lines.dash_capstyle": "butt",
+    "legend.frameon": False,
+    "legend.borderpad": 0.2,
+    "legend.borderaxespad": 0.2,
+    "legend.handlelength": 2.6,
+    "legend.columnspacing": 1.6,
+    "figure.constrained_layout.h_pad": 0.03,
+    "figure.constrained_layout.w_pad": 0.03,
+    "path.simplify": True,
+    "path.simplify_threshold": 0.15,  # of a point in a PDF: a fifth of the thinnest line
+    "pdf.fonttype": 42,
+    "pdf.compression": 9,
+    "svg.hashsalt": "repro",
+    "savefig.dpi": PNG_DPI,
+}
+
+#: How each series is drawn wherever it appears. Every pair that meets in one panel also differs in
+#: lightness and in width or dash, so it reads in greyscale.
+STROKES: Final[dict[str, dict[str, Any]]] = {
+    "joint1": {"color": "#00507f", "linestyle": "-", "linewidth": 1.0},
+    "joint2": {"color": "#e08a00", "linestyle": (0, (4.5, 1.5)), "linewidth": 1.2},
+    "actual": {"color": "#79bde8", "linestyle": "-", "linewidth": 2.0},
+    "rebuilt": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.8},
+    "train": {"color": "#79bde8", "linestyle": "-", "linewidth": 1.2},
+    "test": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 1.0},
+    "median": {"color": "#00304d", "linestyle": "-", "linewidth": 1.2},
+    "mean": {"color": "#c44a00", "linestyle": (0, (3.0, 1.5)), "linewidth": 1.2},
+}
+
+#: What the legend calls each series.
+SERIES_LABELS: Final[dict[str, str]] = {
+    "joint1": "Joint 1",
+    "joint2": "Joint 2",
+    "actual": "Actual",
+    "rebuilt": "Rebuilt from the identified parameters",
+    "train": "Training",
+    "test": "Test",
+    "median": "Median",
+    "mean": "Mean",
+}
+
+#: Signs of sizes and ranges.
+TIMES: Final = "\N{MULTIPLICATION SIGN}"
+DASH: Final = "\N{EN DASH}"
+
+#: Fills from light to dark, and the grey of whatever is set aside.
+FILL_LIGHT: Final = "#cfe6f5"
+FILL_DARK: Final = "#79b4da"
+SET_ASIDE: Final = "0.62"
+INK: Final = "0.15"
+COLOUR_MAP: Final = "viridis"  # lightness rises all the way, so it survives greyscale
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the house style, whatever the user's own matplotlib settings are; they come back afterwards."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(RC)
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Make an empty figure with automatic spacing.
+
+    Parameters
+    ----------
+    width : float
+        `COLUMN` or `PAGE`, in.
+    height : float
+        in.
+
+    Returns
+    -------
+    Figure
+        Not attached to any window or to pyplot.
+
+    Raises
+    ------
+    ValueError
+        If the width is neither of the two.
+    """
+    if width not in (COLUMN, PAGE):
+        raise ValueError(f"width: must be {COLUMN} or {PAGE} in, got {width}.")
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def few_ticks(axes: Axes) -> None:
+    """Put at most five round numbers on the y axis."""
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+
+
+def legend_above(figure: Figure, axes: Axes, columns: int) -> None:
+    """Put the legend of `axes` above all panels, outside the data."""
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
+
+
+def save(figure: Figure, title: str, pdf_path: Path, png_path: Path) -> None:
+    """Write a figure as vector PDF and as PNG at `PNG_DPI`, at its printed size.
+
+    The files hold no date and no program version, so the same figure gives the same bytes. Call it inside
+    `house_style`: text and line settings are read while saving.
+
+    Parameters
+    ----------
+    figure : Figure
+        What to write.
+    title : str
+        Title in the metadata of both files.
+    pdf_path, png_path : Path
+        Destinations.
+    """
+    undated = {"Title": title, "Creator": None, "Producer": None, "CreationDate": None}
+    write_whole(pdf_path, lambda path: figure.savefig(path, format="pdf", metadata=undated))
+    unversioned = {"Title": title, "Software": None}
+    write_whole(png_path, lambda path: figure.savefig(path, format="png", dpi=PNG_DPI, metadata=unversioned))

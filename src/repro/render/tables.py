@@ -1,0 +1,50 @@
+"""Every table by name, and laying one out from its CSV in LaTeX and Markdown."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from repro.errors import InputError
+from repro.files import read_csv, write_text
+from repro.render import description_tables, result_tables
+from repro.render.markup import Table
+
+#: Table from the tidy table that holds its numbers.
+LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
+    "table02": description_tables.parameters,
+    "table03": description_tables.characteristics,
+    "table04": result_tables.parameters_12,
+    "table05": result_tables.parameters_34,
+    "table06": result_tables.similarity,
+    "table07": result_tables.validation,
+    "metric_search": description_tables.metric_search,
+}
+
+
+def lay_out(name: str, csv_path: Path, tex_path: Path, md_path: Path) -> None:
+    r"""Lay out one table from its CSV.
+
+    Parameters
+    ----------
+    name : str
+        A key of `LAYOUTS`.
+    csv_path : Path
+        The tidy table.
+    tex_path, md_path : Path
+        Destinations: a LaTeX table environment to ``\input`` (it needs booktabs), and Markdown.
+
+    Raises
+    ------
+    InputError
+        If there is no such table, or the CSV is missing or not what the table needs.
+    """
+    if name not in LAYOUTS:
+        raise InputError.at("table", repr(name), f"one of {', '.join(LAYOUTS)}")
+    frame = read_csv(csv_path)
+    try:
+        table = LAYOUTS[name](frame)
+    except InputError as error:
+        raise InputError(f"{csv_path}: {error}") from error
+    write_text(tex_path, table.tex())
+    write_text(md_path, table.md())

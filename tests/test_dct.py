@@ -1,0 +1,210 @@
+"""DCT-II spectrum, low-pass, derivative and subsampling (Eq. 5-7, 14; Fig. 5)."""
+
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given
+from hypothesis import strategies as st
+
+from repro.signals.dct import FREQUENCY_READINGS, band_frequency, dct2dev, dct2low, dct2sub, spectrum
+
+H = 2.5e-3
+
+
+def eq5(x):
+    """Eq. 5 as printed: two loops, indices from 1."""
+    n = len(x)
+    bands = []
+    for k in range(1, n + 1):
+        a = (1.0 + (1.0 if k - 1 == 0 else 0.0)) ** -0.5
+        total = sum(a * x[i - 1] * np.cos(np.pi / (2 * n) * (2 * i - 1) * (k - 1)) for i in range(1, n + 1))
+        bands.append(np.sqrt(2.0 / n) * total)
+    return np.array(bands)
+
+
+def basis(n):
+    """Orthonormal DCT-II matrix, from the closed form: row k, column i."""
+    k, i = np.arange(n)[:, None], np.arange(n)
+    matrix = np.sqrt(2.0 / n) * np.cos(np.pi * k * (2 * i + 1) / (2 * n))
+    matrix[0] /= np.sqrt(2.0)
+    return matrix
+
+
+def cosine(k, n):
+    """Pure DCT-II cosine: k half periods over n samples."""
+    return np.cos(np.pi * k * (2 * np.arange(n) + 1) / (2 * n))
+
+
+@given(seed=seeds, n=st.integers(1, 24))
+def test_spectrum_is_eq5(seed, n):
+    x = np.random.default_rng(seed).normal(size=n)
+    np.testing.assert_allclose(spectrum(x), eq5(x), rtol=0, atol=1e-12)
+
+
+@given(seed=seeds, n=st.integers(1, 500))
+def test_spectrum_keeps_norms_and_inner_products(seed, n):
+    x, y = np.random.default_rng(seed).normal(size=(2, n))
+    both = spectrum(np.stack([x, y]))
+    np.testing.assert_allclose(both @ both.T, np.stack([x, y]) @ np.stack([x, y]).T, rtol=1e-12, atol=1e-11)
+
+
+def test_spectrum_takes_the_last_axis():
+    x = np.random.default_rng(0).normal(size=(3, 2, 7))
+    np.testing.assert_allclose(spectrum(x)[2, 1], spectrum(x[2, 1]), rtol=1e-13)
+
+
+@given(seed=seeds, sizes=st.tuples(st.integers(2, 300), st.integers(1, 300)).map(sorted))
+def test_dct2sub_resamples_a_band_limited_signal_exactly(seed, sizes):
+    # N is hardly ever a multiple of M here. Any sum of the first M cosines is the same curve seen at M points.
+    m, n = sizes
+    amplitude = np.random.default_rng(seed).normal(size=m)
+    curve_n, curve_m = (sum(a * cosine(k, size) for k, a in enumerate(amplitude)) for size in (n, m))
+    np.testing.assert_allclose(dct2sub(curve_n, m), curve_m, rtol=0, atol=1e-9)
+
+
+def test_dct2sub_of_one_cosine():
+    np.testing.assert_allclose(dct2sub(3.0 + cosine(7, 3770), 100), 3.0 + cosine(7, 100), rtol=0, atol=1e-12)
+
+
+@given(seed=seeds, n=st.integers(1, 200), data=st.data())
+def test_dct2sub_keeps_the_level_of_any_signal(seed, n, data):
+    m = data.draw(st.integers(1, n))
+    x = np.random.default_rng(seed).normal(loc=2.0, size=n)
+    small = dct2sub(x, m)
+    assert small.shape == (m,)
+    np.testing.assert_allclose(small.mean(), x.mean(), rtol=1e-10)
+    np.testing.assert_allclose(dct2sub(np.full(n, -1.7), m), -1.7, rtol=1e-12)
+
+
+def test_dct2sub_drops_what_lies_above_the_kept_bands():
+    np.testing.assert_allclose(dct2sub(cosine(40, 90), 40), 0.0, atol=1e-14)
+    assert np.abs(dct2sub(cosine(39, 90), 40)).max() > 0.5
+
+
+def test_dct2sub_to_the_same_length_changes_nothing():
+    x = np.random.default_rng(1).normal(size=(2, 37))
+    np.testing.assert_allclose(dct2sub(x, 37), x, rtol=0, atol=1e-13)
+
+
+OMEGA = {
+    "rad_per_s": lambda k, n, h: np.pi * k / (n * h),
+    "hertz": lambda k, n, h: k / (2.0 * n * h),
+    "index": lambda k, n, h: float(k),
+}
+
+
+def test_every_reading_has_an_oracle():
+    assert set(OMEGA) == set(FREQUENCY_READINGS)
+
+
+@pytest.mark.parametrize("reading", FREQUENCY_READINGS)
+@given(n=st.integers(2, 400), h=st.floats(1e-4, 1.0), depth=st.floats(0.0, 5.0), data=st.data())
+def test_dct2low_scales_a_pure_cosine_by_the_gaussian(reading, n, h, depth, data):
+    k = data.draw(st.integers(1, n - 1))
+    omega = OMEGA[reading](k, n, h)
+    c_f = depth / omega**2
+    np.testing.assert_allclose(
+        dct2low(cosine(k, n), h, c_f, reading), np.exp(-depth) * cosine(k, n), rtol=0, atol=1e-12
+    )
+
+
+def test_the_readings_differ_by_their_units():
+    # A band's cosine has k half periods over N h seconds: k / (2 N h) hertz, 2 pi times that in rad/s.
+    hertz = band_frequency(3770, H, "hertz")
+    np.testing.assert_allclose(band_frequency(3770, H, "rad_per_s"), 2.0 * np.pi * hertz, rtol=1e-14)
+    np.testing.assert_allclose(hertz[-1], 200.0, rtol=1e-3)  # half the sampling rate of 400 Hz
+    np.testing.assert_array_equal(band_frequency(5, H, "index"), [0, 1, 2, 3, 4])
+
+
+def test_published_filter_lets_1_4_percent_through_at_33_hertz():
+    gain = np.exp(-1e-4 * (2.0 * np.pi * 33.0) ** 2)
+    n = 4000
+    k = round(33.0 * 2 * n * H)
+    np.testing.assert_allclose(dct2low(cosine(k, n), H, 1e-4), gain * cosine(k, n), atol=1e-12)
+    assert gain == pytest.approx(0.0136, abs=5e-5)
+
+
+@pytest.mark.parametrize("reading", FREQUENCY_READINGS)
+def test_dct2low_keeps_the_mean_and_zero_coefficient_keeps_all(reading):
+    x = np.random.default_rng(2).normal(loc=1.0, size=(3, 2, 50))
+    np.testing.assert_allclose(dct2low(x, H, 0.0, reading), x, rtol=0, atol=1e-13)
+    smooth = dct2low(x, H, 1e-3, reading)
+    np.testing.assert_allclose(smooth.mean(-1), x.mean(-1), rtol=1e-12)
+    assert (smooth.std(-1) < x.std(-1)).all()
+    np.testing.assert_allclose(smooth[1, 0], dct2low(x[1, 0], H, 1e-3, reading), rtol=1e-12)
+
+
+def derivative_errors(count, shift):
+    """Largest error of dct2dev against the derivative at `shift` samples before each sample, first one left out."""
+    h = 1.0 / count
+    t = np.arange(count) * h
+    x = np.stack([np.sin(5.0 * t + 0.3), np.exp(-t) * t])
+    s = t - shift * h
+    exact = np.stack([5.0 * np.cos(5.0 * s + 0.3), np.exp(-s) * (1.0 - s)])
+    return np.abs(dct2dev(x, h, 0.0) - exact)[:, 1:].max(-1)
+
+
+def test_dct2dev_is_the_derivative_half_a_sample_ago_to_second_order():
+    errors = np.stack([derivative_errors(n, 0.5) for n in (100, 200, 400, 800)])
+    np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2.0, atol=0.1)
+    assert (errors[-1] < 1e-5).all()
+
+
+def test_dct2dev_is_the_derivative_at_the_sample_only_to_first_order():
+    errors = np.stack([derivative_errors(n, 0.0) for n in (100, 200, 400, 800)])
+    np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 1.0, atol=0.1)
+
+
+@pytest.mark.parametrize("reading", FREQUENCY_READINGS)
+@given(seed=seeds, n=st.integers(2, 40))
+def test_dct2dev_is_eq6_step_by_step(reading, seed, n):
+    x = np.random.default_rng(seed).normal(size=n)
+    c_f = 1e-4
+    slope = np.array([(x[max(i, 1)] - x[max(i, 1) - 1]) / H for i in range(n)])
+    bands = basis(n) @ slope
+    filtered = np.array([bands[k] * np.exp(-c_f * OMEGA[reading](k, n, H) ** 2) for k in range(n)])
+    np.testing.assert_allclose(dct2dev(x, H, c_f, reading), basis(n).T @ filtered, rtol=0, atol=1e-9)
+
+
+def test_dct2dev_of_a_ramp_is_its_slope_in_every_row():
+    x = np.array([[[2.0], [-3.0]], [[0.5], [0.0]]]) * np.arange(30) * H
+    slope = np.broadcast_to(np.array([[[2.0], [-3.0]], [[0.5], [0.0]]]), x.shape)
+    np.testing.assert_allclose(dct2dev(x, H, 1e-4), slope, rtol=0, atol=1e-11)
+
+
+ROW = np.arange(6.0)
+BROKEN = np.array([1.0, np.nan, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: spectrum(np.float64(1.0)), r"^x: .*at least one sample"),
+        (lambda: spectrum(np.empty((2, 0))), r"^x: .*at least one sample"),
+        (lambda: spectrum(BROKEN), r"^x: every sample must be finite"),
+        (lambda: spectrum(np.array([1.0, -np.inf])), r"^x: every sample must be finite"),
+        (lambda: dct2low(BROKEN, H, 1e-4), r"^x: every sample must be finite"),
+        (lambda: dct2low(ROW, 0.0, 1e-4), r"^h: "),
+        (lambda: dct2low(ROW, -H, 1e-4), r"^h: "),
+        (lambda: dct2low(ROW, np.nan, 1e-4), r"^h: "),
+        (lambda: dct2low(ROW, H, -1e-4), r"^c_f: "),
+        (lambda: dct2low(ROW, H, np.nan), r"^c_f: "),
+        pytest.param(lambda: dct2low(ROW, H, np.inf), r"^c_f: "),
+        (lambda: dct2low(ROW, H, 1e-4, "Hz"), r"^reading: .*'Hz'"),
+        (lambda: band_frequency(6, H, "Hz"), r"^reading: .*'Hz'"),
+        (lambda: band_frequency(6, 0.0), r"^h: "),
+        (lambda: dct2dev(np.ones(1), H, 0.0), r"^x: .*at least two samples"),
+        (lambda: dct2dev(np.float64(1.0), H, 0.0), r"^x: .*at least two samples"),
+        (lambda: dct2dev(BROKEN, H, 0.0), r"^x: every sample must be finite"),
+        (lambda: dct2dev(ROW, -H, 0.0), r"^h: "),
+        (lambda: dct2dev(ROW, H, -1.0), r"^c_f: "),
+        (lambda: dct2dev(ROW, H, 0.0, "bands"), r"^reading: "),
+        (lambda: dct2sub(ROW, 0), r"^m: must be between 1 and the 6 samples of x, got 0"),
+        (lambda: dct2sub(ROW, 7), r"^m: must be between 1 and the 6 samples of x, got 7"),
+        (lambda: dct2sub(BROKEN, 2), r"^x: every sample must be finite"),
+        (lambda: dct2sub(np.empty(0), 1), r"^x: .*at least one sample"),
+    ],
+)
+def test_broken_arguments_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -1,0 +1,365 @@
+"""Eq. 1 against pinocchio, MuJoCo, an ODE solver and its own assembled terms."""
+
+from dataclasses import asdict
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+from conftest import feasible_betas, links, seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from repro.model.dynamics import (
+    LAMBDA,
+    coriolis_matrix,
+    forward_dynamics,
+    gravity_torque,
+    inverse_dynamics,
+    mass_matrix,
+    rebuild_torque,
+    regressor,
+)
+from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links
+from repro.signals.trajectories import identification_trajectory
+
+# Published test arms N1 and N4 (Tables 4 and 5).
+N1 = np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044])
+N4 = np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451])
+
+ARM = Links(m1=1.3, m2=0.7, l1=0.45, lc1=0.2, lc2=0.25, j1=0.03, j2=0.02)
+
+
+def frictionless(arm):
+    return np.concatenate([inertial_from_links(arm), np.zeros(4)])
+
+
+# Both oracles: hinges about +y, arm along -z at q = 0, gravity along -z. The inertias about the two axes
+# that a planar arm never turns about are arbitrary and differ from the one that matters.
+
+
+def pinocchio_arm(arm):
+    """Function of (q, dq, ddq) that returns M, C dq, g and tau by pinocchio."""
+    model = pin.Model()
+    model.gravity = pin.Motion(np.array([0.0, 0.0, -STANDARD_GRAVITY, 0.0, 0.0, 0.0]))
+    parent = 0
+    offset = 0.0
+    for number, (mass, centre, inertia) in enumerate(((arm.m1, arm.lc1, arm.j1), (arm.m2, arm.lc2, arm.j2))):
+        placement = pin.SE3(np.eye(3), np.array([0.0, 0.0, -offset]))
+        parent = model.addJoint(parent, pin.JointModelRY(), placement, f"joint{number}")
+        body = pin.Inertia(mass, np.array([0.0, 0.0, -centre]), np.diag([0.7 * inertia, inertia, 0.8 * inertia]))
+        model.appendBodyToJoint(parent, body, pin.SE3.Identity())
+        offset = arm.l1
+    data = model.createData()
+
+    def terms(q, dq, ddq):
+        upper = np.triu(pin.crba(model, data, q))
+        inertia = upper + np.triu(upper, 1).T
+        coriolis = pin.computeCoriolisMatrix(model, data, q, dq) @ dq
+        gravity = pin.computeGeneralizedGravity(model, data, q).copy()
+        return inertia, coriolis, gravity, pin.rnea(model, data, q, dq, ddq).copy()
+
+    return terms
+
+
+MJCF = """
+<mujoco>
+  <option gravity="0 0 {gravity!r}"/>
+  <worldbody>
+    <body>
+      <joint type="hinge" axis="0 1 0"/>
+      <inertial pos="0 0 {c1!r}" mass="{m1!r}" diaginertia="{x1!r} {j1!r} {z1!r}"/>
+      <body pos="0 0 {end!r}">
+        <joint type="hinge" axis="0 1 0"/>
+        <inertial pos="0 0 {c2!r}" mass="{m2!r}" diaginertia="{x2!r} {j2!r} {z2!r}"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def mujoco_arm(arm):
+    """Function of (q, dq, ddq) that returns M, C dq, g and tau by MuJoCo."""
+    numbers = {name: float(value) for name, value in asdict(arm).items()}
+    text = MJCF.format(
+        **numbers,
+        gravity=-STANDARD_GRAVITY,
+        c1=-numbers["lc1"],
+        c2=-numbers["lc2"],
+        end=-numbers["l1"],
+        x1=0.7 * numbers["j1"],
+        z1=0.8 * numbers["j1"],
+        x2=0.7 * numbers["j2"],
+        z2=0.8 * numbers["j2"],
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+
+    def bias(q, dq, gravity):
+        model.opt.gravity[2] = -gravity
+        data.qpos[:], data.qvel[:] = q, dq
+        mujoco.mj_forward(model, data)
+        return data.qfrc_bias.copy()
+
+    def terms(q, dq, ddq):
+        coriolis = bias(q, dq, 0.0)
+        gravity = bias(q, np.zeros(2), STANDARD_GRAVITY)
+        inertia = np.zeros((2, 2))
+        mujoco.mj_fullM(model, data, inertia)
+        data.qvel[:], data.qacc[:] = dq, ddq
+        mujoco.mj_inverse(model, data)
+        return inertia, coriolis, gravity, data.qfrc_inverse.copy()
+
+    return terms
+
+
+@pytest.mark.parametrize("oracle", [pinocchio_arm, mujoco_arm])
+@settings(max_examples=100)
+@given(arm=links(), seed=seeds)
+def test_terms_agree_with_rigid_body_library(oracle, arm, seed):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = rng.uniform(-6.0, 6.0, (10, 2)), rng.uniform(-8.0, 8.0, (10, 2)), rng.uniform(-40.0, 40.0, (10, 2))
+    beta = frictionless(arm)
+    terms = oracle(arm)
+    inertia, coriolis, gravity, tau = (np.stack(t) for t in zip(*map(terms, q, dq, ddq), strict=True))
+    np.testing.assert_allclose(mass_matrix(q, beta), inertia, rtol=0, atol=1e-10)
+    ours = np.einsum("nij,nj->ni", coriolis_matrix(q, dq, beta), dq)
+    np.testing.assert_allclose(ours, coriolis, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(gravity_torque(q, beta), gravity, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(inverse_dynamics(q.T, dq.T, ddq.T, beta).T, tau, rtol=0, atol=1e-10)
+
+
+def test_arm_hangs_at_zero_and_is_level_at_a_quarter_turn():
+    beta = frictionless(ARM)
+    np.testing.assert_allclose(gravity_torque(np.zeros(2), beta), [0.0, 0.0], atol=1e-15)
+    # Both links level: the weights act at their full lever arms.
+    weight1, weight2 = ARM.m1 * STANDARD_GRAVITY, ARM.m2 * STANDARD_GRAVITY
+    level = [weight1 * ARM.lc1 + weight2 * (ARM.l1 + ARM.lc2), weight2 * ARM.lc2]
+    np.testing.assert_allclose(gravity_torque(np.array([np.pi / 2, 0.0]), beta), level, rtol=1e-14)
+    # q2 is relative: link 1 level, link 2 hanging, so link 2 pulls straight on its joint.
+    hanging = [weight1 * ARM.lc1 + weight2 * ARM.l1, 0.0]
+    np.testing.assert_allclose(gravity_torque(np.array([np.pi / 2, -np.pi / 2]), beta), hanging, rtol=1e-14)
+
+
+@given(arm=links(), seed=seeds)
+def test_coriolis_forces_do_the_work_that_the_inertia_change_stores(arm, seed):
+    # dq' (dM/dt - 2 C) dq = 0: what the appendix's Lyapunov proof needs of C.
+    rng = np.random.default_rng(seed)
+    q, dq, beta = rng.uniform(-3.0, 3.0, (5, 2)), rng.uniform(-2.0, 2.0, (5, 2)), frictionless(arm)
+    step = 1e-4
+    ahead = [mass_matrix(q + k * step * dq, beta) for k in (1, 2)]
+    behind = [mass_matrix(q - k * step * dq, beta) for k in (1, 2)]
+    rate = (8.0 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12.0 * step)
+    power = np.einsum("ni,nij,nj->n", dq, rate - 2.0 * coriolis_matrix(q, dq, beta), dq)
+    np.testing.assert_allclose(power, 0.0, atol=1e-8)
+
+
+def test_coriolis_matrix_is_the_printed_one_which_is_not_the_christoffel_one():
+    # I2 = 2, q2 = 30 degrees, dq = (3, 5): Eq. 1 by hand. With dM/dt = [[-5, -2.5], [-2.5, 0]],
+    # dM/dt - 2C = [[5, 2.5], [-5.5, 0]] is not skew symmetric; only its quadratic form in dq vanishes.
+    beta = np.array([3.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    c = coriolis_matrix(np.array([0.4, np.pi / 6]), np.array([3.0, 5.0]), beta)
+    np.testing.assert_allclose(c, [[-5.0, -2.5], [1.5, 0.0]], atol=1e-14)
+
+
+@given(beta=feasible_betas(), seed=seeds)
+def test_forward_dynamics_inverts_inverse_dynamics(beta, seed):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq, tau = rng.uniform(-5.0, 5.0, (4, 2, 20))
+    torque = inverse_dynamics(q, dq, ddq, beta)
+    np.testing.assert_allclose(forward_dynamics(q.T, dq.T, torque.T, beta).T, ddq, rtol=0, atol=1e-10)
+    acceleration = forward_dynamics(q.T, dq.T, tau.T, beta).T
+    np.testing.assert_allclose(inverse_dynamics(q, dq, acceleration, beta), tau, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("steepness", [5.0, 60.0])
+def test_forward_and_inverse_dynamics_share_the_friction_steepness(steepness):
+    q, dq, ddq = np.array([[0.3], [1.0]]), np.array([[0.02], [-0.03]]), np.array([[1.0], [-2.0]])
+    torque = inverse_dynamics(q, dq, ddq, N1, steepness)
+    np.testing.assert_allclose(forward_dynamics(q.T, dq.T, torque.T, N1, steepness).T, ddq, atol=1e-12)
+    assert not np.allclose(torque, inverse_dynamics(q, dq, ddq, N1), atol=1e-3)
+
+
+def energy(arm, q, dq):
+    """Kinetic plus potential energy from the speed and height of each centre of mass."""
+    q12, w12 = q[0] + q[1], dq[0] + dq[1]
+    speed1 = arm.lc1 * dq[0] * np.array([np.cos(q[0]), np.sin(q[0])])
+    speed2 = arm.l1 * dq[0] * np.array([np.cos(q[0]), np.sin(q[0])]) + arm.lc2 * w12 * np.array(
+        [np.cos(q12), np.sin(q12)]
+    )
+    kinetic = 0.5 * (arm.m1 * np.sum(speed1**2, 0) + arm.m2 * np.sum(speed2**2, 0) + arm.j1 * dq[0] ** 2)
+    kinetic = kinetic + 0.5 * arm.j2 * w12**2
+    height1, height2 = -arm.lc1 * np.cos(q[0]), -arm.l1 * np.cos(q[0]) - arm.lc2 * np.cos(q12)
+    return kinetic + STANDARD_GRAVITY * (arm.m1 * height1 + arm.m2 * height2)
+
+
+def test_energy_is_conserved_without_friction():
+    beta = frictionless(ARM)
+
+    def rate(_, state):
+        q, dq = state[:2], state[2:]
+        return np.concatenate([dq, forward_dynamics(q, dq, np.zeros(2), beta)])
+
+    start = np.array([2.5, -1.0, 1.0, -3.0])  # high enough to tumble
+    run = solve_ivp(rate, (0.0, 5.0), start, method="DOP853", rtol=1e-12, atol=1e-12)
+    total = energy(ARM, run.y[:2], run.y[2:])
+    assert np.ptp(run.y[1]) > np.pi  # the motion is a large one
+    np.testing.assert_allclose(total, energy(ARM, start[:2], start[2:]), rtol=0, atol=1e-8)
+
+
+def test_energy_grows_by_the_work_of_the_torque_less_that_of_friction():
+    viscous, coulomb = np.array([0.05, 0.02]), np.array([0.3, 0.1])
+    beta = np.concatenate([inertial_from_links(ARM), viscous, coulomb])
+
+    def rate(t, state):
+        q, dq = state[:2], state[2:4]
+        tau = np.array([4.0 * np.sin(3.0 * t), np.cos(5.0 * t)])
+        dissipated = viscous * dq + coulomb * np.tanh(20.0 * dq)
+        return np.concatenate([dq, forward_dynamics(q, dq, tau, beta), [dq @ tau, dq @ dissipated]])
+
+    start = np.array([0.5, -0.3, 0.0, 0.0, 0.0, 0.0])
+    run = solve_ivp(rate, (0.0, 4.0), start, method="DOP853", rtol=1e-11, atol=1e-11)
+    gain = energy(ARM, run.y[:2], run.y[2:4]) - energy(ARM, start[:2], start[2:4])
+    work, loss = run.y[4], run.y[5]
+    assert np.ptp(work) > 1.0
+    assert loss[-1] > 0.5
+    assert (np.diff(loss) >= -1e-12).all()
+    np.testing.assert_allclose(gain, work - loss, rtol=0, atol=1e-8)
+
+
+@given(seed=seeds)
+def test_regressor_is_the_assembled_equation(seed):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = rng.uniform(-6.0, 6.0, (3, 15, 2))
+    beta = rng.uniform(-2.0, 2.0, 9)  # linear, so true for parameters that no arm has
+    friction = beta[5:7] * dq + beta[7:9] * np.tanh(20.0 * dq)
+    expected = (
+        (mass_matrix(q, beta) @ ddq[..., None])[..., 0]
+        + (coriolis_matrix(q, dq, beta) @ dq[..., None])[..., 0]
+        + gravity_torque(q, beta)
+        + friction
+    )
+    np.testing.assert_allclose(regressor(q.T, dq.T, ddq.T) @ beta, expected.T, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(inverse_dynamics(q.T, dq.T, ddq.T, beta), expected.T, rtol=0, atol=1e-12)
+
+
+@given(seed=seeds, a=st.floats(-3.0, 3.0), b=st.floats(-3.0, 3.0))
+def test_torque_is_linear_in_beta(seed, a, b):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = rng.uniform(-3.0, 3.0, (3, 2, 12))
+    one, two = rng.uniform(0.0, 3.0, (2, 9))
+    mixed = inverse_dynamics(q, dq, ddq, a * one + b * two)
+    parts = a * inverse_dynamics(q, dq, ddq, one) + b * inverse_dynamics(q, dq, ddq, two)
+    np.testing.assert_allclose(mixed, parts, rtol=0, atol=1e-10)
+
+
+def test_each_unit_parameter_picks_its_regressor_column():
+    q, dq, ddq = np.random.default_rng(1).uniform(-3.0, 3.0, (3, 2, 7))
+    columns = np.moveaxis(regressor(q, dq, ddq), -1, 0)
+    np.testing.assert_array_equal(inverse_dynamics(q, dq, ddq, np.eye(9)), columns)
+
+
+def test_identification_trajectory_excites_all_nine_parameters():
+    motion = identification_trajectory()
+    y = regressor(motion.q, motion.dq, motion.ddq).reshape(-1, 9)
+    singular = np.linalg.svd(y / np.linalg.norm(y, axis=0), compute_uv=False)
+    assert singular[-1] > 1e-2 * singular[0]
+
+
+def test_friction_is_viscous_plus_coulomb_tanh_of_velocity():
+    dq = np.array([[-3.0, -0.05, 0.0, 0.01, 2.0], [0.0, 0.1, -0.2, 4.0, -0.03]])
+    q, still = np.full_like(dq, 0.7), np.zeros_like(dq)
+    beta = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.4, 0.6, 0.11, 0.07])
+    expected = np.array([[0.4], [0.6]]) * dq + np.array([[0.11], [0.07]]) * np.tanh(20.0 * dq)
+    np.testing.assert_allclose(inverse_dynamics(q, dq, still, beta), expected, rtol=1e-14)
+    softer = np.array([[0.4], [0.6]]) * dq + np.array([[0.11], [0.07]]) * np.tanh(3.0 * dq)
+    np.testing.assert_allclose(inverse_dynamics(q, dq, still, beta, 3.0), softer, rtol=1e-14)
+    assert LAMBDA == 20.0
+
+
+def test_friction_does_not_depend_on_position():
+    # Eq. 1 prints tanh(lambda q); an arm at rest must feel no friction wherever it stands.
+    q, still = np.array([[1.0, -2.0], [0.5, 3.0]]), np.zeros((2, 2))
+    beta = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(inverse_dynamics(q, still, still, beta), still)
+
+
+def test_batches_equal_one_at_a_time():
+    rng = np.random.default_rng(2)
+    q, dq, ddq = rng.uniform(-3.0, 3.0, (3, 4, 3, 2, 6))
+    betas = rng.uniform(0.1, 2.0, (5, 2, 9))
+    y = regressor(q, dq, ddq)
+    assert y.shape == (4, 3, 2, 6, 9)
+    np.testing.assert_array_equal(y[2, 1], regressor(q[2, 1], dq[2, 1], ddq[2, 1]))
+    torque = rebuild_torque(y[2, 1], betas)
+    assert torque.shape == (5, 2, 2, 6)
+    np.testing.assert_allclose(torque[3, 1], inverse_dynamics(q[2, 1], dq[2, 1], ddq[2, 1], betas[3, 1]), atol=1e-12)
+    shared = regressor(q[0, 0], dq, ddq)  # one position against a batch of velocities
+    np.testing.assert_array_equal(shared[1, 2], regressor(q[0, 0], dq[1, 2], ddq[1, 2]))
+
+
+def test_state_functions_broadcast_states_against_parameter_sets():
+    rng = np.random.default_rng(3)
+    q, dq, tau = rng.uniform(-2.0, 2.0, (3, 6, 2))
+    betas = np.stack([N1, N4])[:, None, :]
+    inertia, coriolis = mass_matrix(q, betas), coriolis_matrix(q, dq, betas)
+    gravity, acceleration = gravity_torque(q, betas), forward_dynamics(q, dq, tau, betas)
+    assert inertia.shape == coriolis.shape == (2, 6, 2, 2)
+    assert gravity.shape == acceleration.shape == (2, 6, 2)
+    np.testing.assert_allclose(inertia[1, 4], mass_matrix(q[4], N4), rtol=1e-14)
+    np.testing.assert_allclose(coriolis[1, 4], coriolis_matrix(q[4], dq[4], N4), rtol=1e-14)
+    np.testing.assert_allclose(gravity[1, 4], gravity_torque(q[4], N4), rtol=1e-14)
+    np.testing.assert_allclose(acceleration[1, 4], forward_dynamics(q[4], dq[4], tau[4], N4), rtol=1e-12)
+
+
+GOOD = np.zeros((2, 5))
+BETA = np.ones(9)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        np.zeros(5),
+        np.zeros((3, 5)),
+        np.zeros((2, 4)),
+        np.full((2, 5), np.nan),
+        np.where(np.arange(5) == 3, np.inf, GOOD),
+    ],
+    ids=["no joint axis", "three joints", "other length", "nan", "inf"],
+)
+def test_bad_motion_is_refused(place, bad):
+    signals = [GOOD, GOOD, GOOD]
+    signals[place] = bad
+    for call in (lambda: regressor(*signals), lambda: inverse_dynamics(*signals, BETA)):
+        with pytest.raises(ValueError, match=r"^(signals?|q|dq|ddq)\b"):
+            call()
+
+
+def test_an_arm_of_three_joints_is_refused():
+    with pytest.raises(ValueError, match=r"must be \(2, N\), got shape \(3, 5\)"):
+        regressor(*np.zeros((3, 3, 5)))
+
+
+@pytest.mark.parametrize("bad", [np.float64(1.0), np.ones(8), np.ones((9, 2)), np.full(9, np.nan), np.full(9, np.inf)])
+def test_bad_beta_is_refused_everywhere(bad):
+    state = np.zeros(2)
+    calls = (
+        lambda: inverse_dynamics(GOOD, GOOD, GOOD, bad),
+        lambda: rebuild_torque(regressor(GOOD, GOOD, GOOD), bad),
+        lambda: mass_matrix(state, bad),
+        lambda: coriolis_matrix(state, state, bad),
+        lambda: gravity_torque(state, bad),
+        lambda: forward_dynamics(state, state, state, bad),
+    )
+    for call in calls:
+        with pytest.raises(ValueError, match=r"^beta: "):
+            call()
+
+
+def test_singular_inertia_matrix_is_refused():
+    massless = np.array([1.0, 0.0, 0.0, 0.5, 0.5, 0.1, 0.1, 0.1, 0.1])
+    with pytest.raises(ValueError, match=r"^beta: the inertia matrix is singular"):
+        forward_dynamics(np.zeros(2), np.zeros(2), np.ones(2), massless)

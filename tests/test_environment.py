@@ -1,0 +1,141 @@
+"""The locks, the conda environment and pyproject.toml name the same versions; set-up refuses what cannot work."""
+
+import os
+import re
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+ROOT = Path(__file__).resolve().parent.parent
+PYTHONS = ["3.11", "3.12", "3.13"]
+CONDA_NAMES = {"matplotlib-base": "matplotlib", "pytorch": "torch", "snakemake-minimal": "snakemake"}
+CONDA_ONLY = {"python", "pip"}
+
+
+def read_lock(name):
+    """Requirements of a lock and the hashes of each, by name; fails on a line that is not a requirement."""
+    requirements, hashes = {}, {}
+    text = re.sub(r"^ *#.*\n", "", (ROOT / name).read_text(encoding="utf-8"), flags=re.MULTILINE)
+    for line in text.replace(" \\\n", " ").splitlines():
+        head, *options = line.split("    --hash=sha256:")
+        requirement = Requirement(head)
+        key = canonicalize_name(requirement.name)
+        assert key not in requirements, f"{name}: {key} is listed twice"
+        assert all(re.fullmatch(r"[0-9a-f]{64} ?", option) for option in options), f"{name}: {key} has a broken hash"
+        requirements[key], hashes[key] = requirement, {option.strip() for option in options}
+    return requirements, hashes
+
+
+def pinned(requirement):
+    """Version of a requirement of the form ``name==version``."""
+    (specifier,) = requirement.specifier
+    assert specifier.operator == "==", requirement
+    return Version(specifier.version)
+
+
+RUNTIME, RUNTIME_HASHES = read_lock("requirements.lock")
+TEST, TEST_HASHES = read_lock("requirements-test.lock")
+LOCK = {**RUNTIME, **TEST}
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+DIRECT = [Requirement(text) for text in PYPROJECT["project"]["dependencies"]]
+DIRECT_TEST = [Requirement(text) for text in PYPROJECT["project"]["optional-dependencies"]["test"]]
+BUILD = [Requirement(text) for text in PYPROJECT["build-system"]["requires"]]
+
+
+def conda_pins():
+    """Versions of ``envs/repro.yaml`` by the name that pip knows them by."""
+    pins = {}
+    for entry in yaml.safe_load((ROOT / "envs" / "repro.yaml").read_text(encoding="utf-8"))["dependencies"]:
+        if isinstance(entry, dict):
+            pins |= dict(line.split("==") for line in entry["pip"])
+            continue
+        name, _, version = entry.partition("=")
+        if name not in CONDA_ONLY:
+            pins[CONDA_NAMES.get(name, name)] = version.split("=")[0]
+    return {canonicalize_name(name): Version(version) for name, version in pins.items()}
+
+
+def test_every_locked_package_is_pinned_and_has_hashes():
+    for requirements, hashes in ((RUNTIME, RUNTIME_HASHES), (TEST, TEST_HASHES)):
+        for name, requirement in requirements.items():
+            assert pinned(requirement).local is None, f"{name}: a local version fits one index only"
+            assert requirement.url is None
+            assert hashes[name], f"{name}: no hash"
+
+
+@pytest.mark.parametrize("file", ["requirements.lock", "requirements-test.lock"])
+def test_the_lock_names_no_place_and_no_cuda_library(file):
+    text = (ROOT / file).read_text(encoding="utf-8")
+    assert not re.search(r"://|--(extra-)?index-url|--find-links|--trusted-host|(^|\s)-[ifce]\s|/", text, re.MULTILINE)
+    requirements, _ = read_lock(file)
+    assert not [name for name in requirements if name.startswith(("nvidia-", "cuda-")) or name == "triton"]
+
+
+def test_the_two_locks_do_not_overlap():
+    assert not RUNTIME.keys() & TEST.keys()
+
+
+@pytest.mark.parametrize("python", PYTHONS)
+def test_direct_dependencies_are_locked_within_their_range(python):
+    for requirements, lock in ((DIRECT, RUNTIME), (BUILD, RUNTIME), (DIRECT_TEST, LOCK)):
+        for requirement in requirements:
+            locked = lock[canonicalize_name(requirement.name)]
+            assert requirement.specifier.contains(pinned(locked)), f"{locked} does not satisfy {requirement}"
+            marker = locked.marker
+            assert marker is None or marker.evaluate({"python_version": python, "python_full_version": python + ".1"})
+
+
+def test_python_range_is_the_one_locked():
+    allowed = SpecifierSet(PYPROJECT["project"]["requires-python"])
+    assert [minor for minor in range(8, 20) if allowed.contains(f"3.{minor}.1")] == [11, 12, 13]
+    for file in ("requirements.lock", "requirements-test.lock"):
+        assert f"for Python {', '.join(PYTHONS)};" in (ROOT / file).read_text(encoding="utf-8").splitlines()[1]
+
+
+def test_conda_versions_equal_the_lock():
+    wrong = {name: (str(v), str(LOCK[name])) for name, v in conda_pins().items() if v != pinned(LOCK[name])}
+    assert not wrong
+
+
+def test_conda_has_every_direct_dependency():
+    names = {canonicalize_name(requirement.name) for requirement in [*DIRECT, *DIRECT_TEST, *BUILD]}
+    assert names == conda_pins().keys()
+
+
+def test_torch_is_pinned_everywhere_and_its_cpu_wheels_are_allowed():
+    (direct,) = [requirement for requirement in DIRECT if requirement.name == "torch"]
+    assert pinned(direct) == pinned(RUNTIME["torch"]) == conda_pins()["torch"] == Version("2.13.0")
+    wheels = dict(
+        reversed(line.split()) for line in (ROOT / "envs" / "torch-cpu.sha256").read_text(encoding="utf-8").splitlines()
+    )
+    assert {name.split("-")[1] for name in wheels} == {"2.13.0+cpu"}
+    assert {name.split("-")[2] for name in wheels} == {f"cp{python.replace('.', '')}" for python in PYTHONS}
+    assert set(wheels.values()) < RUNTIME_HASHES["torch"], "the registry's own wheels are missing"
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+@pytest.mark.parametrize(("answer", "found"), [("Python 3.10.4", "Python 3.10.4"), ("", "()")])
+def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(tmp_path, answer, found):
+    for name in ("Makefile", "requirements.lock", "requirements-test.lock", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    interpreter = tmp_path / "old-python"
+    interpreter.write_text(f'#!/bin/sh\n[ "$1" = -V ] && echo "{answer}"\nexit 1\n', encoding="utf-8")
+    interpreter.chmod(0o755)
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
+    command = ["make", "--silent", "reproduce", f"PYTHON={interpreter}"]
+    run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    said = [line for line in run.stderr.splitlines() if not line.startswith("make:")]
+    assert run.returncode != 0
+    assert len(said) == 1
+    assert said[0].startswith("error: PYTHON: found ")
+    assert found in said[0]
+    assert "expected Python 3.11 to 3.13" in said[0]
+    assert not (tmp_path / ".venv").exists()

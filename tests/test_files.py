@@ -1,0 +1,193 @@
+"""Result files are whole or absent, the same bytes every time, and errors are one line."""
+
+import json
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from repro.errors import InputError
+from repro.files import read_csv, read_json, write_csv, write_json, write_text, write_whole
+
+
+class Interrupted(BaseException):
+    """Stands for a signal that arrives in the middle of a write."""
+
+
+@pytest.mark.parametrize("error", [RuntimeError, Interrupted])
+@pytest.mark.parametrize("old", [None, b"old"])
+def test_a_writer_that_fails_leaves_the_folder_as_it_was(tmp_path, error, old):
+    target = tmp_path / "table.csv"
+    if old is not None:
+        target.write_bytes(old)
+
+    def half(temporary):
+        temporary.write_bytes(b"half a fi")
+        raise error("disk full")
+
+    with pytest.raises(error, match="disk full"):
+        write_whole(target, half)
+    left = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert left == ({} if old is None else {"table.csv": old})
+
+
+def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):
+    target = tmp_path / "figure.pdf"
+    target.write_bytes(b"old")
+    seen = {}
+
+    def fill(temporary):
+        temporary.write_bytes(b"new")
+        seen.update(target=target.read_bytes(), folder=temporary.parent, suffix=temporary.suffix)
+
+    write_whole(target, fill)
+    # Beside the target, so that the rename stays on one file system; same suffix, which picks the file format.
+    assert seen == {"target": b"old", "folder": tmp_path, "suffix": ".pdf"}
+    assert target.read_bytes() == b"new"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_target_that_cannot_be_replaced_leaves_no_temporary_file(tmp_path):
+    target = tmp_path / "taken"
+    target.mkdir()
+    with pytest.raises(OSError, match="taken"):
+        write_text(target, "text")
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_missing_folders_are_made(tmp_path):
+    write_text(tmp_path / "a" / "b" / "c.txt", "text")
+    assert (tmp_path / "a" / "b" / "c.txt").read_text() == "text"
+
+
+@pytest.mark.parametrize(("umask", "mode"), [(0o022, 0o644), (0o077, 0o600)])
+def test_files_get_the_usual_permissions(tmp_path, umask, mode):
+    before = os.umask(umask)
+    try:
+        write_text(tmp_path / "shared.txt", "text")
+        assert os.umask(umask) == umask  # left as it was
+    finally:
+        os.umask(before)
+    assert (tmp_path / "shared.txt").stat().st_mode & 0o777 == mode
+
+
+def test_text_is_utf8_with_unix_line_ends(tmp_path):
+    write_text(tmp_path / "note.md", "τ₁\nβ\n")
+    assert (tmp_path / "note.md").read_bytes() == "τ₁\nβ\n".encode()
+
+
+def test_json_bytes_depend_on_the_content_alone(tmp_path):
+    one, two = tmp_path / "one.json", tmp_path / "two.json"
+    write_json(one, {"b": [1, 0.1], "a": {"y": None, "x": "τ"}})
+    write_json(two, {"a": {"x": "τ", "y": None}, "b": [1, 0.1]})
+    assert one.read_bytes() == two.read_bytes()
+    assert one.read_bytes().endswith(b"}\n")
+    assert read_json(one) == {"a": {"x": "τ", "y": None}, "b": [1, 0.1]}
+    assert list(json.loads(one.read_text())) == ["a", "b"]
+
+
+def test_json_keeps_every_bit_of_a_number(tmp_path):
+    numbers = np.random.default_rng(0).normal(size=200).tolist()
+    write_json(tmp_path / "n.json", numbers)
+    assert read_json(tmp_path / "n.json") == numbers
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), -float("inf")])
+def test_json_refuses_what_json_cannot_hold(tmp_path, bad):
+    target = tmp_path / "result.json"
+    write_json(target, {"total": 0.5})
+    with pytest.raises(ValueError, match="JSON compliant"):
+        write_json(target, {"total": bad})
+    assert read_json(target) == {"total": 0.5}
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_csv_text_is_fixed(tmp_path):
+    frame = pd.DataFrame(
+        {"case": ["N1", "N2"], "joint": [1, 2], "total": [1.0 / 3.0, 1e-20], "sd": [0.5, 123456789.125]}
+    )
+    write_csv(tmp_path / "t.csv", frame)
+    expected = b"case,joint,total,sd\nN1,1,0.3333333333,0.5\nN2,2,1e-20,123456789.1\n"
+    assert (tmp_path / "t.csv").read_bytes() == expected
+
+
+def test_csv_bytes_depend_on_the_content_alone(tmp_path):
+    values = np.random.default_rng(1).normal(size=(50, 3))
+    one = pd.DataFrame(values, columns=list("abc"))
+    two = pd.DataFrame({name: np.asfortranarray(values)[:, k] for k, name in enumerate("abc")}, index=range(100, 150))
+    write_csv(tmp_path / "one.csv", one)
+    write_csv(tmp_path / "two.csv", two)
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def test_csv_round_trip_keeps_ten_digits(tmp_path):
+    numbers = np.random.default_rng(2).normal(size=500) * 10.0 ** np.random.default_rng(3).integers(-12, 12, 500)
+    write_csv(tmp_path / "n.csv", pd.DataFrame({"x": numbers, "n": np.arange(500)}))
+    back = read_csv(tmp_path / "n.csv", ("x", "n"))
+    np.testing.assert_allclose(back["x"], numbers, rtol=5.1e-10)
+    np.testing.assert_array_equal(back["n"], np.arange(500))
+
+
+NAN_JSON = pytest.param(b'{"a": NaN}')
+RAGGED_CSV = pytest.param(b"a,b\n1,2\n1,2,3\n")
+
+
+def assert_one_line(error, path):
+    message = str(error.value)
+    assert message.splitlines() == [message], f"more than one line: {message!r}"
+    assert message.startswith(str(path))
+    assert ": found " in message
+    assert ", expected " in message
+
+
+@pytest.mark.parametrize(
+    "content",
+    [None, b"", b"{'a': 1}", b'{"a": 1', b"\xff\xfe", b'{"a": 1}\n{"b": 2}\n', NAN_JSON],
+    ids=["missing", "empty", "quotes", "cut short", "not text", "two documents", "NaN"],
+)
+def test_unreadable_json_gives_one_line(tmp_path, content):
+    path = tmp_path / "run.json"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError) as error:
+        read_json(path)
+    assert_one_line(error, path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [None, b"", RAGGED_CSV, b'a,b\n"1,2\n', b"\xff\xfe\x00a"],
+    ids=["missing", "empty", "ragged", "open quote", "not text"],
+)
+def test_unreadable_csv_gives_one_line(tmp_path, content):
+    path = tmp_path / "run.csv"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError) as error:
+        read_csv(path)
+    assert_one_line(error, path)
+
+
+@pytest.mark.parametrize("read", [read_json, read_csv])
+def test_a_folder_is_not_a_file(tmp_path, read):
+    with pytest.raises(InputError) as error:
+        read(tmp_path)
+    assert_one_line(error, tmp_path)
+
+
+def test_missing_columns_are_named(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("case,total\nN1,0.9\n")
+    with pytest.raises(InputError) as error:
+        read_csv(path, ("case", "joint", "total", "seeds"))
+    assert_one_line(error, path)
+    assert "no column joint, seeds" in str(error.value)
+    assert "expected columns case, joint, total, seeds" in str(error.value)
+    assert list(read_csv(path, ("case", "total")).columns) == ["case", "total"]
+
+
+def test_input_error_names_place_found_and_expected():
+    error = InputError.at("config/config.yaml: training.steps", -5, "a positive integer")
+    assert str(error) == "config/config.yaml: training.steps: found -5, expected a positive integer"
+    assert isinstance(error, ValueError)

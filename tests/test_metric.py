@@ -1,0 +1,260 @@
+"""The similarity ``metr2ev`` and its fast form for many parameter sets (Algorithm 2, Tables 7 and 10)."""
+
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.fft import dct
+
+from repro.model.dynamics import inverse_dynamics, regressor
+from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, Similarity, TorqueScorer, metr2ev
+from repro.signals.trajectories import identification_trajectory
+
+
+def literal(x, y, exponent=0.4):
+    """Time and frequency similarity of two single signals, in the order of Algorithm 2."""
+    a = np.linalg.norm(x - y) ** 2 / np.linalg.norm(x) ** 2
+    time = 1.0 - a
+    big_x, big_y = dct(x, type=2, norm="ortho"), dct(y, type=2, norm="ortho")
+    frequency = 1.0 - np.linalg.norm(big_x / np.linalg.norm(big_x) - big_y / np.linalg.norm(big_y))
+    return max(time, 0.0) ** exponent, max(frequency, 0.0) ** exponent
+
+
+@given(seed=seeds, n=st.integers(2, 400), unit=st.floats(1e-3, 1e3))
+def test_equal_signals_score_one(seed, n, unit):
+    x = unit * np.random.default_rng(seed).normal(size=n)
+    score = metr2ev(x, x.copy())
+    assert score.time == score.frequency == score.total == 1.0
+
+
+@given(seed=seeds, n=st.integers(2, 400), level=st.floats(1e-2, 0.5), gain=st.floats(0.7, 1.3))
+def test_equals_the_literal_formula(seed, n, level, gain):
+    x, noise = np.random.default_rng(seed).normal(size=(2, n))
+    y = gain * (x + level * np.linalg.norm(x) / np.linalg.norm(noise) * noise)
+    time, frequency = literal(x, y)
+    score = metr2ev(x, y)
+    np.testing.assert_allclose([score.time, score.frequency], [time, frequency], rtol=0, atol=1e-12)
+    assert 0.0 < score.frequency < 1.0
+    np.testing.assert_allclose(score.total, time * frequency, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("angle", [1e-9, 1e-12])
+def test_frequency_resolves_nearly_equal_signals(angle):
+    x, y = np.array([1.0, 0.0]), np.array([np.cos(angle), np.sin(angle)])
+    distance = 1.0 - metr2ev(x, y, MetricSettings(exponent=1.0)).frequency
+    assert distance == pytest.approx(angle, rel=1e-3, abs=1e-15)
+
+
+@given(angle=st.floats(0.01, 1.0), norm=st.floats(1e-3, 1e3))
+def test_equals_the_closed_form_for_a_turned_signal(angle, norm):
+    # |x - y| = 2 |x| sin(angle / 2), in either domain, for two signals of one norm at an angle.
+    x, y = norm * np.array([1.0, 0.0]), norm * np.array([np.cos(angle), np.sin(angle)])
+    chord = 2.0 * np.sin(angle / 2.0)
+    score = metr2ev(x, y)
+    np.testing.assert_allclose(score.time, (1.0 - chord**2) ** 0.4, rtol=1e-11)
+    np.testing.assert_allclose(score.frequency, (1.0 - chord) ** 0.4, rtol=1e-11)
+
+
+@given(seed=seeds, scale=st.floats(1e-3, 1e3))
+def test_frequency_ignores_the_scale_of_the_rebuilt_signal(seed, scale):
+    x, noise = np.random.default_rng(seed).normal(size=(2, 80))
+    y = x + 0.3 * noise
+    np.testing.assert_allclose(metr2ev(x, scale * y).frequency, metr2ev(x, y).frequency, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("scale", "time"), [(0.5, 0.75**0.4), (1.1, 0.99**0.4), (1.9, 0.19**0.4), (2.0, 0.0), (5.0, 0.0)]
+)
+def test_time_sees_the_scale_of_the_rebuilt_signal(scale, time):
+    x = np.sin(np.arange(50.0))
+    score = metr2ev(x, scale * x)
+    assert score.time == pytest.approx(time, abs=1e-6)  # near 0 the power 0.4 turns 1e-16 into 4e-7
+    assert score.frequency == pytest.approx(1.0, abs=1e-7)
+
+
+@given(seed=seeds, unit=st.floats(1e-3, 1e3))
+def test_the_energy_formula_has_no_unit(seed, unit):
+    x, noise = np.random.default_rng(seed).normal(size=(2, 60))
+    y = x + 0.2 * noise
+    np.testing.assert_allclose(metr2ev(unit * x, unit * y).total, metr2ev(x, y).total, rtol=1e-12)
+
+
+def test_opposite_and_orthogonal_signals_score_zero():
+    x = np.sin(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False))
+    assert metr2ev(x, -x).total == 0.0
+    assert metr2ev(x, -x).frequency == 0.0
+    assert metr2ev(x, np.cos(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False))).frequency == 0.0
+
+
+def test_a_zero_rebuilt_signal_scores_zero():
+    score = metr2ev(np.array([1.0, -2.0, 0.5]), np.zeros(3))
+    assert score.time == score.frequency == score.total == 0.0
+
+
+def test_settings_change_the_formula():
+    x = np.array([1.0, 2.0, -1.0, 0.5])
+    y = x + np.array([0.5, -0.1, 0.2, 0.0])
+    mean_square = (0.25 + 0.01 + 0.04) / 4.0
+    score = metr2ev(x, y, MetricSettings(time_formula="mean-square", exponent=1.0))
+    assert score.time == pytest.approx(1.0 - mean_square, rel=1e-14)
+    assert score.frequency == pytest.approx(literal(x, y, 1.0)[1], rel=1e-13)
+    doubled = metr2ev(x, y, MetricSettings(exponent=0.8))
+    assert doubled.total == pytest.approx(metr2ev(x, y).total ** 2, rel=1e-13)
+
+
+def test_batches_equal_one_at_a_time():
+    rng = np.random.default_rng(3)
+    x = rng.normal(size=(2, 30))
+    y = x + 0.3 * rng.normal(size=(5, 4, 2, 30))
+    score = metr2ev(x, y)
+    assert score.time.shape == score.frequency.shape == score.total.shape == (5, 4, 2)
+    one = metr2ev(x[1], y[3, 2, 1])
+    np.testing.assert_allclose([score.time[3, 2, 1], score.frequency[3, 2, 1]], [one.time, one.frequency], rtol=1e-13)
+
+
+# Percentages as printed, joint 1 then joint 2: time, frequency, total.
+PUBLISHED = {
+    "Table 7, N1, 1": (99.77, 97.32, 97.10),
+    "Table 7, N2, 1": (97.32, 97.59, 94.98),
+    "Table 7, N3, 1": (99.61, 98.67, 98.28),
+    "Table 7, N4, 1": (99.85, 97.36, 97.22),
+    "Table 7, N1, 2": (99.68, 98.59, 98.25),
+    "Table 7, N2, 2": (99.94, 99.10, 99.04),
+    "Table 7, N3, 2": (99.61, 98.62, 98.24),
+    "Table 7, N4, 2": (99.01, 97.46, 96.49),
+    "Table 10, algorithm 1, ID, 1": (99.16, 94.34, 93.55),
+    "Table 10, algorithm 1, T1, 1": (99.85, 91.85, 91.72),
+    "Table 10, algorithm 1, T2, 1": (98.64, 91.25, 90.01),
+    "Table 10, algorithm 1, T3, 1": (99.05, 94.81, 93.91),
+    "Table 10, algorithm 1, T4, 1": (99.91, 93.21, 93.12),
+    "Table 10, algorithm 1, ID, 2": (99.91, 94.60, 94.51),
+    "Table 10, algorithm 1, T1, 2": (99.59, 92.28, 91.90),
+    "Table 10, algorithm 1, T2, 2": (99.11, 91.01, 90.02),
+    "Table 10, algorithm 1, T3, 2": (99.55, 92.58, 92.16),
+    "Table 10, algorithm 1, T4, 2": (99.51, 91.56, 91.11),
+    "Table 10, least squares, ID, 1": (99.53, 94.72, 94.27),
+    "Table 10, least squares, T1, 1": (97.95, 91.31, 89.44),
+    "Table 10, least squares, T2, 1": (97.67, 85.22, 83.23),
+    "Table 10, least squares, T3, 1": (98.19, 92.39, 90.71),
+    "Table 10, least squares, T4, 1": (99.64, 91.73, 91.41),
+    "Table 10, least squares, ID, 2": (99.80, 94.04, 93.86),
+    "Table 10, least squares, T1, 2": (99.98, 91.67, 91.65),
+    "Table 10, least squares, T2, 2": (98.65, 89.69, 85.82),
+    "Table 10, least squares, T3, 2": (98.17, 91.98, 90.30),
+    "Table 10, least squares, T4, 2": (99.80, 90.96, 90.78),
+}
+
+# Half a unit in the last place of each factor and of the total.
+PRINT_ROUNDING = 0.015
+
+# Printed totals that their own printed factors contradict, and what the factors give.
+CONTRADICTORY = {
+    "Table 7, N1, 2": 98.27,
+    "Table 10, algorithm 1, T2, 2": 90.20,
+    "Table 10, least squares, T2, 2": 88.48,
+}
+
+
+@pytest.mark.parametrize("cell", PUBLISHED)
+def test_total_is_composed_as_published(cell):
+    time, frequency, printed = PUBLISHED[cell]
+    total = 100.0 * Similarity(np.array(time / 100.0), np.array(frequency / 100.0)).total
+    assert total == pytest.approx(CONTRADICTORY.get(cell, printed), abs=PRINT_ROUNDING)
+    assert (abs(total - printed) > PRINT_ROUNDING) == (cell in CONTRADICTORY)
+
+
+MOTION = identification_trajectory()
+Y = regressor(MOTION.q, MOTION.dq, MOTION.ddq)
+
+
+def score_both_ways(true, betas, settings=PUBLISHED_METRIC):
+    """Similarity of `betas` to the arm `true` on Eq. 10: by inner products, and by metr2ev on the signals."""
+    tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, true)
+    rebuilt = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, betas)
+    return TorqueScorer(tau, Y, settings)(betas), metr2ev(tau, rebuilt, settings)
+
+
+@pytest.mark.parametrize("formula", ["energy", "mean-square"])
+@settings(max_examples=25)
+@given(seed=seeds)
+def test_scorer_equals_metr2ev_for_random_parameters(formula, seed):
+    rng = np.random.default_rng(seed)
+    true = rng.uniform(1e-3, 1.0, 9)
+    betas = true * rng.uniform(0.3, 1.7, (40, 9))
+    betas[:5] = rng.uniform(-3.0, 3.0, (5, 9))
+    fast, slow = score_both_ways(true, betas, MetricSettings(formula))
+    for quick, exact in ((fast.time, slow.time), (fast.frequency, slow.frequency)):
+        # Near 0 the power 0.4 turns a rounding of 1e-15 into 1e-6; elsewhere it stays small.
+        tolerance = np.where(exact < 1e-3, 1e-6, 1e-11)
+        np.testing.assert_array_less(np.abs(quick - exact), tolerance)
+
+
+@settings(max_examples=40)
+@given(seed=seeds, exponent=st.integers(-16, -3))
+def test_scorer_equals_metr2ev_for_nearly_equal_parameters(seed, exponent):
+    # 1 - cos cancels to about 1e-15, so the distance of the spectra is known to about 5e-8 and no better.
+    rng = np.random.default_rng(seed)
+    true = rng.uniform(1e-3, 1.0, 9)
+    betas = true * (1.0 + 10.0**exponent * rng.uniform(-1.0, 1.0, (20, 9)))
+    betas[0] = true
+    fast, slow = score_both_ways(true, betas)
+    np.testing.assert_allclose(fast.time, slow.time, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(fast.frequency, slow.frequency, rtol=0, atol=1e-7)
+
+
+def test_scorer_ranks_as_metr2ev_does_and_keeps_batch_shapes():
+    rng = np.random.default_rng(8)
+    true = rng.uniform(0.1, 1.0, 9)
+    betas = true * rng.uniform(0.8, 1.2, (4, 50, 9))
+    tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, true)
+    score = TorqueScorer(tau, Y)(betas)
+    assert score.total.shape == (4, 50, 2)
+    exact = metr2ev(tau, inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, betas)).total
+    np.testing.assert_array_equal(score.total.mean(-1).argmax(-1), exact.mean(-1).argmax(-1))
+
+
+def test_scorer_gives_zero_for_parameters_that_rebuild_nothing():
+    score = TorqueScorer(inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, np.ones(9)), Y)(np.zeros(9))
+    np.testing.assert_array_equal([score.time, score.frequency], np.zeros((2, 2)))
+
+
+TAU = np.ones((2, 6))
+REGRESSOR = np.ones((2, 6, 9))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: metr2ev(np.zeros(4), np.ones(4)), r"^x: .*zero throughout"),
+        (lambda: metr2ev(np.stack([np.ones(4), np.zeros(4)]), np.ones(4)), r"^x: .*zero throughout"),
+        (lambda: metr2ev(np.ones(4), np.ones(5)), r"^x, y: lengths differ"),
+        (lambda: metr2ev(np.array([1.0, np.nan]), np.ones(2)), r"^x: every sample must be finite"),
+        (lambda: metr2ev(np.empty(0), np.empty(0)), r"^x: .*at least one sample"),
+        (lambda: MetricSettings(time_formula="power"), r"^time_formula: .*'power'"),
+        (lambda: MetricSettings(exponent=0.0), r"^exponent: "),
+        (lambda: MetricSettings(exponent=np.nan), r"^exponent: "),
+        (lambda: TorqueScorer(TAU[:, :5], REGRESSOR), r"^tau, y: shapes"),
+        (lambda: TorqueScorer(TAU, REGRESSOR[..., :8]), r"^tau, y: shapes"),
+        (lambda: TorqueScorer(np.where(TAU > 0, np.nan, TAU), REGRESSOR), r"^tau, y: every value must be finite"),
+        (lambda: TorqueScorer(TAU, np.inf * REGRESSOR), r"^tau, y: every value must be finite"),
+        (lambda: TorqueScorer(TAU * [[1.0], [0.0]], REGRESSOR), r"^tau: .*zero throughout"),
+        (lambda: TorqueScorer(TAU, REGRESSOR)(np.ones(8)), r"^beta: "),
+        (lambda: TorqueScorer(TAU, REGRESSOR)(np.full(9, np.nan)), r"^beta: "),
+    ],
+)
+def test_broken_arguments_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_broken_rebuilt_signal_is_named(bad):
+    with pytest.raises(ValueError, match=r"^y: every sample must be finite"):
+        metr2ev(np.ones(3), np.array([1.0, bad, 1.0]))
+
+
+@pytest.mark.parametrize(("tau", "y"), [(TAU[0], REGRESSOR[0]), (np.ones((3, 6)), np.ones((3, 6, 9)))])
+def test_scorer_refuses_other_than_two_joints(tau, y):
+    with pytest.raises(ValueError, match=r"^tau, y: shapes"):
+        TorqueScorer(tau, y)
