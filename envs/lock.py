@@ -6,9 +6,10 @@ Each interpreter resolves the dependencies with pip-tools in a throw-away enviro
 the others, so that a package has one version everywhere; a package that only some interpreters need gets a marker.
 Two things differ from what the resolver says: the CUDA libraries that the registry's build of PyTorch asks for are
 left out, and PyTorch's CPU wheels (``envs/torch-cpu.sha256``), which the registry does not hold, are allowed beside
-its own files.
+its own files. Pip's configuration files and further indexes are ignored, so that the lock says the same everywhere.
 """
 
+import os
 import re
 import subprocess
 import sys
@@ -21,6 +22,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PIP_TOOLS = "pip-tools==7.6.2"
 CUDA = re.compile(r"(nvidia|cuda)-.*|triton")
+ONE_REGISTRY = {k: v for k, v in os.environ.items() if k not in {"PIP_FIND_LINKS", "PIP_EXTRA_INDEX_URL"}}
+ONE_REGISTRY["PIP_CONFIG_FILE"] = os.devnull
 TITLES = {
     "requirements.lock": "What running the project needs.",
     "requirements-test.lock": "What its tests and checks need besides requirements.lock.",
@@ -83,10 +86,11 @@ def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dic
     subprocess.run([interpreter, "-m", "venv", folder], check=True)
     python = folder / "bin" / "python"
     output = folder / "compiled.txt"
-    subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True)
+    subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True, env=ONE_REGISTRY)
     options = ["--extra=test", "--generate-hashes", "--allow-unsafe", "--strip-extras", "--no-header", "--quiet"]
     options += ["--no-emit-options", f"--constraint={constraints}", f"--output-file={output}"]
-    subprocess.run([python, "-m", "piptools", "compile", *options, "pyproject.toml"], cwd=ROOT, check=True)
+    command = [python, "-m", "piptools", "compile", *options, "pyproject.toml"]
+    subprocess.run(command, cwd=ROOT, check=True, env=ONE_REGISTRY)
     show = "import sys; print('%d.%d' % sys.version_info[:2])"
     version = subprocess.run([python, "-c", show], check=True, capture_output=True, text=True).stdout.strip()
     return version, parse_compiled(output.read_text(encoding="utf-8"))

@@ -1,7 +1,6 @@
-"""The configuration: checked against its schema, then turned into settings."""
+"""The configuration file, checked against its schema: one line for whatever is wrong."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,53 +8,7 @@ import jsonschema
 import numpy as np
 import yaml
 
-from repro.cnn.dataset import DataSettings, SignalSettings
-from repro.cnn.image import ImageSettings
-from repro.cnn.network import NetworkSettings
-from repro.cnn.priors import GuessSettings
-from repro.cnn.train import PaperSchedule, TrainingSettings
 from repro.errors import InputError
-from repro.identify.algorithm1 import SearchSettings
-from repro.identify.refinement import RefinementSettings
-from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading
-from repro.signals.metric import MetricSettings
-
-
-@dataclass(frozen=True)
-class NumericSettings:
-    """The numeric experiment of Section V-B.
-
-    Attributes
-    ----------
-    seeds : tuple of int
-        One repetition each; they seed the guesses and the validation trajectory.
-    margin : int
-        Samples recorded before and after the trajectory, which **cut** removes.
-    validation_reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in the filter that makes the validation trajectory.
-    arms : dict
-        Name of each test arm and its nine parameters.
-    """
-
-    seeds: tuple[int, ...]
-    margin: int
-    validation_reading: FrequencyReading
-    arms: dict[str, Array]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Everything a rule needs, from one configuration."""
-
-    signals: SignalSettings
-    metric: MetricSettings
-    network: NetworkSettings
-    data: dict[str, DataSettings]
-    training: TrainingSettings
-    search: SearchSettings
-    refinement: RefinementSettings
-    numeric: NumericSettings
 
 
 def _finite(value: object, place: str) -> None:
@@ -139,74 +92,3 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
         _finite(config, "")
     except InputError as error:
         raise InputError(f"{_origin(files, str(error).split(':')[0].split('.'))}: {error}") from error
-
-
-def load_settings(config: Mapping[str, Any]) -> Settings:
-    """Turn a checked configuration into settings.
-
-    Parameters
-    ----------
-    config : mapping
-        Configuration that `check_config` accepted.
-
-    Returns
-    -------
-    Settings
-        Frozen settings.
-
-    Raises
-    ------
-    InputError
-        If values are each valid but do not go together.
-    """
-    signals, data, search, numeric = (config[k] for k in ("signals", "data", "algorithm1", "numeric"))
-    try:
-        guess = GuessSettings(
-            data["guess_low"],
-            data["guess_high"],
-            data["exact_share"],
-            data["near_share"],
-            data["near_low"],
-            data["near_high"],
-        )
-        metric = MetricSettings(**config["metric"])
-        training = {k: v for k, v in config["training"].items() if k != "paper"}
-        return Settings(
-            signals=SignalSettings(
-                signals["sampling_period_s"],
-                signals["filter_coefficient"],
-                signals["frequency_reading"],
-                signals["image_samples"],
-                signals["duration_s"],
-                signals["normalise_motion"],
-            ),
-            metric=metric,
-            network=NetworkSettings(
-                signals["image_samples"],
-                hidden=tuple(config["network"]["hidden"]),
-                sigmoid_gain=config["network"]["sigmoid_gain"],
-            ),
-            data={
-                name: DataSettings(data["prior"], guess, ImageSettings(**image))
-                for name, image in config["images"].items()
-            },
-            training=TrainingSettings(**training, paper=PaperSchedule(**config["training"]["paper"])),
-            search=SearchSettings(
-                search["executions"],
-                search["inner_limit"],
-                search["threshold_numeric"],
-                search["guess_low"],
-                search["guess_high"],
-                search["feasibility"],
-                metric,
-            ),
-            refinement=RefinementSettings(**config["refinement"]),
-            numeric=NumericSettings(
-                tuple(numeric["seeds"]),
-                numeric["margin_samples"],
-                numeric["validation_frequency_reading"],
-                {name: np.array(beta, dtype=np.float64) for name, beta in numeric["arms"].items()},
-            ),
-        )
-    except ValueError as error:
-        raise InputError(f"configuration: {error}") from error

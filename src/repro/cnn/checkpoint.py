@@ -1,6 +1,7 @@
 """Weights and training state on disk, as safetensors: no pickle, whole or absent."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -99,7 +100,9 @@ def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
     return network.requires_grad_(False)
 
 
-def save_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optimizer, progress: Progress) -> None:
+def save_checkpoint(
+    path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress
+) -> None:
     """Write weights, optimiser state and progress.
 
     Parameters
@@ -108,18 +111,19 @@ def save_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optim
         Destination.
     network : nn.Module
         Network being trained.
-    optimiser : torch.optim.Optimizer
-        Its optimiser.
+    optimisers : sequence of torch.optim.Optimizer
+        Its optimisers.
     progress : Progress
         Where the run stands.
     """
     tensors = {f"network.{name}": t for name, t in network.state_dict().items()}
-    for index, state in optimiser.state_dict()["state"].items():
-        tensors |= {f"optimiser.{index}.{key}": t for key, t in state.items() if isinstance(t, Tensor)}
+    for which, optimiser in enumerate(optimisers):
+        for index, state in optimiser.state_dict()["state"].items():
+            tensors |= {f"{which}.{index}.{key}": t for key, t in state.items() if isinstance(t, Tensor)}
     _write(path, tensors, {"progress": json.dumps(progress.__dict__)})
 
 
-def load_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optimizer) -> Progress:
+def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer]) -> Progress:
     """Restore what `save_checkpoint` wrote, or start anew if there is no file.
 
     Parameters
@@ -128,8 +132,8 @@ def load_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optim
         File to continue from.
     network : nn.Module
         Receives the weights.
-    optimiser : torch.optim.Optimizer
-        Receives its state.
+    optimisers : sequence of torch.optim.Optimizer
+        Receive their states.
 
     Returns
     -------
@@ -141,11 +145,13 @@ def load_checkpoint(path: Path, network: nn.Module, optimiser: torch.optim.Optim
     tensors, metadata = _read(path)
     prefix = "network."
     network.load_state_dict({n.removeprefix(prefix): t for n, t in tensors.items() if n.startswith(prefix)})
-    state: dict[int, dict[str, Tensor]] = {}
-    for name, tensor in tensors.items():
-        if name.startswith("optimiser."):
-            _, index, key = name.split(".")
-            state.setdefault(int(index), {})[key] = tensor
-    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
+    for which, optimiser in enumerate(optimisers):
+        state: dict[int, dict[str, Tensor]] = {}
+        for name, tensor in tensors.items():
+            owner, _, rest = name.partition(".")
+            if owner == str(which):
+                index, _, key = rest.partition(".")
+                state.setdefault(int(index), {})[key] = tensor
+        optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
     raw = json.loads(metadata["progress"])
     return Progress(raw["step"], raw["loss_sum"], raw["seconds"], [tuple(row) for row in raw["rows"]])

@@ -147,15 +147,10 @@ def select(beta_m: Array, prepared: Prepared, settings: SearchSettings) -> Selec
     Returns
     -------
     Selected
-        The most similar set.
-
-    Raises
-    ------
-    ValueError
-        If there is no estimate to select from.
+        The most similar set; all zeros with similarity 0, where line 11 starts, if no estimate was possible.
     """
     if not len(beta_m):
-        raise ValueError("beta_m: no guess led to a physically possible estimate; raise inner_limit or executions.")
+        return Selected(np.zeros(9), 0.0)
     similarity = TorqueScorer(prepared.tau / prepared.largest, prepared.y, settings.metric)(beta_m).total.mean(-1)
     best = int(similarity.argmax())
     beta_o = beta_m[best]  # line 30

@@ -1,0 +1,62 @@
+# Rebuilds every table and figure. Stages: data -> train -> identify -> validate -> render.
+from pathlib import Path
+
+from snakemake.utils import min_version
+
+from repro.pipeline.start import accept_config, hold_folder
+
+min_version("9.0")
+
+
+configfile: "config/config.yaml"
+
+
+if workflow.is_main_process:
+    accept_config(config, Path(workflow.basedir) / "workflow/schemas/config.schema.yaml", workflow.configfiles)
+    ALIVE = hold_folder(Path(".snakemake"))
+
+
+R = config["results"]
+F = config["figures"]
+FIGURES = [f"fig{n:02d}" for n in range(5, 18)]
+TABLES = [f"table{n:02d}" for n in range(2, 8)]
+
+
+wildcard_constraints:
+    suffix="|-scale-aware|-paper-recipe",
+    seed=r"\d+",
+
+
+report: "workflow/report/workflow.rst"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/data.smk"
+include: "workflow/rules/train.smk"
+include: "workflow/rules/identify.smk"
+include: "workflow/rules/validate.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/metric_search.smk"
+
+
+localrules:
+    all,
+    paper_recipe,
+
+
+rule all:
+    default_target: True
+    input:
+        expand(f"{F}/{{figure}}.{{ext}}", figure=[*FIGURES, "metric_search"], ext=["pdf", "png"]),
+        expand(f"{R}/tables/{{table}}.{{ext}}", table=[*TABLES, "metric_search"], ext=["csv", "tex", "md"]),
+    message:
+        "All tables and figures are up to date"
+
+
+# The paper's own training schedule takes about half an hour, so it is a target of its own.
+rule paper_recipe:
+    input:
+        f"{R}/validation/numeric-paper-recipe.csv",
+    message:
+        "Numeric experiment with the published training schedule is up to date"

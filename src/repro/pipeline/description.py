@@ -1,0 +1,154 @@
+"""Tables 2 and 3, Figure 7 and the model card: what the parameters and the network are."""
+
+import hashlib
+from pathlib import Path
+
+import pandas as pd
+
+from repro.cnn.dataset import DataSettings
+from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.cnn.train import TrainingSettings
+from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
+
+
+def parameter_description() -> pd.DataFrame:
+    """Table 2: the nine parameters, rebuilt from Eq. 1."""
+    return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
+
+
+def architecture(settings: NetworkSettings) -> pd.DataFrame:
+    """Figure 7: every layer with its size and number of parameters.
+
+    Parameters
+    ----------
+    settings : NetworkSettings
+        Sizes.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``layer, kind, height, width, channels, kernel, parameters``.
+    """
+    net = SignalCNN(settings)
+    k, maps, (p1, p2, p3) = settings.kernels, settings.maps, settings.pooled
+
+    def count(name: str) -> int:
+        return sum(p.numel() for p in getattr(net, name).parameters())
+
+    rows = [
+        ("input", "input", settings.image_size, settings.image_size, 2, "", 0),
+        ("conv1", "convolution", 2 * p1, 2 * p1, maps, f"{k[0]}x{k[0]}x2x{maps}", count("conv1")),
+        ("pool1", "max pool", p1, p1, maps, "2x2", 0),
+        ("conv2", "convolution", 2 * p2, 2 * p2, maps, f"{k[1]}x{k[1]}x{maps}x{maps}", count("conv2")),
+        ("pool2", "max pool", p2, p2, maps, "2x2", 0),
+        ("conv3", "convolution", p3, p3, maps, f"{k[2]}x{k[2]}x{maps}x{maps}", count("conv3")),
+        ("fc4", "fully connected", 1, 1, settings.hidden[0], "", count("fc4")),
+        ("fc5", "fully connected", 1, 1, settings.hidden[1], "", count("fc5")),
+        ("output", "output", 1, 1, 9, "", count("fc6")),
+    ]
+    return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
+
+
+def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
+    """Table 3: features of the network and its training, rebuilt from Section IV-B.
+
+    Parameters
+    ----------
+    network : NetworkSettings
+        Sizes.
+    training : TrainingSettings
+        Recipe.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``feature, value``.
+    """
+    layers = architecture(network)
+    side = network.image_size
+    rows = [("Input", f"{side} x {side} x 2"), ("Output", "9 parametric residuals")]
+    for row in layers.itertuples():
+        size = f"{row.height} x {row.width} x {row.channels}"
+        if row.kind == "convolution":
+            rows.append((f"Layer {str(row.layer)[-1]}, convolution", f"kernels {row.kernel}, output {size}"))
+        elif row.kind == "max pool":
+            rows.append((f"Layer {str(row.layer)[-1]}, max pool", f"window 2 x 2, output {size}"))
+        elif row.kind in {"fully connected", "output"}:
+            number = {"fc4": 4, "fc5": 5, "output": 6}[str(row.layer)]
+            rows.append((f"Layer {number}, fully connected", f"{row.channels} units"))
+    rows += [
+        ("Activation, layers 1 to 5", "ReLU (Eq. 12)"),
+        ("Activation, layer 6", f"sigmoid (Eq. 13), c = {network.sigmoid_gain:g}"),
+        ("Parameters", str(int(layers["parameters"].sum()))),
+        ("Loss", "half mean square error of sigmoids"),
+        ("Recipe", training.recipe),
+        ("Training iterations", str(training.steps)),
+        ("Images in an iteration", str(training.batch)),
+    ]
+    return pd.DataFrame(rows, columns=["feature", "value"])
+
+
+def model_card(
+    weights: Path,
+    history: pd.DataFrame,
+    network: NetworkSettings,
+    data: DataSettings,
+    training: TrainingSettings,
+    seconds_at: list[float],
+) -> str:
+    """What a user of the weights wants to know, as Markdown.
+
+    Parameters
+    ----------
+    weights : Path
+        Weight file, for its name and hash.
+    history : DataFrame
+        Columns of `repro.cnn.train.HISTORY_COLUMNS`.
+    network, data, training : settings
+        What it was trained with.
+    seconds_at : list of float
+        Wall time at each row of the history.
+
+    Returns
+    -------
+    str
+        The card. It holds wall times, so it differs from run to run, unlike the weights.
+    """
+    layers = architecture(network)
+    last = history.iloc[-1]
+    below = history.index[history["test_loss"] <= 1e-3]
+    reached = (
+        f"step {int(history['step'][below[0]])}, after {seconds_at[below[0]]:.0f} s"
+        if len(below)
+        else "not reached in this budget"
+    )
+    digest = hashlib.sha256(weights.read_bytes()).hexdigest()
+    size = [f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
+            for r in layers.itertuples()]  # fmt: skip
+    lines = [
+        f"# Model card: {weights.name}",
+        "",
+        "Reads the nine parametric residuals of a two-joint arm off the 100 x 100 x 2 signal image of Eq. 9.",
+        "Trained on torques computed by numeric substitution in Eq. 1; no measured data.",
+        "",
+        "| layer | kind | output | kernel | parameters |",
+        "|---|---|---|---|---|",
+        *size,
+        "",
+        f"- Parameters: {int(layers['parameters'].sum())}",
+        f"- Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, "
+        f"{training.precision} arithmetic in layers 1 to 4",
+        f"- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, "
+        f"the rest uniform on {data.guess.low:g} to {data.guess.high:g}",
+        f"- Image: Z1 divided by {data.image.scale}"
+        + (f" ({data.image.constant:g})" if data.image.scale == "constant" else ""),
+        f"- Final loss: training {last['train_loss']:.3e}, held-out {last['test_loss']:.3e}",
+        f"- Held-out loss of 1e-3: {reached}",
+        f"- Training time: {seconds_at[-1]:.0f} s of wall time",
+        f"- SHA-256 of the weights: `{digest}`",
+        "",
+        "Use: identification of arms that follow Eq. 10's trajectory. Not for other motions: the image's meaning",
+        "depends on the motion. Parameters are read in units of the largest torque.",
+        "",
+    ]
+    return "\n".join(lines)

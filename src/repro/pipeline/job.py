@@ -1,0 +1,54 @@
+"""What every workflow script runs inside: a log with the traceback, one line for bad input, fixed threads."""
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import torch
+
+from repro.errors import InputError
+
+
+@contextmanager
+def job(log: str, threads: int = 1) -> Iterator[None]:
+    """Run a rule's work.
+
+    Parameters
+    ----------
+    log : str
+        The rule's log file; receives progress and, on failure, the traceback.
+    threads : int
+        Threads for torch, fixed so that results do not depend on what else runs.
+
+    Raises
+    ------
+    SystemExit
+        With code 2 after an `InputError`, whose one line goes to the terminal; with code 1 after any other
+        failure, whose traceback is in the log.
+    """
+    path = Path(log)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    root = logging.getLogger()
+    to_file, to_terminal = logging.FileHandler(path, mode="w"), logging.StreamHandler(sys.stderr)
+    to_file.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
+    root.setLevel(logging.INFO)
+    root.addHandler(to_file)
+    root.addHandler(to_terminal)
+    torch.set_num_threads(threads)
+    torch.use_deterministic_algorithms(True)
+    try:
+        yield
+    except InputError as error:
+        root.error("%s", error)
+        raise SystemExit(2) from None
+    except BaseException:
+        to_terminal.setLevel(logging.CRITICAL + 1)  # the traceback goes to the log alone
+        root.exception("failed")
+        print(f"failed: the traceback is in {log}", file=sys.stderr)
+        raise SystemExit(1) from None
+    finally:
+        root.removeHandler(to_terminal)
+        root.removeHandler(to_file)
+        to_file.close()

@@ -1,0 +1,128 @@
+"""Which function makes the numbers of which table and figure."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from repro.cnn.checkpoint import load_network
+from repro.cnn.train import HISTORY_COLUMNS
+from repro.errors import InputError
+from repro.files import read_csv, read_json
+from repro.pipeline import figure_data as draw
+from repro.pipeline.description import architecture, network_features, parameter_description
+from repro.pipeline.numeric import motion_of
+from repro.pipeline.summary import median_seeds, parameter_table, similarity_table
+from repro.settings import data_settings, network_settings, numeric_settings, signal_settings, training_settings
+from repro.signals.trajectories import identification_trajectory
+
+Config = Mapping[str, Any]
+Inputs = Mapping[str, Sequence[Path]]
+
+SCORE_COLUMNS = ("case", "method", "seed", "trajectory", "joint", "time", "frequency", "total")
+
+
+def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
+    """Results of `repro.pipeline.numeric.identify_arms`, checked for what later stages need.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, is not JSON, or lacks a field.
+    """
+    runs = []
+    for path in paths:
+        run = read_json(path)
+        if not isinstance(run, dict) or not {"seed", "variant", "arms"} <= run.keys():
+            raise InputError.at(str(path), "no identification result", "fields seed, variant, arms")
+        runs.append(run)
+    return runs
+
+
+def read_scores(paths: Sequence[Path]) -> pd.DataFrame:
+    """Scores of one or more network variants in one table.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, lacks a column, or holds a value that is not a fraction of 1.
+    """
+    frames = [read_csv(path, SCORE_COLUMNS) for path in paths]
+    for path, frame in zip(paths, frames, strict=True):
+        for column in ("time", "frequency", "total"):
+            wrong = ~frame[column].between(0, 1)
+            if wrong.any():
+                line = int(wrong.to_numpy().argmax()) + 2
+                found = frame[column][wrong].iloc[0]
+                raise InputError.at(f"{path}: line {line}: {column}", found, "a number from 0 to 1")
+    return pd.concat(frames, ignore_index=True)
+
+
+def _scores(inputs: Inputs) -> pd.DataFrame:
+    return read_scores(inputs["scores"])
+
+
+def _search_table(inputs: Inputs) -> pd.DataFrame:
+    return read_csv(inputs["search"][0], ("factor", "candidate", "rms_log_error_best", "chosen"))
+
+
+def _torques(
+    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
+) -> pd.DataFrame:
+    return draw.torques(
+        read_identifications(inputs["identifications"]),
+        _scores(inputs),
+        signal_settings(config),
+        numeric_settings(config),
+        trajectory,
+        cases,
+        in_frequency=in_frequency,
+    )
+
+
+def _validation_trajectory(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Figure 16 shows the trajectory of the seed that stands for N1."""
+    seed = median_seeds(_scores(inputs))["N1", "algorithm1"]
+    return draw.trajectory(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
+
+
+def _id_trajectory(config: Config) -> pd.DataFrame:
+    s = signal_settings(config)
+    return draw.trajectory(identification_trajectory(s.duration, s.h))
+
+
+ALL = ("N1", "N2", "N3", "N4")
+
+FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
+    "fig05": lambda _, c: draw.subsampling(signal_settings(c), numeric_settings(c).arms["N1"]),
+    "fig06": lambda _, c: _id_trajectory(c),
+    "fig07": lambda _, c: architecture(network_settings(c)),
+    "fig08": lambda _, c: draw.example_images(
+        signal_settings(c), data_settings(c, "published"), training_settings(c, "published").seed
+    ),
+    "fig09": lambda _, c: draw.torque_distribution(
+        signal_settings(c), data_settings(c, "published"), training_settings(c, "published").seed
+    ),
+    "fig10": lambda i, _: draw.loss(read_csv(i["history"][0], HISTORY_COLUMNS)),
+    "fig11": lambda i, c: draw.kernel_spectra(load_network(i["weights"][0], network_settings(c))),
+    "fig12": lambda i, c: _torques(i, c, "ID", ("N1", "N2")),
+    "fig13": lambda i, c: _torques(i, c, "ID", ("N3", "N4")),
+    "fig14": lambda i, c: _torques(i, c, "ID", ALL, in_frequency=True),
+    "fig15": lambda i, c: _torques(i, c, "validation", ALL),
+    "fig16": _validation_trajectory,
+    "fig17": lambda i, c: _torques(i, c, "validation", ALL, in_frequency=True),
+    "metric_search": lambda i, _: _search_table(i).rename(columns={"rms_log_error_best": "rms_log_error"})[
+        ["factor", "candidate", "rms_log_error", "chosen"]
+    ],
+}
+
+TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
+    "table02": lambda _, __: parameter_description(),
+    "table03": lambda _, c: network_features(network_settings(c), training_settings(c, "published")),
+    "table04": lambda i, _: parameter_table(read_identifications(i["identifications"]), _scores(i), ("N1", "N2")),
+    "table05": lambda i, _: parameter_table(read_identifications(i["identifications"]), _scores(i), ("N3", "N4")),
+    "table06": lambda i, _: similarity_table(_scores(i), "ID"),
+    "table07": lambda i, _: similarity_table(_scores(i), "validation"),
+    "metric_search": lambda i, _: _search_table(i),
+}

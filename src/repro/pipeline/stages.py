@@ -1,0 +1,138 @@
+"""One function for each workflow script: read inputs, call the room that does the work, write outputs whole."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.cnn.checkpoint import load_network, save_network
+from repro.cnn.dataset import sample_motion
+from repro.cnn.train import HISTORY_COLUMNS, train
+from repro.errors import InputError
+from repro.files import read_csv, write_csv, write_json, write_text
+from repro.model.parameters import Array
+from repro.paper.metric_checks import abstract_check, composition, pair_bounds
+from repro.paper.metric_search import search as search_metric
+from repro.pipeline.description import model_card
+from repro.pipeline.numeric import Experiment, identify_arms, mean_training_torque, score_estimates
+from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA, read_identifications
+from repro.progress import Progress
+from repro.render.figures import draw
+from repro.render.tables import lay_out
+from repro.settings import (
+    data_settings,
+    metric_settings,
+    network_settings,
+    numeric_settings,
+    refinement_settings,
+    search_settings,
+    signal_settings,
+    training_settings,
+)
+from repro.signals.trajectories import identification_trajectory
+
+Config = Mapping[str, Any]
+Named = Iterable[tuple[str, str | Sequence[str]]]
+
+
+def paths(named: Named) -> dict[str, list[Path]]:
+    """Named inputs or outputs of a rule as lists of paths."""
+    return {name: [Path(value)] if isinstance(value, str) else [Path(v) for v in value] for name, value in named}
+
+
+def mean_torque(output: str, config: Config) -> None:
+    """Stage data: mean training torque, which fit2trt needs."""
+    signals = signal_settings(config)
+    tau = mean_training_torque(signals, data_settings(config, "published"), training_settings(config, "published").seed)
+    time = identification_trajectory(signals.duration, signals.h).time
+    write_csv(Path(output), pd.DataFrame({"time": time, "joint1": tau[0], "joint2": tau[1]}))
+
+
+def train_network(variant: str, named_outputs: Named, checkpoint: str, config: Config) -> None:
+    """Stage train: weights, history and model card; continues from `checkpoint` if it is there."""
+    out = {name: files[0] for name, files in paths(named_outputs).items()}
+    signals, network = signal_settings(config), network_settings(config)
+    data, training = data_settings(config, variant), training_settings(config, variant)
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    progress = Progress(f"training, {variant}")
+    trained = train(
+        motion,
+        data,
+        network,
+        training,
+        Path(checkpoint),
+        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
+    )
+    history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
+    save_network(out["weights"], trained.network, {"variant": variant})
+    write_csv(out["history"], history)
+    card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
+    write_text(out["card"], card)
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def read_mean_torque(path: Path) -> Array:
+    """Mean training torque, an array of shape (2, N).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, lacks a column, or holds a value that is not finite.
+    """
+    columns = ("joint1", "joint2")
+    table = read_csv(path, columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
+    wrong = ~np.isfinite(table.to_numpy())
+    if wrong.any():
+        line, column = np.argwhere(wrong)[0]
+        raise InputError.at(f"{path}: line {line + 2}: {columns[column]}", "no finite number", "a torque in N m")
+    tau: Array = table.to_numpy(dtype=np.float64).T
+    return tau
+
+
+def identify_numeric(variant: str, seed: int, named_inputs: Named, output: str, config: Config) -> None:
+    """Stage identify: all arms for one seed."""
+    inputs = paths(named_inputs)
+    network = load_network(inputs["weights"][0], network_settings(config))
+    experiment = Experiment(
+        variant,
+        signal_settings(config),
+        data_settings(config, variant),
+        search_settings(config),
+        refinement_settings(config),
+        numeric_settings(config),
+        read_mean_torque(inputs["mean_torque"][0]),
+    )
+    write_json(Path(output), identify_arms(network, experiment, seed))
+
+
+def score_numeric(identifications: Sequence[str], output: str, config: Config) -> None:
+    """Stage validate: similarity on the identification and validation trajectories."""
+    runs = read_identifications([Path(p) for p in identifications])
+    scores = score_estimates(runs, signal_settings(config), numeric_settings(config), metric_settings(config))
+    write_csv(Path(output), scores)
+
+
+def search_metric_formula(named_outputs: Named, config: Config) -> None:
+    """Search of the metric's formula and the checks of the published similarities."""
+    out = {name: files[0] for name, files in paths(named_outputs).items()}
+    settings = config["metric_search"]
+    write_csv(out["search"], search_metric(settings["seed"], repeats=settings["repeats"]))
+    write_csv(out["composition"], composition())
+    write_csv(out["abstract"], abstract_check().cells)
+    write_csv(out["bounds"], pair_bounds())
+
+
+def make_figure(name: str, named_inputs: Named, named_outputs: Named, config: Config) -> None:
+    """Stage render: numbers of a figure, then the figure drawn from them."""
+    out = {key: files[0] for key, files in paths(named_outputs).items()}
+    write_csv(out["csv"], FIGURE_DATA[name](paths(named_inputs), config))
+    draw(name, out["csv"], out["pdf"], out["png"])
+
+
+def make_table(name: str, named_inputs: Named, named_outputs: Named, config: Config) -> None:
+    """Stage render: a tidy table, then its TeX and Markdown layouts."""
+    out = {key: files[0] for key, files in paths(named_outputs).items()}
+    write_csv(out["csv"], TABLE_DATA[name](paths(named_inputs), config))
+    lay_out(name, out["csv"], out["tex"], out["md"])

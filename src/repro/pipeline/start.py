@@ -1,0 +1,67 @@
+"""What the Snakefile does before it defines a rule: check the configuration, clear locks of dead runs."""
+
+import fcntl
+import shutil
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, TextIO
+
+from repro.config import check_config
+from repro.errors import InputError
+from repro.settings import check_together
+
+
+def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path]) -> None:
+    """Check the configuration; on a fault print its one line and leave with exit code 2.
+
+    Parameters
+    ----------
+    config : mapping
+        Merged configuration.
+    schema : Path
+        Its schema.
+    files : iterable of Path
+        Files it was merged from.
+
+    Raises
+    ------
+    SystemExit
+        With code 2 if something is wrong.
+    """
+    try:
+        check_config(config, schema, files)
+        try:
+            check_together(config)
+        except ValueError as error:
+            raise InputError(f"configuration: {error}") from error
+    except InputError as error:
+        print(error, file=sys.stderr)
+        raise SystemExit(2) from None
+
+
+def hold_folder(state: Path) -> TextIO | None:
+    """Mark this folder as in use until the process ends, and remove locks left by runs that were killed.
+
+    Snakemake's locks outlive a killed run. The operating system's do not: whoever holds this one is alive, so
+    if nobody does, any other lock is stale.
+
+    Parameters
+    ----------
+    state : Path
+        Snakemake's state folder, ``.snakemake``.
+
+    Returns
+    -------
+    file or None
+        Must be kept open for as long as the run lasts; None if another run is alive.
+    """
+    state.mkdir(exist_ok=True)
+    handle = (state / "alive").open("w")
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        handle.close()
+        return None
+    shutil.rmtree(state / "locks", ignore_errors=True)
+    return handle

@@ -1,0 +1,120 @@
+"""Tables 4 to 7 from the runs over all seeds: the median seed, with the spread beside it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from repro.errors import InputError
+from repro.model.parameters import NAMES, UNITS
+
+#: Order of methods in every table.
+METHODS = (
+    "algorithm1",
+    "algorithm1+refinement",
+    "algorithm1+scale-aware",
+    "algorithm1+refinement+scale-aware",
+    "algorithm1+paper-recipe",
+    "algorithm1+refinement+paper-recipe",
+)
+
+
+def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
+    """Seed that stands for a case and method: the one whose ID similarity is the median.
+
+    Parameters
+    ----------
+    scores : DataFrame
+        Result of `repro.pipeline.numeric.score_estimates`.
+
+    Returns
+    -------
+    dict
+        ``(case, method) -> seed``. With an even number of seeds, the better of the two in the middle. The
+        same seed is used for parameters, similarity, validation and figures, so that they belong together.
+    """
+    on_id = scores[scores["trajectory"] == "ID"]
+    mean = on_id.groupby(["case", "method", "seed"], sort=True)["total"].mean()
+    chosen = {}
+    for key, group in mean.reset_index().groupby(["case", "method"]):
+        ordered = group.sort_values("total", kind="stable")["seed"].to_numpy()
+        case, method = (str(k) for k in list(key))
+        chosen[case, method] = int(ordered[len(ordered) // 2])
+    return chosen
+
+
+def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
+    unknown = set(frame["method"]) - set(METHODS)
+    if unknown:
+        raise InputError.at("results: method", sorted(unknown)[0], f"one of {', '.join(METHODS)}")
+    method = pd.Categorical(frame["method"], METHODS, ordered=True)
+    return frame.assign(method=method).sort_values(["method", "case"], kind="stable").astype({"method": str})
+
+
+def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
+    """Table 6 (``ID``) or Table 7 (``validation``).
+
+    Parameters
+    ----------
+    scores : DataFrame
+        Result of `repro.pipeline.numeric.score_estimates`.
+    trajectory : str
+        Motion the torques are rebuilt on.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``: the median seed's values,
+        and the standard deviation of the total over the seeds.
+    """
+    chosen = median_seeds(scores)
+    rows = []
+    here = scores[scores["trajectory"] == trajectory]
+    for key, group in here.groupby(["case", "method", "joint"], sort=True):
+        case, method, joint = list(key)
+        row = group[group["seed"] == chosen[str(case), str(method)]].iloc[0]
+        sd = float(group["total"].std(ddof=1)) if len(group) > 1 else 0.0
+        rows.append((case, method, joint, row["time"], row["frequency"], row["total"], sd, len(group)))
+    columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
+    return _ordered(pd.DataFrame(rows, columns=columns))
+
+
+def parameter_table(
+    identifications: Sequence[Mapping[str, Any]], scores: pd.DataFrame, cases: Sequence[str]
+) -> pd.DataFrame:
+    """Table 4 or 5: true and identified parameters.
+
+    Parameters
+    ----------
+    identifications : sequence of dict
+        Results of `repro.pipeline.numeric.identify_arms`.
+    scores : DataFrame
+        Scores of the same runs.
+    cases : sequence of str
+        Arms in the table.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``case, method, parameter, unit, true, estimate, estimate_sd``: the median seed's estimate
+        and the standard deviation over the seeds.
+    """
+    chosen = median_seeds(scores)
+    rows = []
+    for case in cases:
+        for method in METHODS:
+            runs = {
+                run["seed"]: run["arms"][case]
+                for run in identifications
+                if method in run["arms"][case]["methods"]
+            }  # fmt: skip
+            if not runs:
+                continue
+            estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in runs.values()], columns=list(NAMES))
+            shown = runs[chosen[case, method]]
+            sd = estimates.std(ddof=1) if len(estimates) > 1 else estimates.iloc[0] * 0.0
+            for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True)):
+                estimate = shown["methods"][method]["beta"][k]
+                rows.append((case, method, name, unit, shown["true"][k], estimate, sd[name]))
+    columns = ["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"]
+    return _ordered(pd.DataFrame(rows, columns=columns))

@@ -1,0 +1,149 @@
+"""From sections of a checked configuration to the settings of each room.
+
+Each function reads only the sections it names, so that a workflow rule depends on just what it uses.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.image import ImageSettings
+from repro.cnn.network import NetworkSettings
+from repro.cnn.priors import GuessSettings
+from repro.cnn.train import PaperSchedule, TrainingSettings
+from repro.identify.algorithm1 import SearchSettings
+from repro.identify.refinement import RefinementSettings
+from repro.model.parameters import Array
+from repro.signals.dct import FrequencyReading
+from repro.signals.metric import MetricSettings
+
+Config = Mapping[str, Any]
+
+#: Networks that can be trained: the published image, the scale-aware one, and the published training recipe.
+VARIANTS = ("published", "scale-aware", "paper-recipe")
+
+
+@dataclass(frozen=True)
+class NumericSettings:
+    """The numeric experiment of Section V-B.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        One repetition each; they seed the guesses and the validation trajectory.
+    margin : int
+        Samples recorded before and after the trajectory, which **cut** removes.
+    validation_reading : {"rad_per_s", "hertz", "index"}
+        Unit of omega in the filter that makes the validation trajectory.
+    arms : dict
+        Name of each test arm and its nine parameters, an array of shape (9,).
+    """
+
+    seeds: tuple[int, ...]
+    margin: int
+    validation_reading: FrequencyReading
+    arms: dict[str, Array]
+
+
+def signal_settings(config: Config) -> SignalSettings:
+    """Sampling and filters, from section ``signals``."""
+    s = config["signals"]
+    return SignalSettings(
+        h=s["sampling_period_s"],
+        c_f=s["filter_coefficient"],
+        reading=s["frequency_reading"],
+        samples=s["image_samples"],
+        duration=s["duration_s"],
+        normalise_motion=s["normalise_motion"],
+    )
+
+
+def metric_settings(config: Config) -> MetricSettings:
+    """Formulas of **metr2ev**, from section ``metric``."""
+    return MetricSettings(**config["metric"])
+
+
+def network_settings(config: Config) -> NetworkSettings:
+    """Sizes of the CNN, from sections ``signals`` and ``network``."""
+    n = config["network"]
+    return NetworkSettings(
+        image_size=config["signals"]["image_samples"], hidden=tuple(n["hidden"]), sigmoid_gain=n["sigmoid_gain"]
+    )
+
+
+def data_settings(config: Config, variant: str) -> DataSettings:
+    """Training distribution of a variant, from sections ``data`` and ``images``."""
+    d = config["data"]
+    guess = GuessSettings(
+        d["guess_low"], d["guess_high"], d["exact_share"], d["near_share"], d["near_low"], d["near_high"]
+    )
+    image = "scale-aware" if variant == "scale-aware" else "published"
+    return DataSettings(d["prior"], guess, ImageSettings(**config["images"][image]))
+
+
+def training_settings(config: Config, variant: str) -> TrainingSettings:
+    """Recipe and budget of a variant, from section ``training``."""
+    t = dict(config["training"])
+    paper = dict(t.pop("paper"))
+    steps, batch = paper.pop("steps"), paper.pop("batch")
+    settings = TrainingSettings(**t, paper=PaperSchedule(**paper))
+    if variant == "paper-recipe":
+        return replace(settings, recipe="paper", steps=steps, batch=batch)
+    return settings
+
+
+def search_settings(config: Config) -> SearchSettings:
+    """Constants of Algorithm 1, from sections ``algorithm1`` and ``metric``."""
+    a = config["algorithm1"]
+    return SearchSettings(
+        executions=a["executions"],
+        inner_limit=a["inner_limit"],
+        threshold=a["threshold_numeric"],
+        low=a["guess_low"],
+        high=a["guess_high"],
+        feasibility=a["feasibility"],
+        metric=metric_settings(config),
+    )
+
+
+def refinement_settings(config: Config) -> RefinementSettings:
+    """Budget of the refinement, from section ``refinement``."""
+    return RefinementSettings(**config["refinement"])
+
+
+def numeric_settings(config: Config) -> NumericSettings:
+    """The numeric experiment, from section ``numeric``."""
+    n = config["numeric"]
+    return NumericSettings(
+        seeds=tuple(n["seeds"]),
+        margin=n["margin_samples"],
+        validation_reading=n["validation_frequency_reading"],
+        arms={name: np.array(beta, dtype=np.float64) for name, beta in n["arms"].items()},
+    )
+
+
+def check_together(config: Config) -> None:
+    """Build every setting once, so that values that do not go together are found before any rule runs.
+
+    Parameters
+    ----------
+    config : mapping
+        Configuration that `repro.config.check_config` accepted.
+
+    Raises
+    ------
+    ValueError
+        If two values contradict each other.
+    """
+    signal_settings(config)
+    metric_settings(config)
+    _ = network_settings(config).pooled
+    for variant in VARIANTS:
+        data_settings(config, variant)
+        training_settings(config, variant)
+    search_settings(config)
+    refinement_settings(config)
+    numeric_settings(config)

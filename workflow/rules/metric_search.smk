@@ -1,0 +1,29 @@
+rule search_metric:
+    output:
+        search=f"{R}/metric/search.csv",
+        composition=f"{R}/metric/composition.csv",
+        abstract=f"{R}/metric/abstract.csv",
+        bounds=f"{R}/metric/bounds.csv",
+    log:
+        f"{R}/logs/search_metric.log",
+    benchmark:
+        f"{R}/benchmarks/search_metric.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        config=sections("metric_search"),
+    message:
+        "Searching the formula of metr2ev that explains Table 7"
+    script:
+        "../scripts/search_metric.py"
+
+
+rule metric_search:
+    input:
+        f"{F}/metric_search.pdf",
+        f"{R}/tables/metric_search.csv",
+    message:
+        "Figure and table of the metric search are up to date"

@@ -1,0 +1,26 @@
+rule train:
+    output:
+        weights=f"{R}/model/cnn{{suffix}}.safetensors",
+        history=report(
+            f"{R}/model/training{{suffix}}.csv",
+            category="Model",
+            caption="../report/training.rst",
+        ),
+        card=f"{R}/model/model-card{{suffix}}.md",
+    log:
+        f"{R}/logs/train{{suffix}}.log",
+    benchmark:
+        f"{R}/benchmarks/train{{suffix}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 2
+    resources:
+        mem_mb=3000,
+        runtime=90,
+    params:
+        config=sections("signals", "network", "data", "images", "training"),
+        checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
+    message:
+        "Training the CNN{wildcards.suffix}"
+    script:
+        "../scripts/train.py"

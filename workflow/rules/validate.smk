@@ -1,0 +1,20 @@
+rule score_numeric:
+    input:
+        lambda wildcards: identifications([wildcards.suffix]),
+    output:
+        f"{R}/validation/numeric{{suffix}}.csv",
+    log:
+        f"{R}/logs/score_numeric{{suffix}}.log",
+    benchmark:
+        f"{R}/benchmarks/score_numeric{{suffix}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        config=sections("signals", "metric", "numeric"),
+    message:
+        "Scoring the numeric estimates, network{wildcards.suffix}"
+    script:
+        "../scripts/score_numeric.py"

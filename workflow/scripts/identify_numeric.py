@@ -1,0 +1,13 @@
+"""All numeric arms for one network and one seed."""
+
+from repro.pipeline.job import job
+from repro.pipeline.stages import identify_numeric
+
+with job(snakemake.log[0], snakemake.threads):
+    identify_numeric(
+        snakemake.wildcards.suffix.removeprefix("-") or "published",
+        int(snakemake.wildcards.seed),
+        snakemake.input.items(),
+        snakemake.output[0],
+        snakemake.params.config,
+    )
