@@ -1,9 +1,11 @@
 # Rebuilds every table and figure. Stages: data -> train -> identify -> validate -> render.
+import os
 from pathlib import Path
 
 from snakemake.utils import min_version
 
-from repro.pipeline.start import accept_config, hold_folder
+from repro.pipeline.provenance import write_provenance
+from repro.pipeline.start import accept_config, hold_folder, set_allocator
 
 min_version("9.0")
 
@@ -14,6 +16,7 @@ configfile: "config/config.yaml"
 if workflow.is_main_process:
     accept_config(config, Path(workflow.basedir) / "workflow/schemas/config.schema.yaml", workflow.configfiles)
     ALIVE = hold_folder(Path(".snakemake"))
+    set_allocator(os.environ)
 
 
 R = config["results"]
@@ -60,3 +63,7 @@ rule paper_recipe:
         f"{R}/validation/numeric-paper-recipe.csv",
     message:
         "Numeric experiment with the published training schedule is up to date"
+
+
+onsuccess:
+    write_provenance(Path(R) / "logs/provenance.json", Path(workflow.basedir), workflow.cores)

@@ -89,7 +89,7 @@ def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dic
     subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True, env=ONE_REGISTRY)
     options = ["--extra=test", "--generate-hashes", "--allow-unsafe", "--strip-extras", "--no-header", "--quiet"]
     options += ["--no-emit-options", f"--constraint={constraints}", f"--output-file={output}"]
-    command = [python, "-m", "piptools", "compile", *options, "pyproject.toml"]
+    command = [str(python), "-m", "piptools", "compile", *options, "pyproject.toml"]
     subprocess.run(command, cwd=ROOT, check=True, env=ONE_REGISTRY)
     show = "import sys; print('%d.%d' % sys.version_info[:2])"
     version = subprocess.run([python, "-c", show], check=True, capture_output=True, text=True).stdout.strip()

@@ -19,7 +19,7 @@ from torch import Tensor
 from repro.cnn.checkpoint import Progress, load_checkpoint, save_checkpoint
 from repro.cnn.dataset import DataSettings, SampledMotion, Samples, draw_samples
 from repro.cnn.factored import FactoredCNN, Precision
-from repro.cnn.network import NetworkSettings, sigmoid_loss
+from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
 
 Recipe = Literal["streamed", "paper"]
 RECIPES: tuple[Recipe, ...] = ("streamed", "paper")
@@ -161,10 +161,22 @@ def _batches(
     return _fixed(s, train, start), Samples(fixed.u[cut:], fixed.v[cut:], fixed.residual[cut:])
 
 
-def _optimisers(net: FactoredCNN, s: TrainingSettings) -> list[torch.optim.Optimizer]:
+def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Optimizer]:
     """Gradient descent for the paper's recipe; for the streamed one Muon on the two hidden matrices, Adam elsewhere.
 
-    Muon's orthogonalised steps reach a given loss in a quarter fewer samples than Adam alone here.
+    Muon's orthogonalised steps give a lower loss than Adam alone after the same number of samples.
+
+    Parameters
+    ----------
+    net : SignalCNN
+        Network to train.
+    s : TrainingSettings
+        Recipe and learning rate.
+
+    Returns
+    -------
+    list of torch.optim.Optimizer
+        To be stepped together.
     """
     if s.recipe == "paper":
         return [torch.optim.SGD(net.parameters(), lr=s.paper.learning_rate)]
@@ -236,7 +248,7 @@ def train(
     torch.use_deterministic_algorithms(True)
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)
-    optimisers = _optimisers(net, settings)
+    optimisers = make_optimisers(net, settings)
     gain = 1.0 if settings.recipe == "streamed" else settings.paper.gradient_gain
     progress = load_checkpoint(checkpoint, net, optimisers) if checkpoint else Progress()
     batches, test = _batches(settings, motion, data, progress.step)

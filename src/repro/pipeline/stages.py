@@ -1,11 +1,13 @@
 """One function for each workflow script: read inputs, call the room that does the work, write outputs whole."""
 
+import logging
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import torch
 
 from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import sample_motion
@@ -33,6 +35,8 @@ from repro.settings import (
 )
 from repro.signals.trajectories import identification_trajectory
 
+_LOG = logging.getLogger(__name__)
+
 Config = Mapping[str, Any]
 Named = Iterable[tuple[str, str | Sequence[str]]]
 
@@ -56,6 +60,8 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
     signals, network = signal_settings(config), network_settings(config)
     data, training = data_settings(config, variant), training_settings(config, variant)
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    if training.precision == "bfloat16" and not torch.ops.mkldnn._is_mkldnn_bf16_supported():
+        _LOG.warning("this processor has no bfloat16 arithmetic: training.precision: float32 is faster here")
     progress = Progress(f"training, {variant}")
     trained = train(
         motion,

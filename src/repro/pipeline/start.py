@@ -3,7 +3,7 @@
 import fcntl
 import shutil
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -38,6 +38,26 @@ def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path]
     except InputError as error:
         print(error, file=sys.stderr)
         raise SystemExit(2) from None
+
+
+#: glibc keeps freed blocks instead of returning them: page faults otherwise cost a third of a training step.
+ALLOCATOR = {
+    "MALLOC_MMAP_THRESHOLD_": str(32 << 20),
+    "MALLOC_TRIM_THRESHOLD_": str(8 << 30),
+    "MALLOC_TOP_PAD_": str(256 << 20),
+}
+
+
+def set_allocator(environment: MutableMapping[str, str]) -> None:
+    """Set the allocator of the jobs to come, unless the user has.
+
+    Parameters
+    ----------
+    environment : mutable mapping
+        Environment that the jobs inherit.
+    """
+    for name, value in ALLOCATOR.items():
+        environment.setdefault(name, value)
 
 
 def hold_folder(state: Path) -> TextIO | None:

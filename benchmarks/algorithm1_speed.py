@@ -1,0 +1,51 @@
+"""Algorithm 1 for one arm: seconds after loading, and the cost of an image."""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+import yaml
+
+from repro.cnn.checkpoint import load_network
+from repro.identify.algorithm1 import search, select
+from repro.identify.prepare import prepare
+from repro.identify.residual import ResidualReader
+from repro.model.dynamics import rebuild_torque, regressor
+from repro.pipeline.numeric import mean_training_torque
+from repro.settings import data_settings, network_settings, numeric_settings, search_settings, signal_settings
+from repro.signals.trajectories import identification_trajectory
+
+
+def main() -> None:
+    """Time ten searches of each arm and print the median."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--weights", type=Path, default=Path("results/model/cnn.safetensors"))
+    parser.add_argument("--config", type=Path, default=Path("config/config.yaml"))
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+    torch.set_num_threads(args.threads)
+    config = yaml.safe_load(args.config.read_text(encoding="utf-8"))
+    signals, data = signal_settings(config), data_settings(config, "published")
+    settings, numeric = search_settings(config), numeric_settings(config)
+    network = load_network(args.weights, network_settings(config))
+    motion = identification_trajectory(signals.duration, signals.h, numeric.margin)
+    y = regressor(motion.q, motion.dq, motion.ddq)
+    mean = mean_training_torque(signals, data, 1)
+    for name, beta in numeric.arms.items():
+        seconds, images = [], []
+        for seed in range(10):
+            began = time.perf_counter()
+            n1 = numeric.margin
+            prepared = prepare(motion.q, rebuild_torque(y, beta), mean, signals, n1, n1 + mean.shape[-1])
+            reader = ResidualReader(network, data.image, prepared)
+            select(search(reader, prepared, settings, np.random.default_rng(seed)).beta, prepared, settings)
+            seconds.append(time.perf_counter() - began)
+            images.append(reader.images)
+        cost = 1e3 * np.median(np.array(seconds) / np.array(images))
+        print(f"{name}: {np.median(seconds):.2f} s, {np.median(images):.0f} images, {cost:.3f} ms an image")
+
+
+if __name__ == "__main__":
+    main()

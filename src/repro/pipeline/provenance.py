@@ -1,0 +1,45 @@
+"""A sidecar beside the results: which commit, when, with which programs. Results themselves hold none of this."""
+
+import datetime
+import importlib.metadata
+import platform
+import subprocess
+from pathlib import Path
+
+from repro.files import write_json
+
+PACKAGES = ("repro", "numpy", "scipy", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
+
+
+def commit(folder: Path) -> str:
+    """Commit of a checkout, with ``-dirty`` if files differ from it; ``unknown`` outside one."""
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+
+
+def write_provenance(path: Path, folder: Path, cores: int) -> None:
+    """Write the sidecar after a run that succeeded.
+
+    Parameters
+    ----------
+    path : Path
+        Destination.
+    folder : Path
+        Checkout the run used.
+    cores : int
+        Cores the run was given.
+    """
+    write_json(
+        path,
+        {
+            "commit": commit(folder),
+            "cores": cores,
+            "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            "machine": f"{platform.machine()} {platform.system()}",
+            "packages": {name: importlib.metadata.version(name) for name in PACKAGES},
+            "python": platform.python_version(),
+        },
+    )

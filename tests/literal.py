@@ -1,0 +1,148 @@
+"""Section IV written out one number at a time, from the paper alone: what the fast code is compared with.
+
+Everything is double precision, for one torque and one guess. The only thing borrowed is Eq. 1, which
+test_dynamics.py checks against other programs, and the metric, which test_metric.py checks.
+"""
+
+import math
+
+import numpy as np
+import torch
+
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.model.dynamics import inverse_dynamics
+from repro.signals.metric import metr2ev
+
+# Published test arms (Tables 4 and 5).
+ARMS = {
+    "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
+    "N2": np.array([0.6259, 0.4901, 0.8725, 0.5148, 0.7013, 0.3372, 0.0574, 0.0345, 0.1668]),
+    "N3": np.array([0.5020, 0.9779, 0.5040, 0.4777, 0.5724, 0.0715, 0.3820, 0.0972, 0.5721]),
+    "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
+}
+
+#: A network small enough for tests; its images are 44 x 44 x 2.
+SMALL = NetworkSettings(image_size=44, maps=4, hidden=(16, 8))
+
+
+def cosines(n):
+    """Matrix of Eq. 5: row k holds the k-th orthonormal cosine."""
+    k, i = np.arange(n)[:, None], np.arange(n)[None, :]
+    matrix = np.sqrt(2 / n) * np.cos(np.pi * k * (2 * i + 1) / (2 * n))
+    matrix[0] /= np.sqrt(2)
+    return matrix
+
+
+def low_pass(x, h, c_f):
+    """Eq. 14 with omega in rad/s."""
+    n = x.shape[-1]
+    matrix = cosines(n)
+    omega = np.pi * np.arange(n) / (n * h)
+    return (matrix.T @ (np.exp(-c_f * omega**2)[:, None] * (matrix @ x.T))).T
+
+
+def derivative(x, h, c_f):
+    """Eq. 6; the first sample has no predecessor and takes its neighbour's difference."""
+    difference = np.empty_like(x)
+    for i in range(1, x.shape[-1]):
+        difference[:, i] = (x[:, i] - x[:, i - 1]) / h
+    difference[:, 0] = difference[:, 1]
+    return low_pass(difference, h, c_f)
+
+
+def subsample(x, m):
+    """Fig. 5: the first m bands, back at length m, levels kept."""
+    n = x.shape[-1]
+    return (cosines(m).T @ (cosines(n)[:m] @ x.T)).T * math.sqrt(m / n)
+
+
+def image(alpha, psi, scale="shared-max", constant=4.0):
+    """Eq. 9 for one pair of (2, S) signals: an array (2, S, S), rows psi, columns alpha."""
+
+    def normalize(x):
+        both = [x, x] if scale != "channel-max" else [x[0:1], x[1:2]]
+        return np.stack([(x[d] - both[d].min()) / (both[d].max() - both[d].min()) for d in (0, 1)])
+
+    alpha2 = np.array([[math.log(a + 1e-3) for a in row] for row in normalize(alpha)])
+    psi2 = np.array([[math.log10(p + 1e-3) for p in row] for row in normalize(psi)])
+    z1 = np.stack([np.outer(psi[d], alpha[d]) for d in (0, 1)])
+    z2 = np.stack([np.outer(psi2[d], alpha2[d]) for d in (0, 1)])
+
+    def largest(z):
+        if scale == "channel-max":
+            return np.array([np.abs(z[0]).max(), np.abs(z[1]).max()]).reshape(2, 1, 1)
+        return np.abs(z).max()
+
+    return z1 / (constant if scale == "constant" else largest(z1)) + z2 / largest(z2)
+
+
+def guess_image(alpha, motion, beta_n, scale="shared-max", constant=4.0):
+    """Line 18: image of a torque and a guess; `motion` is the subsampled (q, dq, ddq)."""
+    return image(alpha, 2 * alpha - inverse_dynamics(*motion, beta_n), scale, constant)
+
+
+def read(network, picture):
+    """Lines 19 and 20: sigmoid of the output layer, then its inverse."""
+    with torch.no_grad():
+        y = 1 / (1 + np.exp(-network(torch.from_numpy(picture)[None]).numpy()[0]))
+    return -np.log((1 - y) / y)
+
+
+def plain_twin(network):
+    """The plain network with the same weights, in double precision."""
+    twin = SignalCNN(network.settings)
+    twin.load_state_dict(network.state_dict())
+    return twin.double()
+
+
+def untrained(settings=SMALL, seed=0, residual=None):
+    """A network with random weights; `residual` scales its output layer so that residuals are about that large."""
+    torch.manual_seed(seed)
+    network = FactoredCNN(settings).requires_grad_(False)
+    if residual is not None:
+        network.fc6.weight *= residual
+    return network
+
+
+def algorithm1(network, q, tau, tau_mean, signals, cut, search, streams, scale="shared-max"):
+    """Algorithm 1 line by line, one guess at a time.
+
+    Returns beta_m, the execution and n_e of each of its rows, the images read, beta_o and its similarity.
+    """
+    h, c_f, m = signals.h, signals.c_f, signals.samples
+    dq = derivative(q, h, c_f)  # 1
+    ddq = derivative(dq, h, c_f)  # 2
+    tau = low_pass(tau, h, c_f)  # 3
+    q_c, dq_c, ddq_c, tau_c = (x[:, cut[0] : cut[1]] for x in (q, dq, ddq, tau))  # 4
+    c_p = np.mean([np.linalg.norm(tau_mean[:, k]) / np.linalg.norm(tau_c[:, k]) for k in range(tau_c.shape[1])])  # 5
+    tau_c = tau_c * c_p  # 6
+    *motion, tau_s = (subsample(x, m) for x in (q_c, dq_c, ddq_c, tau_c))  # 7
+    u, i_1, o_v = search.threshold, search.executions, search.inner_limit  # 8, 9, 10
+    beta_m, execution, similarity, images = [], [], [], 0  # 11
+    unit = np.abs(tau_s).max()
+    tau_n = tau_s / unit  # 12
+    for k_t in range(i_1):  # 13
+        n_e, n_it = 0.0, 0  # 14, 15
+        while n_e < u and n_it < o_v:  # 16
+            beta_n = streams[k_t].uniform(search.low, search.high, 9)  # 17
+            r = read(network, guess_image(tau_n, motion, beta_n, scale))  # 18, 19, 20
+            images += 1
+            beta = r + beta_n  # 21
+            if np.any(beta <= 0):  # 22
+                n_e = 0.0  # 23, 24
+            else:
+                tau_r = inverse_dynamics(*motion, beta)  # 26
+                n_e = 0.5 * sum(float(metr2ev(tau_n[j], tau_r[j], search.metric).total) for j in (0, 1))  # 27
+                beta_m.append(beta)  # 29
+                execution.append(k_t)
+                similarity.append(n_e)
+            n_it += 1  # 28
+    if not beta_m:
+        return np.empty((0, 9)), [], [], images, np.zeros(9), 0.0
+    full = [metr2ev(tau_c / unit, inverse_dynamics(q_c, dq_c, ddq_c, b), search.metric).total.mean() for b in beta_m]
+    best = int(np.argmax(full))
+    beta_o = beta_m[best]  # 30
+    tau_r = inverse_dynamics(q_c, dq_c, ddq_c, beta_o)  # 31
+    beta_o = beta_o * np.abs(tau_c).max() / (c_p * np.abs(tau_r).max())  # 32
+    return np.array(beta_m), execution, similarity, images, beta_o, full[best]

@@ -1,0 +1,216 @@
+"""The configuration files are valid, and whatever is wrong with one is told in one line."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from repro.config import check_config
+from repro.errors import InputError
+from repro.pipeline.start import accept_config
+from repro.settings import check_together
+
+ROOT = Path(__file__).resolve().parent.parent
+BASE = ROOT / "config" / "config.yaml"
+SMOKE = ROOT / "config" / "smoke.yaml"
+SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
+
+ONE_LINE = re.compile(r"(?P<file>[^:]+): (?P<field>[^:]+): found (?P<found>.+), expected (?P<expected>.+)")
+
+
+def merge(base, overlay):
+    """Snakemake's way: sections are merged, everything else is replaced."""
+    if isinstance(base, dict) and isinstance(overlay, dict):
+        return {**base, **{key: merge(base.get(key), value) for key, value in overlay.items()}}
+    return overlay
+
+
+def load(*files):
+    config = {}
+    for file in files:
+        config = merge(config, yaml.safe_load(file.read_text(encoding="utf-8")))
+    return config
+
+
+def line_of(message):
+    match = ONE_LINE.fullmatch(message)
+    assert match, f"not one line of file, field, found and expected: {message!r}"
+    return match
+
+
+@pytest.fixture
+def overlay(tmp_path):
+    def write(text):
+        path = tmp_path / "my.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("files", [(BASE,), (BASE, SMOKE)], ids=["full", "smoke"])
+def test_the_configuration_in_the_repository_is_valid(files):
+    config = load(*files)
+    check_config(config, SCHEMA, files)
+    check_together(config)
+
+
+def test_the_smoke_run_writes_to_folders_of_its_own():
+    full, smoke = load(BASE), load(BASE, SMOKE)
+    assert smoke["results"] == full["results"] + "/smoke"
+    assert smoke["figures"] == full["figures"] + "/smoke"
+
+
+def leaves(node, path=()):
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from leaves(value, (*path, key))
+    else:
+        yield path
+
+
+def test_the_smoke_run_changes_budgets_and_folders_only():
+    budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
+    budgets |= {"inner_limit", "threshold_numeric", "restarts", "passes", "results", "figures"}
+    assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
+
+
+NINE = "0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1"
+
+BAD = {
+    "unknown key": ("stepz: 1", "stepz", "unknown", "training"),
+    "unknown key in a section": ("training: {stepz: 1}", "training.stepz", "unknown", "steps"),
+    "unknown key two deep": ("training: {paper: {stepz: 1}}", "training.paper.stepz", "unknown", "steps"),
+    "unknown image": ("images: {third: {scale: constant}}", "images.third", "unknown", "scale-aware"),
+    "unknown key of an image": ("images: {published: {scales: 1}}", "images.published.scales", "unknown", "scale"),
+    "unknown arm": (f"numeric: {{arms: {{N5: [{NINE}, 1.0]}}}}", "numeric.arms.N5", "unknown", "N4"),
+    "emptied section": ("training:", "training", "None", "object"),
+    "value for a section": ("metric: 3", "metric", "3", "object"),
+    "text for a number": ("training: {steps: many}", "training.steps", "many", "integer"),
+    "number that YAML reads as text": ("signals: {filter_coefficient: 1e-4}", "signals.filter_coefficient", "1e-4", "n"),
+    "part of a step": ("training: {steps: 1.5}", "training.steps", "1.5", "integer"),
+    "budget written as a fraction": ("training: {steps: 60.0}", "training.steps", "60.0", "integer"),
+    "truth for a number": ("training: {batch: true}", "training.batch", "True", "integer"),
+    "number for a truth": ("signals: {normalise_motion: 1}", "signals.normalise_motion", "1", "boolean"),
+    "negative budget": ("training: {steps: -5}", "training.steps", "-5", "at least 1"),
+    "no budget": ("algorithm1: {executions: 0}", "algorithm1.executions", "0", "at least 1"),
+    "negative restarts": ("refinement: {restarts: -1}", "refinement.restarts", "-1", "at least 0"),
+    "NaN": ("signals: {filter_coefficient: .nan}", "signals.filter_coefficient", "nan", "finite"),
+    "infinity": ("signals: {duration_s: .inf}", "signals.duration_s", "inf", "finite"),
+    "infinite budget": ("training: {steps: .inf}", "training.steps", "inf", "integer"),
+    "NaN in a list": (f"numeric: {{arms: {{N2: [{NINE}, .nan]}}}}", "numeric.arms.N2[8]", "nan", "finite"),
+    "negative parameter": (f"numeric: {{arms: {{N2: [{NINE}, -1]}}}}", "numeric.arms.N2[8]", "-1", "more than 0"),
+    "short arm": ("numeric: {arms: {N1: [0.1, 0.2, 0.3]}}", "numeric.arms.N1", "[0.1, 0.2, 0.3]", "9 values"),
+    "long arm": (f"numeric: {{arms: {{N1: [{NINE}, 1, 1]}}}}", "numeric.arms.N1", "1, 1]", "9 values"),
+    "no seeds": ("numeric: {seeds: []}", "numeric.seeds", "[]", "at least 1"),
+    "seed given twice": ("numeric: {seeds: [2, 2]}", "numeric.seeds", "[2, 2]", "differ"),
+    "negative seed": ("numeric: {seeds: [1, -2]}", "numeric.seeds[1]", "-2", "at least 0"),
+    "unknown choice": ("data: {prior: normal}", "data.prior", "normal", "log-uniform"),
+    "size that the network does not take": ("signals: {image_samples: 64}", "signals.image_samples", "64", "100"),
+    "percent for a fraction": ("algorithm1: {threshold_numeric: 92.82}", "algorithm1.threshold_numeric", "92", "most 1"),
+    "nothing left to test with": ("training: {paper: {train_share: 1}}", "training.paper.train_share", "1", "than 1"),
+    "absolute folder": ("results: /tmp/results", "results", "/tmp/results", "text"),
+    "folder outside": ("results: ../x", "results", "../x", "text"),
+    "folder outside by a detour": ("figures: a/../../x", "figures", "a/../../x", "text"),
+    "folder with a space": ("figures: my figures", "figures", "my figures", "text"),
+    "folder without a name": ("figures: ''", "figures", "''", "text"),
+}
+
+
+@pytest.mark.parametrize(("text", "field", "found", "expected"), BAD.values(), ids=BAD)
+def test_a_fault_is_one_line_that_names_the_overlay(overlay, text, field, found, expected):
+    file = overlay(text)
+    with pytest.raises(InputError) as error:
+        check_config(load(BASE, file), SCHEMA, [BASE, file])
+    line = line_of(str(error.value))
+    assert line["file"] == str(file)
+    assert line["field"] == field
+    assert found in line["found"]
+    assert expected in line["expected"]
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ("data: {guess_low: 5.0}", ("data.guess_low", "data.guess_high")),
+        ("data: {near_high: 1.0e-4}", ("data.near_low", "data.near_high")),
+        ("data: {exact_share: 0.6, near_share: 0.6}", ("data.exact_share", "data.near_share")),
+        ("algorithm1: {guess_high: 1.0e-4}", ("algorithm1.guess_low", "algorithm1.guess_high")),
+        ("signals: {duration_s: 0.1}", ("signals.duration_s", "signals.sampling_period_s")),
+        ("training: {paper: {images: 10, train_share: 0.01}}", ("training.paper.images", "training.paper.train_share")),
+    ],
+    ids=["guesses", "near guesses", "shares", "guesses of Algorithm 1", "too short to subsample", "empty training set"],
+)
+def test_values_that_contradict_each_other_are_one_line_that_names_the_overlay(overlay, capsys, text, fields):
+    file = overlay(text)
+    with pytest.raises(SystemExit) as stop:
+        accept_config(load(BASE, file), SCHEMA, [BASE, file])
+    assert stop.value.code == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.endswith("\n")
+    line = line_of(said.err[:-1])
+    assert line["file"] == str(file)
+    assert line["field"] in fields
+
+
+@pytest.mark.parametrize("section", [name for name, value in load(BASE).items() if isinstance(value, dict)])
+def test_a_missing_section_is_one_line_that_names_the_file(tmp_path, section):
+    file = tmp_path / "config.yaml"
+    config = load(BASE)
+    del config[section]
+    file.write_text(yaml.safe_dump(config), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        check_config(load(file), SCHEMA, [file])
+    line = line_of(str(error.value))
+    assert (line["file"], line["field"], line["found"]) == (str(file), section, "nothing")
+
+
+def test_a_missing_key_is_named(tmp_path):
+    file = tmp_path / "config.yaml"
+    config = load(BASE)
+    del config["training"]["paper"]["batch"]
+    file.write_text(yaml.safe_dump(config), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        check_config(load(file), SCHEMA, [file])
+    line = line_of(str(error.value))
+    assert (line["file"], line["field"], line["found"]) == (str(file), "training.paper.batch", "nothing")
+
+
+def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):
+    base = tmp_path / "config.yaml"
+    config = load(BASE)
+    config["training"]["steps"] = -1
+    base.write_text(yaml.safe_dump(config), encoding="utf-8")
+    file = overlay("training: {batch: 8}")
+    with pytest.raises(InputError) as error:
+        check_config(load(base, file), SCHEMA, [base, file])
+    assert line_of(str(error.value))["file"] == str(base)
+
+
+def test_a_value_that_no_file_holds_is_not_blamed_on_one():
+    """Snakemake's --config sets values that stand in no file."""
+    config = merge(load(BASE), {"training": {"steps": -1}})
+    with pytest.raises(InputError) as error:
+        check_config(config, SCHEMA, [BASE])
+    line = line_of(str(error.value))
+    assert str(BASE) not in line["file"]
+    assert (line["field"], line["found"]) == ("training.steps", "-1")
+
+
+def test_of_several_faults_the_same_one_is_told_every_time(overlay):
+    file = overlay("training: {steps: -1, batch: -1}\nalgorithm1: {executions: x}\nnumeric: {seeds: []}")
+    messages = set()
+    for _ in range(3):
+        with pytest.raises(InputError) as error:
+            check_config(load(BASE, file), SCHEMA, [BASE, file])
+        messages.add(str(error.value))
+    assert len(messages) == 1
+    line_of(messages.pop())
+
+
+def test_a_valid_configuration_is_accepted_in_silence(capsys):
+    accept_config(load(BASE, SMOKE), SCHEMA, [BASE, SMOKE])
+    said = capsys.readouterr()
+    assert (said.out, said.err) == ("", "")

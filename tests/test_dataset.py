@@ -1,0 +1,156 @@
+"""Training samples by numeric substitution (Eq. 8, Section IV-A)."""
+
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.cnn import dataset
+from repro.cnn.dataset import DataSettings, SampledMotion, SignalSettings, draw_samples, image_regressor, sample_motion
+from repro.cnn.image import ImageSettings, assemble
+from repro.cnn.priors import PRIORS, GuessSettings
+from repro.model.dynamics import inverse_dynamics
+from repro.signals.trajectories import identification_trajectory
+
+# 471 samples over the published 3 pi s.
+SIGNALS = SignalSettings(h=0.02, samples=60)
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+SAMPLED = sample_motion(MOTION, SIGNALS)
+
+#: With a divisor of 1 the factors are alpha and psi themselves.
+BARE = ImageSettings("constant", 1.0)
+EXACT = GuessSettings(exact_share=1.0, near_share=0.0)
+FAR = GuessSettings(exact_share=0.0, near_share=0.0)
+
+
+def draw(seed=0, n=8, motion=SAMPLED, **choices):
+    return draw_samples(np.random.default_rng(seed), n, motion, DataSettings(**choices))
+
+
+def alpha_psi(samples):
+    """Signals of the samples, in double precision."""
+    return samples.v[:, :, 0].astype(float), samples.u[:, :, 0].astype(float)
+
+
+def guesses(samples, model):
+    """Guesses that psi = 2 alpha - f(beta_n) was made with, read off the images."""
+    alpha, psi = alpha_psi(samples)
+    columns = model.reshape(-1, 9)
+    return np.linalg.lstsq(columns, (2 * alpha - psi).reshape(len(alpha), -1).T, rcond=None)[0].T
+
+
+@pytest.mark.parametrize("arm", literal.ARMS)
+def test_torque_is_the_filtered_and_subsampled_inverse_dynamics(arm):
+    tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS[arm])
+    expected = literal.subsample(literal.low_pass(tau, SIGNALS.h, SIGNALS.c_f), SIGNALS.samples)
+    found = SAMPLED.torque @ literal.ARMS[arm]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("reading", ["hertz", "index"])
+def test_reading_of_the_filter_reaches_the_torque(reading):
+    other = sample_motion(MOTION, replace(SIGNALS, reading=reading))
+    assert np.abs(other.torque - SAMPLED.torque).max() > 1e-3
+    np.testing.assert_array_equal(other.model, SAMPLED.model)  # f uses the motion unfiltered: it has no noise
+
+
+@pytest.mark.parametrize("normalise", [False, True])
+def test_model_is_equation_1_on_the_subsampled_motion(normalise):
+    chosen = replace(SIGNALS, normalise_motion=normalise)
+    motion = [literal.subsample(x, SIGNALS.samples) for x in (MOTION.q, MOTION.dq, MOTION.ddq)]
+    if normalise:  # Eq. 8: every signal of every joint by its own maximum
+        motion = [np.stack([row / max(row.max(), -row.min()) for row in x]) for x in motion]
+    sampled = sample_motion(MOTION, chosen)
+    for arm in literal.ARMS.values():
+        np.testing.assert_allclose(sampled.model @ arm, inverse_dynamics(*motion, arm), rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(sampled.torque, SAMPLED.torque)  # the torque is always that of the real motion
+    direct = image_regressor(MOTION.q, MOTION.dq, MOTION.ddq, chosen)
+    np.testing.assert_array_equal(direct, sampled.model)
+
+
+@given(seeds, st.sampled_from(PRIORS))
+def test_label_and_guess_together_are_the_arm_in_units_of_the_largest_torque(seed, prior):
+    """Read the guess off the image, add the label: that set must rebuild the torque the image shows."""
+    samples = draw(seed, prior=prior, image=BARE, guess=FAR)
+    beta_bar = guesses(samples, SAMPLED.model) + samples.residual
+    rebuilt = np.einsum("jma,na->njm", SAMPLED.torque, beta_bar)
+    alpha, _ = alpha_psi(samples)
+    np.testing.assert_allclose(rebuilt, alpha, rtol=0, atol=2e-5)
+
+
+@given(seeds, st.sampled_from(PRIORS))
+def test_largest_torque_of_both_joints_is_one(seed, prior):
+    alpha, _ = alpha_psi(draw(seed, prior=prior))
+    np.testing.assert_array_equal(np.abs(alpha).max((1, 2)), 1.0)
+    assert (np.abs(alpha).max(2) < 1.0).any()  # one maximum for both, not one each
+
+
+@given(seeds)
+def test_an_arm_stronger_by_a_factor_is_the_same_sample(seed):
+    with pytest.MonkeyPatch.context() as patch:
+        draw_arms, weak = dataset.sample_beta, draw(seed)
+        patch.setattr(dataset, "sample_beta", lambda rng, n, prior: 7.0 * draw_arms(rng, n, prior))
+        strong = draw(seed)
+    np.testing.assert_allclose(strong.residual, weak.residual, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(assemble(strong.u, strong.v), assemble(weak.u, weak.v), rtol=0, atol=1e-5)
+
+
+@given(seeds)
+def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
+    same = SampledMotion(SAMPLED.model, SAMPLED.model)  # a torque that f rebuilds without error
+    samples = draw(seed, motion=same, image=BARE, guess=EXACT)
+    alpha, psi = alpha_psi(samples)
+    np.testing.assert_array_equal(samples.residual, 0.0)
+    np.testing.assert_allclose(psi, alpha, rtol=0, atol=1e-6)
+
+
+def test_right_guess_is_only_near_alpha_on_the_published_trajectory():
+    """Subsampling a torque and rebuilding it from a subsampled motion differ where tanh(20 dq) turns over."""
+    signals = SignalSettings()
+    sampled = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    samples = draw(0, 400, sampled, image=BARE, guess=EXACT)
+    alpha, psi = alpha_psi(samples)
+    np.testing.assert_array_equal(samples.residual, 0.0)
+    worst = np.abs(psi - alpha).max((1, 2))
+    assert 0.02 < np.median(worst) < 0.06
+    assert worst.max() < 0.2
+    smooth = SampledMotion(sampled.torque * ([1.0] * 7 + [0.0] * 2), sampled.model * ([1.0] * 7 + [0.0] * 2))
+    alpha, psi = alpha_psi(draw(0, 400, smooth, image=BARE, guess=EXACT))
+    assert np.abs(psi - alpha).max() < 0.02
+
+
+@settings(max_examples=30)
+@given(seeds)
+def test_far_guesses_lie_in_the_published_range(seed):
+    found = guesses(draw(seed, image=BARE, guess=FAR), SAMPLED.model)
+    assert found.min() > 1e-3 - 1e-4
+    assert found.max() < 3.0 + 1e-4
+
+
+def test_shares_of_exact_guesses():
+    residual = draw(0, 4000, guess=GuessSettings(exact_share=0.25)).residual
+    assert (residual == 0).all(1).mean() == pytest.approx(0.25, abs=0.03)
+
+
+@pytest.mark.parametrize("scale", ["shared-max", "channel-max", "constant"])
+def test_factors_are_those_of_equation_9(scale):
+    bare = draw(0, 3, image=BARE)
+    samples = draw(0, 3, image=ImageSettings(scale))
+    for k, (alpha, psi) in enumerate(zip(*alpha_psi(bare), strict=True)):
+        expected = literal.image(alpha, psi, scale)
+        np.testing.assert_allclose(assemble(samples.u[k], samples.v[k]), expected, rtol=0, atol=2e-5)
+
+
+def test_generator_alone_decides_and_samples_are_small():
+    first, again, other = draw(1), draw(1), draw(2)
+    for name in ("u", "v", "residual"):
+        array = getattr(first, name)
+        assert array.dtype == np.float32
+        np.testing.assert_array_equal(array, getattr(again, name))
+        assert not np.array_equal(array, getattr(other, name))
+    assert first.u.shape == first.v.shape == (8, 2, 2, 60)
+    assert first.residual.shape == (8, 9)

@@ -1,0 +1,138 @@
+"""The signal image of Eq. 9 against outer products written out, and its colours (Eq. 16)."""
+
+import literal
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given
+from hypothesis import strategies as st
+
+from repro.cnn.image import SCALES, ImageSettings, assemble, colours, image_factors
+
+scales = st.sampled_from(SCALES)
+
+
+def signals(seed, samples=17):
+    """A torque and a psi of different levels in the two channels, positive and negative."""
+    rng = np.random.default_rng(seed)
+    alpha = rng.normal(size=(2, samples)) * [[1.0], [0.3]] + [[0.2], [-0.1]]
+    psi = rng.normal(size=(2, samples)) * [[0.5], [2.0]] + [[-0.4], [0.3]]
+    return alpha / np.abs(alpha).max(), psi
+
+
+def build(alpha, psi, scale, constant=4.0):
+    return assemble(*image_factors(alpha, psi, ImageSettings(scale, constant)))
+
+
+@given(seeds, scales, st.floats(0.1, 10.0))
+def test_factors_assemble_to_equation_9(seed, scale, constant):
+    alpha, psi = signals(seed)
+    found = build(alpha, psi, scale, constant)
+    np.testing.assert_allclose(found, literal.image(alpha, psi, scale, constant), rtol=0, atol=1e-12)
+
+
+@given(seeds, scales)
+def test_right_guess_gives_the_image_of_the_torque_with_itself(seed, scale):
+    alpha, _ = signals(seed)
+    right = 2 * alpha - alpha  # psi of Eq. 9 where f rebuilds the torque
+    np.testing.assert_allclose(build(alpha, right, scale), literal.image(alpha, alpha, scale), rtol=0, atol=1e-12)
+
+
+@given(seeds, st.floats(0.05, 20.0))
+def test_published_image_is_blind_to_a_common_factor_and_the_scale_aware_one_is_not(seed, factor):
+    alpha, psi = signals(seed)
+    for scale in ("shared-max", "channel-max"):
+        np.testing.assert_allclose(build(alpha, factor * psi, scale), build(alpha, psi, scale), rtol=0, atol=1e-12)
+    change = build(alpha, factor * psi, "constant") - build(alpha, psi, "constant")
+    expected = (factor - 1) * np.stack([np.outer(psi[d], alpha[d]) for d in (0, 1)]) / 4.0
+    np.testing.assert_allclose(change, expected, rtol=1e-9, atol=1e-12)
+
+
+@given(seeds, st.floats(1.5, 20.0))
+def test_one_maximum_for_both_channels_keeps_their_ratio(seed, factor):
+    alpha, psi = signals(seed)
+    uneven = psi * [[1.0], [factor]]
+    own = build(alpha, uneven, "channel-max")
+    np.testing.assert_allclose(own, build(alpha, psi, "channel-max"), rtol=0, atol=1e-12)
+    assert np.abs(build(alpha, uneven, "shared-max") - build(alpha, psi, "shared-max")).max() > 1e-3
+
+
+@given(seeds, scales)
+def test_both_parts_are_at_most_one(seed, scale):
+    alpha, psi = signals(seed)
+    u, v = image_factors(alpha, psi, ImageSettings(scale))
+    parts = u[..., :, None] * v[..., None, :]  # (channel, part, row, column)
+    largest = np.abs(parts).max((2, 3))
+    if scale == "channel-max":
+        np.testing.assert_allclose(largest, 1.0)
+    else:
+        assert largest[:, 1].max() == pytest.approx(1.0)
+    if scale == "shared-max":
+        assert largest[:, 0].max() == pytest.approx(1.0)
+
+
+@given(seeds, scales)
+def test_a_batch_is_its_images_one_by_one(seed, scale):
+    pairs = [signals(seed + k) for k in range(3)]
+    batch = build(np.stack([a for a, _ in pairs]), np.stack([p for _, p in pairs]), scale)
+    for found, (alpha, psi) in zip(batch, pairs, strict=True):
+        np.testing.assert_allclose(found, build(alpha, psi, scale), rtol=0, atol=1e-14)
+
+
+@given(seeds, scales)
+def test_many_guesses_share_one_torque(seed, scale):
+    alpha, _ = signals(seed)
+    psi = np.stack([signals(seed + k)[1] for k in range(3)])
+    u, v = image_factors(alpha, psi, ImageSettings(scale))
+    assert u.shape == v.shape == (3, 2, 2, 17)
+    np.testing.assert_allclose(assemble(u, v)[2], literal.image(alpha, psi[2], scale), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_single_precision_stays_single_and_close(scale):
+    alpha, psi = signals(0, 100)
+    u, v = image_factors(alpha.astype(np.float32), psi.astype(np.float32), ImageSettings(scale))
+    assert u.dtype == v.dtype == np.float32
+    np.testing.assert_allclose(assemble(u, v), literal.image(alpha, psi, scale), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("level", [0.0, -0.7, 1e-300, 3.0])
+@pytest.mark.parametrize("which", ["alpha", "psi", "both", "one channel"])
+def test_constant_signals_give_a_finite_image(scale, level, which):
+    alpha, psi = signals(1)
+    if which in {"alpha", "both"}:
+        alpha = np.full_like(alpha, level)
+    if which in {"psi", "both"}:
+        psi = np.full_like(psi, level)
+    if which == "one channel":
+        alpha[1] = psi[1] = level
+    found = build(alpha, psi, scale)
+    assert found.shape == (2, 17, 17)
+    assert np.isfinite(found).all()
+
+
+def test_colours_worked_by_hand():
+    z1 = np.array([[0.3, 1.0], [-0.3, 0.0]])
+    z2 = np.array([[0.6, 1.0], [0.6, -1.0]])
+    red = [[0.2 + 0.14, 0.9], [0.0, 0.0]]  # -0.2 + 0.14 and -0.7 / 3 are below the range
+    green = [[0.2, 2 / 3], [0.0, 0.0]]
+    blue = [[0.8, 1.0], [0.4, 0.0]]  # 2 / 3 + 1 is above it
+    expected = np.stack([red, green, blue], -1)
+    found = colours(np.stack([z1, z2]))
+    assert found.shape == (2, 2, 3)
+    np.testing.assert_allclose(found, expected, atol=1e-15)
+    stacked = colours(np.stack([np.stack([z1, z2])] * 3))
+    np.testing.assert_array_equal(stacked, np.stack([found] * 3))
+
+
+@pytest.mark.parametrize("shapes", [((3, 5), (3, 5)), ((2, 5), (2, 6)), ((2, 5), (3, 5)), ((5, 2), (5, 2))])
+def test_wrong_shapes_are_refused(shapes):
+    with pytest.raises(ValueError, match="alpha, psi"):
+        image_factors(np.ones(shapes[0]), np.ones(shapes[1]), ImageSettings())
+
+
+@pytest.mark.parametrize("wrong", [{"scale": "max"}, {"constant": 0.0}, {"constant": -1.0}, {"constant": np.nan}])
+def test_wrong_settings_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        ImageSettings(**wrong)

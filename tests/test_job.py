@@ -1,0 +1,119 @@
+"""A rule's work: bad input is one line and exit code 2, any other failure keeps its traceback to the log."""
+
+import logging
+
+import pytest
+import torch
+
+from repro.errors import InputError
+from repro.pipeline.job import job
+
+MESSAGE = "results/data/mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
+
+
+@pytest.fixture(autouse=True)
+def as_before():
+    """Leave torch and the root logger as they were."""
+    threads, deterministic = torch.get_num_threads(), torch.are_deterministic_algorithms_enabled()
+    level = logging.getLogger().level
+    yield
+    torch.set_num_threads(threads)
+    torch.use_deterministic_algorithms(deterministic)
+    logging.getLogger().setLevel(level)
+
+
+@pytest.fixture
+def log(tmp_path):
+    return tmp_path / "logs" / "rule.log"
+
+
+def test_bad_input_is_one_line_and_exit_code_2(log, capsys):
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        raise InputError(MESSAGE)
+    assert stop.value.code == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err == MESSAGE + "\n"
+    text = log.read_text(encoding="utf-8")
+    assert MESSAGE in text
+    assert "Traceback" not in text
+
+
+def test_bad_input_with_a_cause_is_one_line_too(log, capsys):
+    def read():
+        try:
+            int("x")
+        except ValueError as error:
+            raise InputError(MESSAGE) from error
+
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        read()
+    assert stop.value.code == 2
+    assert capsys.readouterr().err == MESSAGE + "\n"
+
+
+def test_bad_input_leaves_no_traceback_behind_it(log):
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        raise InputError(MESSAGE)
+    assert stop.value.__cause__ is None
+    assert stop.value.__suppress_context__
+
+
+@pytest.mark.parametrize("error", [RuntimeError("singular"), ValueError("shapes"), MemoryError(), KeyError("N1")])
+def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error):
+    def fail():
+        raise error
+
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        fail()
+    assert stop.value.code == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    assert str(log) in said.err
+    text = log.read_text(encoding="utf-8")
+    assert "Traceback (most recent call last)" in text
+    assert "in fail" in text
+    assert type(error).__name__ in text
+
+
+def test_being_stopped_is_a_failure(log, capsys):
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        raise KeyboardInterrupt
+    assert stop.value.code == 1
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
+    with job(str(log)):
+        logging.getLogger("repro.anything").info("half done")
+    assert capsys.readouterr().err == "half done\n"
+    assert log.read_text(encoding="utf-8").endswith("half done\n")
+
+
+def test_the_log_of_an_earlier_run_is_replaced(log):
+    for text in ("first", "second"):
+        with job(str(log)):
+            logging.getLogger("repro").info(text)
+    lines = log.read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1
+    assert lines[0].endswith("second")
+
+
+@pytest.mark.parametrize("failure", [None, InputError(MESSAGE), RuntimeError("x")])
+def test_logging_is_left_as_it_was(log, failure):
+    before = list(logging.getLogger().handlers)
+    try:
+        with job(str(log)):
+            if failure:
+                raise failure
+    except SystemExit:
+        pass
+    assert logging.getLogger().handlers == before
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_threads_are_those_of_the_rule(log, threads):
+    with job(str(log), threads):
+        assert torch.get_num_threads() == threads
+        assert torch.are_deterministic_algorithms_enabled()

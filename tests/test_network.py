@@ -1,0 +1,221 @@
+"""The factored network against the plain one of Fig. 7, and the loss of Section IV-B."""
+
+import literal
+import numpy as np
+import pytest
+import torch
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.image import assemble
+from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
+from repro.signals.trajectories import identification_trajectory
+
+PUBLISHED = NetworkSettings()
+
+
+def pair(sizes, precision="float32", seed=0):
+    """Plain and factored network with the same weights; biases not zero."""
+    torch.manual_seed(seed)
+    plain = SignalCNN(sizes)
+    for layer in plain.children():
+        torch.nn.init.normal_(layer.bias, std=0.1)
+    factored = FactoredCNN(sizes, precision)
+    factored.load_state_dict(plain.state_dict())
+    if precision == "float64":
+        plain.double(), factored.double()
+    return plain, factored
+
+
+def factors(seed, n, side, dtype=torch.float64):
+    """Smooth random factors."""
+    rng = np.random.default_rng(seed)
+    wave = np.cumsum(rng.normal(size=(2, n, 2, 2, side)), -1) / np.sqrt(side)
+    u, v = (torch.from_numpy(x).to(dtype) for x in wave)
+    return u, v
+
+
+def gradients(network, residual, weights):
+    network.zero_grad()
+    (residual * weights).sum().backward()
+    return {name: p.grad.clone() for name, p in network.named_parameters()}
+
+
+def compare(sizes, u, v, tolerance, seed):
+    """Outputs and every gradient, relative to the largest."""
+    plain, factored = pair(sizes, str(u.dtype).removeprefix("torch."), seed)
+    picture = torch.from_numpy(assemble(u.numpy(), v.numpy()))
+    weights = torch.from_numpy(np.random.default_rng(seed).normal(size=(len(u), 9))).to(u.dtype)
+    expected, found = plain(picture), factored(u, v)
+    assert found.dtype == u.dtype
+    assert found.shape == (len(u), 9)
+    scale = expected.abs().max()
+    assert (found - expected).abs().max() <= tolerance * scale
+    right, ours = gradients(plain, expected, weights), gradients(factored, found, weights)
+    assert ours.keys() == right.keys()
+    for name, gradient in right.items():
+        assert gradient.abs().max() > 0
+        assert (ours[name] - gradient).abs().max() <= tolerance * gradient.abs().max(), name
+
+
+@settings(max_examples=25)
+@given(seeds)
+def test_factored_network_is_the_plain_one_in_double_precision(seed):
+    compare(literal.SMALL, *factors(seed, 3, literal.SMALL.image_size), 1e-10, seed)
+
+
+@pytest.mark.parametrize("sizes", [PUBLISHED, NetworkSettings(60, 3, (7, 4, 2), (5, 6))])
+def test_factored_network_is_the_plain_one_at_other_sizes(sizes):
+    compare(sizes, *factors(0, 2, sizes.image_size), 1e-10, 0)
+
+
+def distance_to_a_tie(network, picture):
+    """Smallest change, relative to its layer's largest value, that would turn a pool or a ReLU to another choice."""
+    x, distances = picture, []
+    with torch.no_grad():
+        for layer, pools in ((network.conv1, True), (network.conv2, True), (network.conv3, False)):
+            x = layer(x)
+            members = [x[:, :, i::2, j::2] for i in (0, 1) for j in (0, 1)] if pools else [x]
+            best, second = torch.stack([*members, torch.zeros_like(members[0])]).topk(2, 0).values
+            distances.append(float((best - second).min() / x.abs().max()))
+            x = best
+        x = x.flatten(1)
+        for layer in (network.fc4, network.fc5):
+            x = layer(x)
+            distances.append(float(x.abs().min() / x.abs().max()))
+            x = x.relu()
+    return min(distances)
+
+
+def test_factored_network_is_the_plain_one_in_single_precision():
+    """Gradients jump where two pixels of a pool tie, so the images are the first that keep clear of rounding."""
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        u, v = (torch.from_numpy(x) for x in rng.normal(size=(2, 1, 2, 2, 100)))
+        picture = torch.from_numpy(assemble(u.numpy(), v.numpy()))
+        if distance_to_a_tie(pair(PUBLISHED, "float64", seed)[0], picture) > 5e-6:
+            compare(PUBLISHED, u.float(), v.float(), 1e-5, seed)
+            return
+    pytest.fail("no image keeps clear of ties")
+
+
+def test_bfloat16_gradients_point_the_same_way():
+    """Eight bits of mantissa, 0.4 % a rounding: outputs to 2 % of the largest, gradients to a cosine of 0.98."""
+    plain, factored = pair(PUBLISHED, "bfloat16")
+    signals = SignalSettings()
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    samples = draw_samples(np.random.default_rng(0), 16, motion, DataSettings())
+    u, v, label = torch.from_numpy(samples.u), torch.from_numpy(np.array(samples.v)), torch.from_numpy(samples.residual)
+    expected, found = plain(torch.from_numpy(assemble(samples.u, samples.v))), factored(u, v)
+    assert found.dtype == torch.float32
+    assert 0 < (found - expected).abs().max() <= 0.02 * expected.abs().max()
+    for residual in (expected, found):
+        sigmoid_loss(residual, label, 1.0).backward()
+    for (name, right), ours in zip(plain.named_parameters(), factored.parameters(), strict=True):
+        assert ours.grad.dtype == torch.float32
+        assert torch.cosine_similarity(right.grad.flatten(), ours.grad.flatten(), 0) > 0.98, name
+        assert 0.9 < ours.grad.norm() / right.grad.norm() < 1.1, name
+
+
+@pytest.mark.parametrize("sizes", [PUBLISHED, literal.SMALL])
+@pytest.mark.parametrize(("precision", "tolerance"), [("float32", 1e-5), ("float64", 1e-12)])
+def test_shared_torque_gives_what_single_images_give(sizes, precision, tolerance):
+    _, factored = pair(sizes, precision)
+    u, v = factors(0, 3, sizes.image_size, getattr(torch, precision))
+    with torch.no_grad():
+        expected = factored(u, v[:1].expand(3, -1, -1, -1))
+        found = factored.forward_shared(u, v[0])
+    assert found.shape == (3, 9)
+    assert (found - expected).abs().max() <= tolerance * expected.abs().max()
+
+
+@pytest.mark.parametrize("tied", ["conv1", "conv2"])
+def test_tied_pixels_share_the_gradient_as_finite_differences_do(tied):
+    """With an empty kernel every pool of its map ties. On an image that is affine in row and column the four
+    pixels behind a pool change to their largest one way and to their smallest the other way; their mean, which
+    shared gradients give, is the central difference. One winner alone would give something else.
+    """
+    sizes = literal.SMALL
+    plain, network = pair(sizes, "float64")
+    step = (torch.arange(sizes.image_size, dtype=torch.float64) - 20) / 4
+    one = torch.ones_like(step)
+    u = torch.stack([torch.stack([step, one]), torch.stack([0.4 * step, one])])[None]
+    v = torch.stack([torch.stack([one, 0.7 * step]), torch.stack([one, -0.3 * step])])[None]
+    layer = getattr(network, tied)
+    with torch.no_grad():
+        network.conv1.bias.fill_(100.0)  # every ReLU stays open, so that layer 2 sees affine maps as well
+        for hidden in (network.conv2, network.conv3, network.fc4, network.fc5):
+            hidden.weight.abs_()
+        layer.weight[0] = 0.0
+        layer.bias[0] = 1.0
+    plain.load_state_dict(network.state_dict())
+    weights = torch.from_numpy(np.random.default_rng(0).normal(size=(1, 9)))
+    found = gradients(network, network(u, v), weights)[f"{tied}.weight"][0]
+    difference = torch.zeros_like(found)
+    with torch.no_grad():
+        for index in np.ndindex(*found.shape):
+            values = []
+            for eps in (1e-4, -1e-4):
+                layer.weight[0][index] = eps
+                values.append(float((network(u, v) * weights).sum()))
+            layer.weight[0][index] = 0.0
+            difference[index] = (values[0] - values[1]) / 2e-4
+    assert difference.abs().max() > 1e-3
+    assert (found - difference).abs().max() <= 1e-6 * difference.abs().max()
+    image = torch.from_numpy(assemble(u.numpy(), v.numpy()))
+    one_winner = gradients(plain, plain(image), weights)[f"{tied}.weight"][0]
+    assert (one_winner - difference).abs().max() > 1e-3 * difference.abs().max()
+
+
+def test_layer_sizes_and_parameter_count():
+    # Kernels 9 x 9 x 2 x 10, 5 x 5 x 10 x 10 and 3 x 3 x 10 x 10 (Section IV-B), maps of 46, 21 and 19 pixels a side.
+    network = FactoredCNN(PUBLISHED)
+    shapes = {name: tuple(p.shape) for name, p in network.named_parameters() if name.endswith("weight")}
+    assert shapes == {
+        "conv1.weight": (10, 2, 9, 9),
+        "conv2.weight": (10, 10, 5, 5),
+        "conv3.weight": (10, 10, 3, 3),
+        "fc4.weight": (100, 3610),
+        "fc5.weight": (50, 100),
+        "fc6.weight": (9, 50),
+    }
+    assert PUBLISHED.pooled == (46, 21, 19)
+    assert sum(p.numel() for p in network.parameters()) == 1630 + 2510 + 910 + 361_100 + 5050 + 459
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"image_size": 101}, {"image_size": 12}, {"kernels": (9, 4, 3)}, {"kernels": (99, 5, 3)}]
+)
+def test_sizes_that_leave_no_even_map_are_refused(wrong):
+    with pytest.raises(ValueError, match="kernels"):
+        SignalCNN(NetworkSettings(**wrong))
+
+
+def test_unknown_precision_is_refused():
+    with pytest.raises(KeyError):
+        FactoredCNN(literal.SMALL, "float16")
+
+
+@given(seeds, st.floats(0.1, 5.0))
+def test_loss_is_the_printed_formula(seed, gain):
+    rng = np.random.default_rng(seed)
+    residual, label = rng.normal(size=(2, 4, 9))
+    total = 0.0
+    for r, d in zip(residual, label, strict=True):
+        for j in range(9):
+            y_cnn, y_d = 1 / (1 + np.exp(-gain * r[j])), 1 / (1 + np.exp(-gain * d[j]))
+            total += (y_d - y_cnn) ** 2 / 18
+    found = sigmoid_loss(torch.from_numpy(residual), torch.from_numpy(label), gain)
+    assert float(found) == pytest.approx(total / 4, rel=1e-12)
+
+
+def test_output_undoes_the_sigmoid_of_the_listing():
+    """Line 20 of Algorithm 1 takes -log((1 - y) / y) of y = 1 / (1 + exp(-r)): the network returns r itself."""
+    plain, _ = pair(literal.SMALL, "float64")
+    picture = np.random.default_rng(0).normal(size=(2, 44, 44))
+    with torch.no_grad():
+        expected = plain(torch.from_numpy(picture)[None])[0].numpy()
+    np.testing.assert_allclose(literal.read(plain, picture), expected, rtol=1e-9)

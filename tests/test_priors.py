@@ -1,0 +1,165 @@
+"""Where training arms and guesses come from (Section IV-A)."""
+
+import literal
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.cnn.priors import PRIORS, GuessSettings, sample_beta, training_guess, uniform_guess
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import STANDARD_GRAVITY
+
+I1, I2, I3, G1, G2 = range(5)
+FRICTION = slice(5, 9)
+MANY = 20_000
+
+
+def arms(prior, n=MANY, seed=0):
+    return sample_beta(np.random.default_rng(seed), n, prior)
+
+
+@given(seeds, st.sampled_from(PRIORS), st.integers(0, 50))
+def test_arms_are_positive_and_of_the_size_asked_for(seed, prior, n):
+    beta = arms(prior, n, seed)
+    assert beta.shape == (n, 9)
+    assert np.isfinite(beta).all()
+    assert (beta > 0).all()
+
+
+@pytest.mark.parametrize("prior", PRIORS)
+def test_the_generator_alone_decides(prior):
+    np.testing.assert_array_equal(arms(prior, 50, 3), arms(prior, 50, 3))
+    assert not np.array_equal(arms(prior, 50, 3), arms(prior, 50, 4))
+
+
+@pytest.mark.parametrize(("prior", "median"), [("uniform", 0.5005), ("log-uniform", np.sqrt(1e-3))])
+def test_simple_priors_fill_their_range_independently(prior, median):
+    beta = arms(prior)
+    assert beta.min() >= 1e-3
+    assert beta.max() <= 1.0
+    assert beta.min(0).max() < 1.5e-3
+    assert beta.max(0).min() > 0.995
+    np.testing.assert_allclose(np.median(beta, 0), median, rtol=0.06)
+    between = np.corrcoef(beta.T) - np.eye(9)
+    assert np.abs(between).max() < 0.04
+
+
+def test_link_prior_gives_arms_that_could_be_built():
+    beta = arms("links")
+    assert is_positive_definite(beta).all()
+    # I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g, so both tell l1; then g1 - m2 l1 g leaves m1 lc1 g, also positive.
+    l1 = 0.5 * beta[:, I2] / beta[:, G2] * STANDARD_GRAVITY
+    assert 0.05 <= l1.min() < 0.06
+    assert 0.55 < l1.max() <= 0.6
+    # A mass at least that far out is needed for the coupling: I3 > m2 lc2^2 and m2 <= 3.
+    assert (beta[:, I3] > (beta[:, G2] / STANDARD_GRAVITY) ** 2 / 3.0).all()
+    assert (beta[:, FRICTION] >= 1e-3).all()
+    assert (beta[:, FRICTION] <= 1.0).all()
+
+
+def test_published_ranges_cannot_reach_the_published_arms():
+    beta = arms("published")
+    assert beta[:, I2].max() <= 2 * 1.0 * 0.1 * 0.1  # 2 m2 l1 lc2 at the upper end of every range
+    assert beta[:, I2].max() > 0.5 * 0.02  # and the range is used
+    for arm in literal.ARMS.values():
+        assert arm[I2] > 20 * 0.02
+    # Lever arms of 0.1 m and masses of 1 kg bound the gravity loads too.
+    assert beta[:, G2].max() <= 0.1 * STANDARD_GRAVITY
+    assert beta[:, G1].max() <= 0.2 * STANDARD_GRAVITY
+    assert beta[:, I3].max() <= 1.0 * 0.01 + 1.0
+    assert beta[:, FRICTION].min() >= 1e-3
+    assert beta[:, FRICTION].max() <= 1.0
+    np.testing.assert_allclose(np.median(beta[:, FRICTION], 0), 0.5, atol=0.02)
+
+
+def features(beta):
+    """Yes-or-no facts about an arm that differ between the priors."""
+    l1 = 0.5 * beta[:, I2] / beta[:, G2] * STANDARD_GRAVITY
+    link_like = (l1 >= 0.05) & (l1 <= 0.6) & is_positive_definite(beta)
+    small = (beta[:, FRICTION] < 0.05).sum(1)
+    return np.stack([np.ones(len(beta)), link_like, small >= 1, small >= 2, beta.max(1) > 1.0, small >= 3], 1)
+
+
+def mixture_shares(beta):
+    """Shares of the three priors that explain an arm population best."""
+    columns = np.stack([features(arms(p, seed=1)).mean(0) for p in ("uniform", "log-uniform", "links")], 1)
+    return np.linalg.lstsq(columns, features(beta).mean(0), rcond=None)[0]
+
+
+def test_mixture_is_half_uniform_and_a_quarter_each_of_the_others():
+    np.testing.assert_allclose(mixture_shares(arms("mixture")), [0.5, 0.25, 0.25], atol=0.02)
+
+
+def test_mixture_is_shuffled_so_that_a_split_keeps_the_shares():
+    beta = arms("mixture", 40_000)
+    np.testing.assert_allclose(mixture_shares(beta[:8_000]), [0.5, 0.25, 0.25], atol=0.03)
+    np.testing.assert_allclose(mixture_shares(beta[-8_000:]), [0.5, 0.25, 0.25], atol=0.03)
+
+
+def test_mixture_covers_the_published_arms():
+    """Every published arm lies between the smallest and largest parameter drawn; so does an arm ten times smaller."""
+    beta = arms("mixture")
+    for arm in literal.ARMS.values():
+        for scaled in (arm, 0.1 * arm):
+            assert (beta.min(0) < scaled).all()
+            assert (beta.max(0) > scaled).all()
+
+
+def test_unknown_prior_is_refused():
+    with pytest.raises(ValueError, match="prior"):
+        sample_beta(np.random.default_rng(0), 3, "normal")
+
+
+def test_search_guesses_are_uniform_on_the_published_range():
+    guess = uniform_guess(np.random.default_rng(0), MANY, GuessSettings())
+    assert guess.shape == (MANY, 9)
+    assert guess.min() >= 1e-3
+    assert guess.max() <= 3.0
+    np.testing.assert_allclose(guess.mean(0), 1.5005, atol=0.03)
+    np.testing.assert_allclose(guess.std(0), 2.999 / np.sqrt(12), rtol=0.02)
+
+
+def test_training_guesses_are_exact_near_and_uniform_in_the_chosen_shares():
+    chosen = GuessSettings(exact_share=0.3, near_share=0.5, near_low=1e-6, near_high=1e-4)
+    right = arms("uniform", MANY, 5)
+    guess = training_guess(np.random.default_rng(0), right, chosen)
+    miss = np.abs(guess - right).max(1)
+    exact, near = miss == 0, (miss > 0) & (miss < 1e-3)
+    assert exact.mean() == pytest.approx(0.3, abs=0.015)
+    assert near.mean() == pytest.approx(0.5, abs=0.015)
+    far = guess[~exact & ~near]
+    assert far.min() >= 1e-3
+    assert far.max() <= 3.0
+    np.testing.assert_allclose(far.mean(0), 1.5005, atol=0.06)
+    # The size of a near miss is log-uniform: on the logarithmic axis half lie below the geometric mean. The
+    # largest of nine normal errors is about 1.9 sizes.
+    assert np.median(miss[near]) == pytest.approx(1.9e-5, rel=0.15)
+
+
+@settings(max_examples=30)
+@given(seeds)
+def test_near_guesses_stay_above_the_smallest_guess(seed):
+    rng = np.random.default_rng(seed)
+    right = np.full((200, 9), 2e-3)
+    guess = training_guess(rng, right, GuessSettings(exact_share=0.0, near_share=1.0))
+    assert guess.min() >= 1e-3
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"low": 0.0},
+        {"low": 3.0},
+        {"near_low": -1.0},
+        {"near_high": 1e-3},
+        {"exact_share": -0.1},
+        {"near_share": -0.1},
+        {"exact_share": 0.6, "near_share": 0.5},
+        {"exact_share": np.nan},
+    ],
+)
+def test_wrong_guess_settings_are_refused(wrong):
+    with pytest.raises(ValueError, match="guess ranges|exact_share"):
+        GuessSettings(**wrong)

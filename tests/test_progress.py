@@ -1,0 +1,113 @@
+"""Progress of long work, told by a clock that the test moves."""
+
+import logging
+import re
+
+import pytest
+
+from repro.progress import Progress
+
+
+class Clock:
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def lines(caplog):
+    caplog.set_level(logging.INFO, logger="repro.progress")
+
+    def read():
+        found = [record.getMessage() for record in caplog.records]
+        caplog.clear()
+        return found
+
+    return read
+
+
+def seconds_left(line):
+    return float(re.search(r"about (\d+) s left", line)[1])
+
+
+def test_lines_come_no_closer_than_asked_for(clock, lines):
+    progress = Progress("training", every=3.0, clock=clock)
+    at = []
+    for done in range(1, 31):
+        clock.now += 1.0
+        progress(done, 100)
+        if lines():
+            at.append(clock.now - 1000.0)
+    assert at[0] >= 3.0
+    assert min(b - a for a, b in zip(at, at[1:], strict=False)) >= 3.0
+    assert len(at) == 10
+
+
+def test_the_last_line_always_comes(clock, lines):
+    progress = Progress("training", every=60.0, clock=clock)
+    for done in (1, 2, 3):
+        clock.now += 0.1
+        progress(done, 3)
+    (line,) = lines()
+    assert line == "training: 3 of 3 (100 %)"
+
+
+def test_a_line_says_how_much_is_done_and_how_long_the_rest_takes(clock, lines):
+    progress = Progress("training", every=3.0, clock=clock)
+    progress(0, 200)
+    clock.now += 10.0
+    progress(50, 200)  # 5 a second, 150 to go
+    (line,) = lines()
+    assert line.startswith("training: 50 of 200 (25 %)")
+    assert seconds_left(line) == 30
+
+
+def test_the_estimate_follows_the_mean_speed(clock, lines):
+    progress = Progress("training", every=1.0, clock=clock)
+    progress(0, 100)
+    clock.now += 10.0
+    progress(10, 100)
+    clock.now += 30.0
+    progress(50, 100)  # 50 in 40 s
+    assert [seconds_left(line) for line in lines()] == [90, 40]
+
+
+def test_work_from_a_checkpoint_does_not_count_as_speed(clock, lines):
+    clock.now += 500.0  # whatever happened before
+    progress = Progress("training", every=3.0, clock=clock)
+    clock.now += 2.0
+    progress(9000, 10_000)
+    clock.now += 10.0
+    progress(9100, 10_000)  # 10 a second, 900 to go: 90 s, not 1
+    (line,) = lines()
+    assert line.startswith("training: 9100 of 10000 (91 %)")
+    assert seconds_left(line) == 90
+
+
+def test_no_estimate_is_made_from_nothing(clock, lines):
+    progress = Progress("identifying", every=3.0, clock=clock)
+    clock.now += 5.0
+    progress(1, 4)
+    assert lines() == ["identifying: 1 of 4 (25 %)"]
+
+
+def test_a_note_ends_the_line(clock, lines):
+    progress = Progress("training", every=0.0, clock=clock)
+    progress(1, 2, "loss 1.00e-03")
+    (line,) = lines()
+    assert line == "training: 1 of 2 (50 %), loss 1.00e-03"
+
+
+def test_two_pieces_of_work_do_not_share_a_clock(clock, lines):
+    first, second = (Progress(name, every=3.0, clock=clock) for name in ("one", "two"))
+    clock.now += 4.0
+    first(1, 9)
+    second(1, 9)
+    assert [line.split(":")[0] for line in lines()] == ["one", "two"]

@@ -1,0 +1,153 @@
+"""Every key of the configuration arrives where it is meant, and each room reads its own sections only."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from repro import settings
+from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.image import ImageSettings
+from repro.cnn.network import NetworkSettings
+from repro.cnn.priors import GuessSettings
+from repro.cnn.train import PaperSchedule, TrainingSettings
+from repro.identify.algorithm1 import SearchSettings
+from repro.identify.refinement import RefinementSettings
+from repro.signals.metric import MetricSettings
+
+ROOT = Path(__file__).resolve().parent.parent
+
+#: A value of its own for every key, so that no two can be mixed up and no default can stand in.
+CONFIG = yaml.safe_load("""
+signals: {sampling_period_s: 0.004, filter_coefficient: 3.0e-4, frequency_reading: hertz, image_samples: 100,
+          duration_s: 7.5, normalise_motion: true}
+metric: {time_formula: mean-square, exponent: 0.7}
+network: {hidden: [31, 17], sigmoid_gain: 1.25}
+data: {prior: links, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35, near_low: 0.004,
+       near_high: 0.6}
+images:
+  published: {scale: channel-max}
+  scale-aware: {scale: constant, constant: 5.5}
+training:
+  {steps: 101, batch: 7, learning_rate: 0.003, warmup: 11, seed: 9, test_samples: 13, log_every: 19,
+   checkpoint_every: 23, precision: float32,
+   paper: {steps: 202, batch: 3, images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6,
+           gradient_gain: 50.0}}
+algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
+             feasibility: positive-definite}
+refinement: {restarts: 41, passes: 5}
+numeric:
+  seeds: [4, 8]
+  margin_samples: 43
+  validation_frequency_reading: rad_per_s
+  arms:
+    N1: [1, 2, 3, 4, 5, 6, 7, 8, 9]
+    N2: [2, 3, 4, 5, 6, 7, 8, 9, 10]
+""")
+
+
+def sections(*names):
+    return {name: CONFIG[name] for name in names}
+
+
+def test_signals():
+    expected = SignalSettings(
+        h=0.004, c_f=3e-4, reading="hertz", samples=100, duration=7.5, normalise_motion=True
+    )
+    assert settings.signal_settings(sections("signals")) == expected
+
+
+def test_metric():
+    assert settings.metric_settings(sections("metric")) == MetricSettings("mean-square", 0.7)
+
+
+def test_network_takes_its_input_size_from_the_signals():
+    expected = NetworkSettings(image_size=100, hidden=(31, 17), sigmoid_gain=1.25)
+    assert settings.network_settings(sections("signals", "network")) == expected
+
+
+@pytest.mark.parametrize(
+    ("variant", "image"),
+    [
+        ("published", ImageSettings("channel-max")),
+        ("scale-aware", ImageSettings("constant", 5.5)),
+        ("paper-recipe", ImageSettings("channel-max")),
+    ],
+)
+def test_data_of_a_variant_differ_in_the_image_alone(variant, image):
+    guess = GuessSettings(
+        low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6
+    )
+    assert settings.data_settings(sections("data", "images"), variant) == DataSettings("links", guess, image)
+
+
+@pytest.mark.parametrize("variant", settings.VARIANTS)
+def test_training_of_a_variant(variant):
+    schedule = PaperSchedule(
+        images=500, train_share=0.7, learning_rate=0.05, learning_rate_slope=1e-6, gradient_gain=50.0
+    )
+    own = {"recipe": "paper", "steps": 202, "batch": 3} if variant == "paper-recipe" else {"steps": 101, "batch": 7}
+    expected = TrainingSettings(
+        learning_rate=0.003,
+        warmup=11,
+        seed=9,
+        test_samples=13,
+        log_every=19,
+        checkpoint_every=23,
+        precision="float32",
+        paper=schedule,
+        **own,
+    )
+    assert settings.training_settings(sections("training"), variant) == expected
+
+
+def test_search_scores_with_the_metric_of_the_configuration():
+    expected = SearchSettings(
+        executions=29,
+        inner_limit=37,
+        threshold=0.81,
+        low=0.012,
+        high=2.75,
+        feasibility="positive-definite",
+        metric=MetricSettings("mean-square", 0.7),
+    )
+    assert settings.search_settings(sections("algorithm1", "metric")) == expected
+
+
+def test_refinement():
+    assert settings.refinement_settings(sections("refinement")) == RefinementSettings(restarts=41, passes=5)
+
+
+def test_numeric_experiment():
+    numeric = settings.numeric_settings(sections("numeric"))
+    assert (numeric.seeds, numeric.margin, numeric.validation_reading) == ((4, 8), 43, "rad_per_s")
+    assert list(numeric.arms) == ["N1", "N2"]
+    np.testing.assert_array_equal(numeric.arms["N2"], np.arange(2.0, 11.0))
+    assert numeric.arms["N1"].dtype == np.float64  # whole numbers in the file
+
+
+def test_reading_a_configuration_leaves_it_as_it_was():
+    before = yaml.safe_dump(CONFIG)
+    settings.check_together(CONFIG)
+    assert yaml.safe_dump(CONFIG) == before
+
+
+def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_value():
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+    signals, search = settings.signal_settings(config), settings.search_settings(config)
+    assert (signals.h, signals.c_f, signals.samples) == (2.5e-3, 1e-4, 100)
+    assert round(signals.duration / signals.h) == 3770  # 3 pi s
+    assert (search.executions, search.threshold, search.low, search.high) == (100, 0.9282, 1e-3, 3.0)
+    assert settings.metric_settings(config).exponent == 0.4
+    paper = settings.training_settings(config, "paper-recipe")
+    assert (paper.recipe, paper.steps, paper.batch) == ("paper", 500_000, 1)
+    assert paper.paper == PaperSchedule(10_000, 0.8, 20e-3, 0.2e-7, 100.0)
+    guess = settings.data_settings(config, "published").guess
+    assert (guess.low, guess.high) == (1e-3, 3.0)
+
+
+def test_the_image_size_must_suit_the_network():
+    config = {**CONFIG, "signals": {**CONFIG["signals"], "image_samples": 99}}
+    with pytest.raises(ValueError, match="pool"):
+        settings.check_together(config)
