@@ -7,14 +7,15 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
+LOCK_OPTIONS := --no-deps --require-hashes
 # Jobs of the workflow find the environment's programs first.
 SNAKEMAKE = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake
 
 # A stamp in the environment is named after what it was made from, so that a change of that makes it anew.
 stamp = $(VENV)/$(1)-$(shell { $(PYTHON) -V; cat $(2); } 2>&1 | sha256sum | cut -c1-16)
-LOCKED := $(call stamp,locked,requirements.lock)
-INSTALLED := $(call stamp,installed,requirements.lock pyproject.toml)
-TESTABLE := $(call stamp,testable,requirements.lock requirements-test.lock pyproject.toml)
+LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
+INSTALLED := $(call stamp,installed,pyproject.toml)
+TESTABLE := $(call stamp,testable,requirements-test.lock)
 
 .PHONY: help reproduce test smoke setup setup-test lock clean check-python
 
@@ -44,15 +45,18 @@ setup: $(INSTALLED)
 
 setup-test: $(TESTABLE)
 
-# The lock names no CUDA library. Where pip finds only the CUDA build of PyTorch, that build cannot be imported
-# without the libraries it asks for, so they are fetched as well, without hashes.
+# The CPU build of PyTorch is tried first. Where pip sees only the CUDA build, that build cannot be imported without
+# CUDA libraries, which the lock does not name: they are fetched as that build names them, without hashes.
 $(LOCKED): | check-python
 	@echo "Setting up $(VENV) from requirements.lock"
 	@$(PYTHON) -m venv --clear $(VENV)
-	@$(PIP) install --quiet --no-deps --require-hashes -r requirements.lock
-	@$(BIN)/python -c "import torch" 2>/dev/null || { \
-	  echo "pip found the CUDA build of PyTorch: fetching its CUDA libraries too (README.md: getting the CPU build)"; \
-	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"; }
+	@said=$$($(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-cpu.lock 2>&1) || case "$$said" in \
+	  *"No matching distribution found for torch"*) \
+	    echo "pip sees no CPU build of PyTorch: taking the CUDA build, 3.8 GB more (docs/dependencies.md)";; \
+	  *) echo "$$said" >&2; exit 1;; esac
+	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements.lock
+	@$(BIN)/python -c "import torch" 2>/dev/null || \
+	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"
 	@touch $@
 
 $(INSTALLED): $(LOCKED)
@@ -61,7 +65,7 @@ $(INSTALLED): $(LOCKED)
 	@touch $@
 
 $(TESTABLE): $(INSTALLED)
-	@$(PIP) install --quiet --no-deps --require-hashes -r requirements-test.lock
+	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-test.lock
 	@rm -f $(VENV)/testable-*
 	@touch $@
 

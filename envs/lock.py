@@ -5,7 +5,7 @@ Usage: ``python envs/lock.py python3.11 python3.12 python3.13`` (or ``make lock`
 Each interpreter resolves the dependencies with pip-tools in a throw-away environment. The first one's versions bind
 the others, so that a package has one version everywhere; a package that only some interpreters need gets a marker.
 Two things differ from what the resolver says: the CUDA libraries that the registry's build of PyTorch asks for are
-left out, and PyTorch's CPU wheels (``envs/torch-cpu.sha256``), which the registry does not hold, are allowed beside
+left out, and PyTorch's CPU wheels (``requirements-cpu.lock``), which the registry does not hold, are allowed beside
 its own files. Pip's configuration files and further indexes are ignored, so that the lock says the same everywhere.
 """
 
@@ -24,9 +24,15 @@ PIP_TOOLS = "pip-tools==7.6.2"
 CUDA = re.compile(r"(nvidia|cuda)-.*|triton")
 ONE_REGISTRY = {k: v for k, v in os.environ.items() if k not in {"PIP_FIND_LINKS", "PIP_EXTRA_INDEX_URL"}}
 ONE_REGISTRY["PIP_CONFIG_FILE"] = os.devnull
-TITLES = {
-    "requirements.lock": "What running the project needs.",
-    "requirements-test.lock": "What its tests and checks need besides requirements.lock.",
+HEADERS = {
+    "requirements.lock": (
+        "What running the project needs.",
+        "python -m pip install --no-deps --require-hashes -r requirements-cpu.lock -r requirements.lock",
+    ),
+    "requirements-test.lock": (
+        "What the tests and checks need besides requirements.lock.",
+        "python -m pip install --no-deps --require-hashes -r requirements-test.lock",
+    ),
 }
 
 
@@ -128,8 +134,8 @@ def needed_by(roots: Iterable[str], pins: dict[str, Pin]) -> dict[str, Pin]:
 
 def render(pins: dict[str, Pin], pythons: Iterable[str], file: str) -> str:
     """Write pins as a requirements file, in the order of their names."""
-    made = f"Made by `make lock` for Python {', '.join(pythons)}; install with"
-    lines = [f"# {TITLES[file]}", f"# {made}", f"#   python -m pip install --no-deps --require-hashes -r {file}"]
+    title, command = HEADERS[file]
+    lines = [f"# {title}", f"# Made by `make lock` for Python {', '.join(pythons)}; install with", f"#   {command}"]
     for name, pin in pins.items():
         marker = ""
         if pin.pythons != set(pythons):
@@ -152,8 +158,10 @@ def main(interpreters: Sequence[str]) -> None:
                 constraints.write_text("".join(f"{n}=={p.version}\n" for n, p in pins.items()), encoding="utf-8")
             per_python[version] = pins
     pins = merge(per_python)
-    cpu_wheels = (ROOT / "envs" / "torch-cpu.sha256").read_text(encoding="utf-8").splitlines()
-    pins["torch"].hashes |= {f"sha256:{line.split()[0]}" for line in cpu_wheels}
+    cpu = parse_compiled((ROOT / "requirements-cpu.lock").read_text(encoding="utf-8"))["torch"]
+    if cpu.version != pins["torch"].version:
+        sys.exit(f"error: requirements-cpu.lock: torch: found {cpu.version}, expected {pins['torch'].version}")
+    pins["torch"].hashes |= cpu.hashes
     runtime = needed_by(project["dependencies"], pins)
     everything = needed_by([*project["dependencies"], *project["optional-dependencies"]["test"]], pins)
     extra = {name: pin for name, pin in everything.items() if name not in runtime}

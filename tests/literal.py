@@ -96,12 +96,11 @@ def plain_twin(network):
     return twin.double()
 
 
-def untrained(settings=SMALL, seed=0, residual=None):
-    """A network with random weights; `residual` scales its output layer so that residuals are about that large."""
+def untrained(settings=SMALL, seed=0, gain=1.0):
+    """A network with random weights and no bias, whose residuals are multiplied by `gain`."""
     torch.manual_seed(seed)
     network = FactoredCNN(settings).requires_grad_(False)
-    if residual is not None:
-        network.fc6.weight *= residual
+    network.fc6.weight *= gain
     return network
 
 

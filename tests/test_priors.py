@@ -161,5 +161,5 @@ def test_near_guesses_stay_above_the_smallest_guess(seed):
     ],
 )
 def test_wrong_guess_settings_are_refused(wrong):
-    with pytest.raises(ValueError, match="guess ranges|exact_share"):
+    with pytest.raises(ValueError, match=r"guess ranges|exact_share"):
         GuessSettings(**wrong)

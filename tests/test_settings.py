@@ -52,9 +52,7 @@ def sections(*names):
 
 
 def test_signals():
-    expected = SignalSettings(
-        h=0.004, c_f=3e-4, reading="hertz", samples=100, duration=7.5, normalise_motion=True
-    )
+    expected = SignalSettings(h=0.004, c_f=3e-4, reading="hertz", samples=100, duration=7.5, normalise_motion=True)
     assert settings.signal_settings(sections("signals")) == expected
 
 
@@ -76,9 +74,7 @@ def test_network_takes_its_input_size_from_the_signals():
     ],
 )
 def test_data_of_a_variant_differ_in_the_image_alone(variant, image):
-    guess = GuessSettings(
-        low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6
-    )
+    guess = GuessSettings(low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6)
     assert settings.data_settings(sections("data", "images"), variant) == DataSettings("links", guess, image)
 
 

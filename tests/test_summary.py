@@ -1,0 +1,186 @@
+"""Tables 4 to 7 from the runs of all seeds: one seed stands for a case, the others give the spread."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.errors import InputError
+from repro.model.parameters import NAMES, UNITS
+from repro.pipeline.summary import METHODS, median_seeds, parameter_table, similarity_table
+
+CASES = ("N1", "N2")
+TWO = ("algorithm1", "algorithm1+refinement")
+SIMILARITY = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
+PARAMETERS = ["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"]
+
+
+def make_scores(seeds, level, cases=CASES, methods=TWO):
+    """Scores whose factors `level` gives from case, method, seed, trajectory and joint."""
+    rows = []
+    for key in itertools.product(cases, methods, seeds, ("ID", "validation"), (1, 2)):
+        time, frequency = level(*key)
+        rows.append((*key, time, frequency, time * frequency))
+    columns = ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def random_scores(seeds, seed=0, **more):
+    rng = np.random.default_rng(seed)
+    return make_scores(seeds, lambda *_: tuple(rng.uniform(0.5, 1.0, 2)), **more)
+
+
+def cell(scores, row, trajectory):
+    """Scores of all seeds behind a row of a table."""
+    same = (scores["case"] == row.case) & (scores["method"] == row.method) & (scores["joint"] == row.joint)
+    return scores[same & (scores["trajectory"] == trajectory)]
+
+
+def by_seed(totals):
+    """Level with the given mean ID total for each seed, unlike on validation."""
+    return lambda case, method, seed, trajectory, joint: (1.0, totals[seed] if trajectory == "ID" else 1 - totals[seed])
+
+
+@pytest.mark.parametrize(
+    ("totals", "expected"),
+    [
+        ({7: 0.9}, 7),
+        ({1: 0.2, 2: 0.9, 3: 0.5}, 3),
+        ({1: 0.9, 2: 0.1, 3: 0.2, 4: 0.8, 5: 0.3}, 5),
+        ({1: 0.9, 2: 0.1}, 1),  # even: the better of the two in the middle
+        ({1: 0.4, 2: 0.1, 3: 0.9, 4: 0.6}, 4),
+    ],
+)
+def test_the_median_seed_on_the_identification_trajectory_stands_for_a_case(totals, expected):
+    chosen = median_seeds(make_scores(totals, by_seed(totals)))
+    assert chosen == {(case, method): expected for case in CASES for method in TWO}
+
+
+def test_both_joints_count():
+    # Joint 1 alone would choose seed 2, joint 2 alone seed 1; the means are 0.5, 0.55 and 0.9.
+    joint = {1: (0.1, 0.9), 2: (0.6, 0.5), 3: (0.9, 0.9)}
+    scores = make_scores(joint, lambda case, method, seed, trajectory, j: (1.0, joint[seed][j - 1]))
+    assert set(median_seeds(scores).values()) == {2}
+
+
+def test_each_case_and_method_has_its_own_seed():
+    best = dict(zip(itertools.product(CASES, TWO), (1, 2, 3, 1), strict=True))
+    scores = make_scores(
+        (1, 2, 3),
+        lambda case, method, seed, *_: (1.0, 0.5 if seed == best[case, method] else 0.9 if seed == 1 else 0.1 * seed),
+    )
+    chosen = median_seeds(scores)
+    for key, seed in best.items():
+        levels = {s: 0.5 if s == seed else 0.9 if s == 1 else 0.1 * s for s in (1, 2, 3)}
+        assert chosen[key] == sorted(levels, key=levels.get)[1]
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 6))
+def test_the_order_of_the_rows_does_not_matter(seed, count):
+    scores = random_scores(range(1, count + 1), seed)
+    shuffled = scores.sample(frac=1.0, random_state=seed % 1000)
+    assert median_seeds(scores) == median_seeds(shuffled)
+    for trajectory in ("ID", "validation"):
+        pd.testing.assert_frame_equal(
+            similarity_table(scores, trajectory).reset_index(drop=True),
+            similarity_table(shuffled, trajectory).reset_index(drop=True),
+        )
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.sampled_from(["ID", "validation"]))
+def test_a_row_is_one_seed_s_own_so_that_total_is_time_times_frequency(seed, count, trajectory):
+    scores = random_scores(range(1, count + 1), seed)
+    table = similarity_table(scores, trajectory)
+    assert list(table.columns) == SIMILARITY
+    assert len(table) == len(CASES) * len(TWO) * 2
+    np.testing.assert_allclose(table["total"], table["time"] * table["frequency"], rtol=1e-12)
+    chosen = median_seeds(scores)
+    for row in table.itertuples():
+        own = cell(scores, row, trajectory)
+        own = own[own["seed"] == chosen[row.case, row.method]]
+        assert own[["time", "frequency", "total"]].to_numpy().tolist() == [[row.time, row.frequency, row.total]]
+
+
+def test_the_spread_is_that_of_the_total_over_the_seeds():
+    scores = random_scores((1, 2, 3, 4))
+    table = similarity_table(scores, "validation")
+    assert (table["seeds"] == 4).all()
+    for row in table.itertuples():
+        own = cell(scores, row, "validation")
+        expected = np.sqrt(((own["total"] - own["total"].mean()) ** 2).sum() / 3)
+        assert row.total_sd == pytest.approx(expected, rel=1e-12)
+
+
+def test_one_seed_has_no_spread():
+    table = similarity_table(random_scores((5,)), "ID")
+    assert (table["total_sd"] == 0.0).all()
+    assert (table["seeds"] == 1).all()
+
+
+def test_rows_come_by_method_then_case_then_joint():
+    methods = METHODS[:4]
+    scores = random_scores((1,), cases=("N4", "N2", "N1"), methods=tuple(reversed(methods)))
+    table = similarity_table(scores, "ID")
+    expected = list(itertools.product(methods, ("N1", "N2", "N4"), (1, 2)))
+    assert list(zip(table["method"], table["case"], table["joint"], strict=True)) == expected
+
+
+def test_a_method_without_a_place_in_the_tables_is_refused_in_one_line():
+    with pytest.raises(InputError, match=r"^results: method: found guessing, expected one of algorithm1, "):
+        similarity_table(random_scores((1,), methods=("guessing",)), "ID")
+
+
+def make_runs(seeds, methods=TWO, cases=CASES, variant="published"):
+    """Runs whose estimates are the true parameters plus a tenth of the seed."""
+    true = {case: (0.1 * (k + 1) + 0.01 * np.arange(9)).tolist() for k, case in enumerate(cases)}
+    return [
+        {
+            "variant": variant,
+            "seed": seed,
+            "arms": {
+                case: {
+                    "true": true[case],
+                    "methods": {m: {"beta": [x + 0.1 * seed + k for x in true[case]]} for k, m in enumerate(methods)},
+                }
+                for case in cases
+            },
+        }
+        for seed in seeds
+    ]
+
+
+def test_parameters_are_those_of_the_seed_that_the_similarity_is_of():
+    totals = {1: 0.3, 2: 0.9, 3: 0.5}
+    table = parameter_table(make_runs(totals), make_scores(totals, by_seed(totals)), CASES)
+    assert list(table.columns) == PARAMETERS
+    assert len(table) == len(CASES) * len(TWO) * 9
+    offset = 0.3 + table["method"].map({TWO[0]: 0, TWO[1]: 1})
+    np.testing.assert_allclose(table["estimate"], table["true"] + offset, rtol=1e-12)
+    np.testing.assert_allclose(table["estimate_sd"], 0.1, rtol=1e-9)  # of 0.1, 0.2 and 0.3
+    for _, group in table.groupby(["case", "method"]):
+        assert tuple(group["parameter"]) == NAMES
+        assert tuple(group["unit"]) == UNITS
+
+
+def test_parameters_of_one_seed_have_no_spread():
+    table = parameter_table(make_runs((1,)), random_scores((1,)), CASES)
+    assert (table["estimate_sd"] == 0.0).all()
+
+
+def test_parameters_of_several_networks_share_a_table_in_the_order_of_the_methods():
+    aware = tuple(f"{m}+scale-aware" for m in TWO)
+    runs = [*make_runs((1, 2), aware, variant="scale-aware"), *make_runs((1, 2))]
+    scores = pd.concat([random_scores((1, 2), methods=aware), random_scores((1, 2))])
+    table = parameter_table(runs, scores, ("N2", "N1"))
+    seen = list(dict.fromkeys(zip(table["method"], table["case"], strict=True)))
+    assert seen == list(itertools.product([*TWO, *aware], ("N1", "N2")))
+
+
+def test_only_the_cases_asked_for_are_in_the_table():
+    table = parameter_table(make_runs((1,)), random_scores((1,)), ("N2",))
+    assert set(table["case"]) == {"N2"}

@@ -1,0 +1,221 @@
+"""The workflow as Snakemake sees it: all targets are there, rules are complete, scripts thin, bad input one line.
+
+Each run of Snakemake takes seconds, so there are few, all in folders of their own.
+"""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+WORKFLOW = ROOT / "workflow"
+FIGURES = [f"fig{n:02d}" for n in range(5, 18)]
+TABLES = [f"table{n:02d}" for n in range(2, 8)]
+SEEDS = (1, 2, 3, 4, 5)
+SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
+
+
+def targets(results="results", figures="paper_figures"):
+    """Files of DESIGN's naming that exist so far."""
+    drawn = [f"{figures}/{name}.{e}" for name in [*FIGURES, "metric_search"] for e in ("pdf", "png")]
+    numbers = [f"{results}/figures/{name}.csv" for name in [*FIGURES, "metric_search"]]
+    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, "metric_search"] for e in ("csv", "tex", "md")]
+    models = [f"{results}/model/{name}" for name in ("cnn.safetensors", "training.csv", "model-card.md")]
+    return {*drawn, *numbers, *tables, *models}
+
+
+def rules():
+    """Text of every rule by name, with the file it stands in."""
+    found = {}
+    for file in [ROOT / "Snakefile", *sorted((WORKFLOW / "rules").glob("*.smk"))]:
+        text = file.read_text(encoding="utf-8")
+        for match in re.finditer(r"^rule (\w+):\n((?:[ \n].*\n?|\n)*)", text, re.MULTILINE):
+            assert match[1] not in found, f"rule {match[1]} is there twice"
+            found[match[1]] = (file, match[2])
+    return found
+
+
+RULES = rules()
+#: Rules that only name other rules' files.
+COLLECTIONS = {"all", "paper_recipe", "metric_search"}
+WORKING = sorted(RULES.keys() - COLLECTIONS)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A working directory of its own, so that no run in the checkout is disturbed."""
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    return tmp_path
+
+
+def snakemake(folder, *arguments):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "1", *arguments]
+    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return run.returncode, run.stdout + run.stderr
+
+
+def summary(folder, *arguments):
+    """Output file -> the rule that makes it, of everything that the default target needs."""
+    code, said = snakemake(folder, "--summary", *arguments)
+    assert code == 0, said
+    lines = said[said.index("output_file\t") :].splitlines()
+    header = lines[0].split("\t")
+    rows = [dict(zip(header, line.split("\t"), strict=False)) for line in lines[1:] if "\t" in line]
+    return {row["output_file"]: row["rule"] for row in rows}
+
+
+def test_the_default_target_makes_every_table_and_figure(folder):
+    files = summary(folder)
+    assert targets() <= files.keys()
+    expected = {f"results/identification/numeric{s}-seed{k}.json" for s in ("", "-scale-aware") for k in SEEDS}
+    assert {name for name in files if "/identification/" in name} == expected
+    assert not [name for name in files if "paper-recipe" in name]  # a target of its own
+    for name in [*FIGURES, *TABLES]:
+        assert name in files.values()
+
+
+def test_the_smoke_run_makes_the_same_in_folders_of_its_own(folder):
+    files = summary(folder, "--configfile", str(ROOT / "config" / "smoke.yaml"))
+    assert targets("results/smoke", "paper_figures/smoke") <= files.keys()
+    assert all(name.startswith(("results/smoke/", "paper_figures/smoke/")) for name in files)
+    assert len([name for name in files if "/identification/" in name]) == 2  # one seed, two networks
+
+
+def test_each_target_can_be_asked_for_by_its_rule_name(folder):
+    names = [*FIGURES, *TABLES, "metric_search", "paper_recipe"]
+    code, said = snakemake(folder, "--dry-run", *names)
+    assert code == 0, said
+    counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
+    assert {counts.get(name) for name in names} == {"1"}
+    assert counts["train"] == "3"  # published, scale-aware and the paper's recipe
+    assert counts["identify_numeric"] == str(3 * len(SEEDS))
+
+
+def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
+    code, said = snakemake(folder, "table02")
+    assert code == 0, said
+    made = {str(p.relative_to(folder)) for p in (folder / "results").rglob("*") if p.is_file()}
+    expected = {f"results/tables/table02.{e}" for e in ("csv", "tex", "md")}
+    expected |= {"results/logs/table02.log", "results/benchmarks/table02.tsv"}
+    assert expected <= made
+    assert not [name for name in made if "/tables/" in name and "table02" not in name]
+    assert not (folder / "paper_figures").exists()
+
+
+BAD = {
+    "overlay": ("training: {stepz: 5}", "training.stepz"),
+    "value": ("training: {steps: -5}", "training.steps"),
+    "pair": ("data: {guess_low: 5.0}", "data.guess_low"),
+}
+
+
+@pytest.mark.parametrize(("text", "field"), BAD.values(), ids=BAD)
+def test_a_bad_overlay_ends_the_run_with_one_line_and_exit_code_2(folder, text, field):
+    overlay = folder / "my.yaml"
+    overlay.write_text(text, encoding="utf-8")
+    code, said = snakemake(folder, "--dry-run", "--configfile", str(overlay))
+    assert code == 2, said
+    told = [line for line in said.splitlines() if ": found " in line]
+    assert len(told) == 1, said
+    assert told[0].startswith(f"{overlay}: {field}: found ")
+    assert ", expected " in told[0]
+    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
+    assert not (folder / "results").exists()
+
+
+def test_a_bad_value_on_the_command_line_ends_the_run_with_one_line_and_exit_code_2(folder):
+    code, said = snakemake(folder, "--dry-run", "--config", "stepz=3")
+    assert code == 2, said
+    told = [line for line in said.splitlines() if ": found " in line]
+    assert len(told) == 1, said
+    assert "stepz: found an unknown key" in told[0]
+    assert "config.yaml" not in told[0]
+    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
+
+
+@pytest.mark.parametrize("name", WORKING)
+def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(name):
+    _, text = RULES[name]
+    directives = re.findall(r"^    (\w+):", text, re.MULTILINE)
+    assert {"output", "log", "benchmark", "conda", "threads", "resources", "params", "message", "script"} <= {
+        *directives
+    }
+    assert "mem_mb=" in text
+
+
+@pytest.mark.parametrize("name", sorted(COLLECTIONS))
+def test_a_rule_that_only_collects_says_so(name):
+    _, text = RULES[name]
+    directives = re.findall(r"^    (\w+):", text, re.MULTILINE)
+    assert "message" in directives
+    assert not {"script", "shell", "run", "output"} & {*directives}
+
+
+@pytest.mark.parametrize("name", WORKING)
+def test_logs_and_benchmarks_of_two_jobs_never_meet(name):
+    """Both carry the rule's name and every wildcard of the output."""
+    _, text = RULES[name]
+    wildcards = set(re.findall(r"\{\{(\w+)\}\}", text[text.index("    output:") : text.index("    log:")]))
+    for directive, suffix in (("log", "log"), ("benchmark", "tsv")):
+        path = re.search(rf'^    {directive}:\n +f"(.+)"', text, re.MULTILINE)[1]
+        assert path.startswith("{R}/")
+        assert Path(path).name.startswith(name)
+        assert path.endswith(f".{suffix}")
+        assert set(re.findall(r"\{\{(\w+)\}\}", path)) == wildcards
+
+
+@pytest.mark.parametrize("name", WORKING)
+def test_files_that_a_rule_points_to_exist(name):
+    file, text = RULES[name]
+    pointed = re.findall(r'caption="([^"]+)"', text)
+    pointed += re.findall(r'^    (?:conda|script):\n +"([^"]+)"', text, re.MULTILINE)
+    assert len(pointed) >= 2
+    for path in pointed:
+        assert (file.parent / path).is_file(), path
+
+
+def test_every_output_shown_in_the_report_has_a_caption_with_something_in_it():
+    used = set()
+    for file, text in RULES.values():
+        captions = re.findall(r'caption="([^"]+)"', text)
+        assert len(captions) == text.count("report(")
+        used |= {(file.parent / caption).resolve() for caption in captions}
+    used.add(WORKFLOW / "report" / "workflow.rst")
+    assert used == set((WORKFLOW / "report").glob("*.rst"))
+    for caption in used:
+        assert caption.read_text(encoding="utf-8").strip()
+
+
+def test_every_figure_and_table_rule_is_named_after_what_it_makes():
+    for name in [*FIGURES, *TABLES]:
+        _, text = RULES[name]
+        assert f'name="{name}"' in text
+        assert set(re.findall(r"/((?:fig|table)\d+)\.", text)) == {name}
+
+
+def test_no_script_is_left_over():
+    used = {Path(path).name for _, text in RULES.values() for path in re.findall(r'"\.\./scripts/([^"]+)"', text)}
+    assert used == {script.name for script in SCRIPTS}
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
+def test_a_script_is_one_call_inside_a_job(script):
+    text = script.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 30
+    docstring, *imports, block = ast.parse(text).body
+    assert isinstance(docstring, ast.Expr)
+    assert isinstance(docstring.value, ast.Constant)
+    assert all(isinstance(node, ast.ImportFrom) and node.module.startswith("repro.") for node in imports)
+    assert isinstance(block, ast.With)
+    assert ast.unparse(block.items[0]) == "job(snakemake.log[0], snakemake.threads)"
+    (statement,) = block.body
+    assert isinstance(statement, ast.Expr)
+    assert isinstance(statement.value, ast.Call)
+    logic = (ast.If, ast.IfExp, ast.For, ast.comprehension, ast.Lambda, ast.BinOp, ast.Compare, ast.Try, ast.Assign)
+    assert not [node for node in ast.walk(block) if isinstance(node, logic)]
