@@ -121,11 +121,12 @@ def algorithm1(network, q, tau, tau_mean, signals, cut, search, streams, scale="
     beta_m, execution, similarity, images = [], [], [], 0  # 11
     unit = np.abs(tau_s).max()
     tau_n = tau_s / unit  # 12
+    image_motion = [x / np.abs(x).max(1, keepdims=True) for x in motion] if signals.normalise_motion else motion
     for k_t in range(i_1):  # 13
         n_e, n_it = 0.0, 0  # 14, 15
         while n_e < u and n_it < o_v:  # 16
             beta_n = streams[k_t].uniform(search.low, search.high, 9)  # 17
-            r = read(network, guess_image(tau_n, motion, beta_n, scale))  # 18, 19, 20
+            r = read(network, guess_image(tau_n, image_motion, beta_n, scale))  # 18, 19, 20
             images += 1
             beta = r + beta_n  # 21
             if np.any(beta <= 0):  # 22

@@ -13,6 +13,7 @@ from repro.identify.prepare import prepare
 from repro.identify.residual import ResidualReader
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.dct import dct2dev
+from repro.signals.metric import MetricSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
@@ -64,18 +65,23 @@ def exact_signals():
     return signals, (MOTION.q, dq, dct2dev(dq, SIGNALS.h, 0.0))
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-def test_batched_search_is_the_listing(seed):
-    prepared = make()
-    found = run(prepared, seed=seed)
-    chosen = select(found.beta, prepared, SEARCH)
-    streams = np.random.default_rng(seed).spawn(SEARCH.executions)
+@pytest.mark.parametrize(
+    ("seed", "normalise", "settings"),
+    [(3, False, SEARCH), (4, True, SEARCH), (5, False, replace(SEARCH, metric=MetricSettings(exponent=0.5)))],
+    ids=["published", "normalised motion", "other metric"],
+)
+def test_batched_search_is_the_listing(seed, normalise, settings):
+    signals = replace(SIGNALS, normalise_motion=normalise)
+    prepared = make(signals=signals)
+    found = run(prepared, settings, seed)
+    chosen = select(found.beta, prepared, settings)
+    streams = np.random.default_rng(seed).spawn(settings.executions)
     beta_m, execution, n_e, images, beta_o, similarity = literal.algorithm1(
-        literal.plain_twin(NETWORK), MOTION.q, TAU, MEAN, SIGNALS, CUT, SEARCH, streams
+        literal.plain_twin(NETWORK), MOTION.q, TAU, MEAN, signals, CUT, settings, streams
     )
     # Every branch was taken, none by a hair.
     ended = {k for k, n in zip(execution, n_e, strict=True) if n >= SEARCH.threshold}
-    assert len(beta_m) >= 30
+    assert len(beta_m) >= 20
     assert images >= len(beta_m) + 15
     assert 5 <= len(ended) <= SEARCH.executions - 3
     assert np.abs(np.array(n_e) - SEARCH.threshold).min() > 1e-3
@@ -130,6 +136,8 @@ def test_search_stops_when_every_execution_is_done():
     found = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(0))
     assert found.images == reader.images == 7
     assert len(reader.guesses) == 1
+    again = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(1))
+    assert (again.images, reader.images) == (7, 14)
 
 
 def test_guesses_come_from_the_range_of_line_17():

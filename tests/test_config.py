@@ -70,6 +70,15 @@ def leaves(node, path=()):
         yield path
 
 
+def test_every_key_is_explained():
+    text = (ROOT / "config" / "README.md").read_text(encoding="utf-8")
+    parts = re.split(r"^## (\S+)\n", text, flags=re.MULTILINE)
+    chapters = dict(zip(parts[1::2], parts[2::2], strict=True))
+    for path in leaves(load(BASE)):
+        chapter = chapters["Folders"] if len(path) == 1 else chapters[path[0]]
+        assert f"`{path[-1]}`" in chapter or path[-2] == "arms", ".".join(path)
+
+
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
     budgets |= {"inner_limit", "threshold_numeric", "restarts", "passes", "results", "figures"}

@@ -53,6 +53,9 @@ def test_link_prior_gives_arms_that_could_be_built():
     l1 = 0.5 * beta[:, I2] / beta[:, G2] * STANDARD_GRAVITY
     assert 0.05 <= l1.min() < 0.06
     assert 0.55 < l1.max() <= 0.6
+    # I3 g / g2 = lc2 + J2 / (m2 lc2) is a length of link 2, which is drawn apart from link 1.
+    length2 = beta[:, I3] / beta[:, G2] * STANDARD_GRAVITY
+    assert abs(np.corrcoef(np.log(l1), np.log(length2))[0, 1]) < 0.04
     # A mass at least that far out is needed for the coupling: I3 > m2 lc2^2 and m2 <= 3.
     assert (beta[:, I3] > (beta[:, G2] / STANDARD_GRAVITY) ** 2 / 3.0).all()
     assert (beta[:, FRICTION] >= 1e-3).all()

@@ -105,7 +105,10 @@ def test_similarity_rises_with_a_network_that_helps():
 def test_infeasible_estimates_are_not_kept_but_go_on(feasibility):
     """An estimate outside is no candidate, yet the next pass may bring it back."""
     bad = TRUTH.copy()
-    bad[1 if feasibility == "positive" else 0] *= -0.5
+    if feasibility == "positive":
+        bad[1] = -0.1
+    else:
+        bad[0] = 0.5 * bad[2]  # all positive, but I1 must exceed I3
     answers = iter([np.tile(bad, (2, 1)), np.tile(TRUTH, (2, 1))])
     reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
     found = refined(reader, start(2), restarts=0, passes=2, search=replace(SEARCH, feasibility=feasibility))

@@ -11,12 +11,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
 WORKFLOW = ROOT / "workflow"
 FIGURES = [f"fig{n:02d}" for n in range(5, 18)]
 TABLES = [f"table{n:02d}" for n in range(2, 8)]
-SEEDS = (1, 2, 3, 4, 5)
+SEEDS = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))["numeric"]["seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 
 

@@ -76,26 +76,31 @@ class _FirstLayer(torch.autograd.Function):
         return None, None, weight.to(rows.dtype), grad_bias.to(rows.dtype)
 
 
+def _members(x: Tensor) -> list[Tensor]:
+    """The four members of every 2 x 2 window, (n, c, h, w) -> four of (n, c, h/2, w/2)."""
+    return [x[:, :, i::2, j::2] for i in (0, 1) for j in (0, 1)]
+
+
 class _MaxPool2(torch.autograd.Function):
     """2 x 2 max pool as three elementwise maxima: four times faster than the library's on channels-last maps."""
 
     @staticmethod
     def forward(ctx: Any, x: Tensor) -> Tensor:  # noqa: ANN401
-        members = [x[:, :, i::2, j::2] for i in (0, 1) for j in (0, 1)]
-        pooled = torch.maximum(torch.maximum(members[0], members[1]), torch.maximum(members[2], members[3]))
+        members = _members(x)
+        pooled = torch.maximum(members[0], members[1])
+        for member in members[2:]:
+            torch.maximum(pooled, member, out=pooled)
         ctx.save_for_backward(x, pooled)
         return pooled
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor) -> Tensor:  # noqa: ANN401
         x, pooled = ctx.saved_tensors
+        won = [torch.empty_like(pooled).copy_(member).eq_(pooled) for member in _members(x)]
+        share = grads[0] / torch.add(won[0], won[1]).add_(won[2]).add_(won[3])  # winners of a tie share
         grad = torch.empty_like(x)
-        members = [grad[:, :, i::2, j::2] for i in (0, 1) for j in (0, 1)]
-        for k, (i, j) in enumerate(((0, 0), (0, 1), (1, 0), (1, 1))):
-            torch.eq(x[:, :, i::2, j::2], pooled, out=members[k])
-        share = grads[0] / (members[0] + members[1] + members[2] + members[3])  # winners of a tie share
-        for member in members:
-            member.mul_(share)
+        for winner, member in zip(won, _members(grad), strict=True):
+            torch.mul(winner, share, out=member)
         return grad
 
 

@@ -184,7 +184,7 @@ def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Opt
     rest = [p for p in net.parameters() if all(p is not w for w in hidden)]
     return [
         torch.optim.Adam(rest, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
-        torch.optim.Muon(hidden, lr=s.learning_rate, weight_decay=0.0, adjust_lr_fn="match_rms_adamw"),
+        torch.optim.Muon(hidden, lr=s.learning_rate, weight_decay=0.0, adjust_lr_fn="match_rms_adamw", ns_steps=3),
     ]
 
 
