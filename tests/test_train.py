@@ -63,9 +63,11 @@ def draws(monkeypatch):
     class Recorder:
         def __init__(self):
             self.batches = []
+            self.states = []
             self.edit = lambda samples: samples
 
         def __call__(self, rng, n, motion, data):
+            self.states.append(str(rng.bit_generator.state))
             samples = self.edit(original(rng, n, motion, data))
             self.batches.append(samples)
             return samples
@@ -88,6 +90,12 @@ def test_same_seed_gives_the_same_bits(settings):
     first, again = run(settings), run(settings)
     assert_same(first, again)
     assert_different(first, run(replace(settings, seed=2)))
+
+
+def test_seed_decides_the_weights_a_run_starts_from():
+    still = replace(STREAMED, steps=1, learning_rate=1e-12)
+    for a, b in zip(run(still).network.parameters(), run(replace(still, seed=2)).network.parameters(), strict=True):
+        assert a.ndim == 1 or (a - b).abs().max() > 0.01
 
 
 def killed(settings, checkpoint):
@@ -177,6 +185,7 @@ def test_streamed_recipe_draws_fresh_samples_at_every_step(draws):
     rows = np.concatenate([batch.residual for batch in draws.batches])
     rows = rows[(rows != 0).any(1)]  # exact guesses all have the label zero
     assert len(np.unique(rows, axis=0)) == len(rows)
+    assert len(set(draws.states)) == 61
 
 
 def test_streamed_rate_rises_then_falls_as_a_cosine():
@@ -225,7 +234,8 @@ def test_paper_recipe_follows_the_published_rate():
 def test_paper_recipe_takes_the_step_of_gradient_descent(draws):
     """w - eta MT dL/dw, worked out with the plain network; all images are one, so any batch is that image."""
     draws.edit = lambda s: Samples(*(np.repeat(x[:1], len(x), 0) for x in (s.u, s.v, s.residual)))
-    trained = run(replace(PAPER, steps=2))
+    schedule = replace(PAPER.paper, learning_rate_slope=0.01)
+    trained = run(replace(PAPER, steps=2, paper=schedule))
     sample = draws.batches[0]
     torch.manual_seed(PAPER.seed)
     plain = literal.plain_twin(FactoredCNN(literal.SMALL))
@@ -236,7 +246,7 @@ def test_paper_recipe_takes_the_step_of_gradient_descent(draws):
         sigmoid_loss(plain(image), label, 1.0).backward()
         with torch.no_grad():
             for p in plain.parameters():
-                p.sub_((20e-3 + 0.2e-7 * step) * 100 * p.grad)
+                p.sub_((20e-3 + 0.01 * step) * 100 * p.grad)
     for ours, right in zip(trained.network.parameters(), plain.parameters(), strict=True):
         torch.testing.assert_close(ours.double(), right, rtol=1e-4, atol=1e-5)
 

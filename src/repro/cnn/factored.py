@@ -4,9 +4,9 @@ For a channel Z[d] = sum_r u[d,r] v[d,r]^T the first convolution is
 
     (W * Z)[o, i, j] = sum_{d,r,k} u[d,r,i+k] T[(d,r,k), (o,j)],   T[(d,r,k), (o,j)] = sum_l W[o,d,k,l] v[d,r,j+l],
 
-one (46 x 36) (36 x 460) product for each parity of i and j. The four products are the four members of each
-2 x 2 pool, so pooling is three elementwise maxima of contiguous blocks, and ReLU and bias, which keep the
-order, come after it on a quarter of the data.
+one (92 x 36) (36 x 460) product for each parity of j, with the rows sorted by the parity of i. The four blocks are
+the four members of each 2 x 2 pool, so pooling is three elementwise maxima, and bias and ReLU, which keep the order,
+come after it on a quarter of the data.
 """
 
 from typing import Any, Literal
@@ -34,45 +34,44 @@ class _FirstLayer(torch.autograd.Function):
     def forward(ctx: Any, u: Tensor, v: Tensor, weight: Tensor, bias: Tensor) -> Tensor:  # noqa: ANN401
         n, d, r, _ = u.shape
         maps, _, k, _ = weight.shape
-        rows = _windows(u, k).permute(4, 0, 3, 1, 2, 5)  # (parity, n, i, d, r, k)
-        rows = rows.reshape(2, n, rows.shape[2], d * r * k)
+        rows = _windows(u, k).permute(0, 4, 3, 1, 2, 5)  # (n, parity, i, d, r, k)
         half = rows.shape[2]
+        rows = rows.reshape(n, 2 * half, d * r * k)
         columns = _windows(v, k).permute(4, 0, 1, 2, 5, 3).reshape(2, n * d * r, k, half)  # (parity, (n d r), l, j)
         kernel = weight.permute(1, 2, 0, 3).reshape(1, d, 1, k * maps, k)  # (1, d, 1, (k o), l)
         kernel = kernel.expand(n, d, r, k * maps, k).reshape(n * d * r, k * maps, k)
-        t = [torch.bmm(kernel, c).view(n, d * r * k, maps * half) for c in columns]  # (n, (d r k), (o j))
-        members = [torch.bmm(rows[i], t[j]) for i in (0, 1) for j in (0, 1)]  # (n, i, (o j)) each
-        pooled = torch.maximum(members[0], members[1])
-        torch.maximum(pooled, members[2], out=pooled)
-        torch.maximum(pooled, members[3], out=pooled)
+        t = [torch.bmm(kernel, c).view(n, d * r * k, maps * half) for c in columns]  # (n, (d r k), (o j)) each
+        members = [torch.bmm(rows, x).view(n, 2, half, maps * half) for x in t]  # (n, parity, i, (o j)) each
+        pooled = torch.maximum(members[0][:, 0], members[0][:, 1])
+        for x in (members[1][:, 0], members[1][:, 1]):
+            torch.maximum(pooled, x, out=pooled)
         out = F.relu_(pooled.view(n, half, maps, half) + bias.view(1, 1, maps, 1))
         ctx.save_for_backward(rows, columns, pooled, out, *members)
         ctx.shape = (d, r, k, maps)
-        return out.permute(0, 2, 1, 3)  # (n, maps, half, half)
+        # (n, maps, half, half), channels last as the second convolution likes it
+        return out.permute(0, 2, 1, 3).contiguous(memory_format=torch.channels_last)
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor) -> tuple[None, None, Tensor, Tensor]:  # noqa: ANN401
         rows, columns, pooled, out, *members = ctx.saved_tensors
         d, r, k, maps = ctx.shape
-        _, n, half, _ = rows.shape
+        n, half, _ = pooled.shape
         wide = torch.promote_types(rows.dtype, torch.float32)  # sums over the batch are not left to bfloat16
         grad = grads[0].permute(0, 2, 1, 3).contiguous()  # (n, i, o, j)
         grad = torch.ops.aten.threshold_backward(grad, out, 0)
         grad_bias = grad.sum((1, 3), dtype=wide).sum(0)
-        grad = grad.view(n, half, maps * half)
-        for m in members:
-            m.eq_(pooled)
+        for x in members:
+            x.eq_(pooled[:, None])
         # Neighbouring pixels often tie in bfloat16: the winners of a pool share its gradient.
-        winners = torch.add(members[0], members[1]).add_(members[2]).add_(members[3])
-        grad = grad.div_(winners)
+        winners = torch.add(members[0][:, 0], members[0][:, 1])
+        winners.add_(members[1][:, 0]).add_(members[1][:, 1])
+        grad = grad.view(n, half, maps * half).div_(winners)
         grad_weight = torch.zeros(d, r, k * maps * k, dtype=wide)
-        for j in (0, 1):
-            g = torch.bmm(rows[0].mT, members[j].mul_(grad))
-            g.baddbmm_(rows[1].mT, members[2 + j].mul_(grad))  # (n, (d r k), (o j))
-            w = torch.bmm(g.view(n * d * r, k * maps, half), columns[j].mT)  # ((n d r), (k o), l)
+        for x, c in zip(members, columns, strict=True):
+            g = torch.bmm(rows.mT, x.mul_(grad[:, None]).view(n, 2 * half, -1))  # (n, (d r k), (o j))
+            w = torch.bmm(g.view(n * d * r, k * maps, half), c.mT)  # ((n d r), (k o), l)
             grad_weight += w.view(n, d, r, -1).sum(0, dtype=wide)
-        grad_weight = grad_weight.sum(1)
-        weight = grad_weight.view(d, k, maps, k).permute(2, 0, 1, 3)
+        weight = grad_weight.sum(1).view(d, k, maps, k).permute(2, 0, 1, 3)
         return None, None, weight.to(rows.dtype), grad_bias.to(rows.dtype)
 
 
@@ -141,8 +140,7 @@ class FactoredCNN(SignalCNN):
         """
         weight, bias = self._cast(self.conv1)
         x: Tensor = _FirstLayer.apply(u.to(self.dtype), v.to(self.dtype), weight, bias)  # type: ignore[no-untyped-call]
-        x = x.contiguous(memory_format=torch.channels_last)  # (n, 10, 46, 46)
-        return self.tail(x)
+        return self.tail(x)  # (n, 10, 46, 46)
 
     def forward_shared(self, u: Tensor, v: Tensor) -> Tensor:
         """Residuals for many guesses at one torque, whose images share `v`: no gradients.

@@ -80,14 +80,14 @@ class TrainingSettings:
     """
 
     recipe: Recipe = "streamed"
-    steps: int = 24_000
-    batch: int = 64
-    learning_rate: float = 4e-3
+    steps: int = 10_500
+    batch: int = 128
+    learning_rate: float = 5e-3
     warmup: int = 200
     seed: int = 1
     test_samples: int = 4096
-    log_every: int = 500
-    checkpoint_every: int = 2000
+    log_every: int = 250
+    checkpoint_every: int = 500
     precision: Precision = "bfloat16"
     paper: PaperSchedule = field(default_factory=PaperSchedule)
 
@@ -188,7 +188,7 @@ def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Opt
     ]
 
 
-def evaluate(network: FactoredCNN, samples: Samples, batch: int = 64) -> float:
+def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
     """Mean loss over a set, in single precision.
 
     Parameters
