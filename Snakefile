@@ -14,7 +14,11 @@ configfile: "config/config.yaml"
 
 
 if workflow.is_main_process:
-    accept_config(config, Path(workflow.basedir) / "workflow/schemas/config.schema.yaml", workflow.configfiles)
+    accept_config(
+        config,
+        Path(workflow.basedir) / "workflow/schemas/config.schema.yaml",
+        ["config/config.yaml", *workflow.overwrite_configfiles],
+    )
     ALIVE = hold_folder(Path(".snakemake"))
     set_allocator(os.environ)
 

@@ -33,7 +33,7 @@ ARMS = {
     "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
 }
 SIGNALS = SignalSettings()
-NUMERIC = NumericSettings(seeds=(1, 2), margin=40, validation_reading="index", arms=ARMS)
+NUMERIC = NumericSettings(margin=40, validation_reading="index", arms=ARMS)
 METRIC = MetricSettings()
 AWARE = ImageSettings("constant", 4.0)
 

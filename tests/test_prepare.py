@@ -134,7 +134,6 @@ def test_cuts_that_do_not_fit_are_refused(cut):
         prepared(cut=cut)
 
 
-@pytest.mark.xfail(strict=True, reason="a cut that ends less than `samples` after the signal is not refused")
 def test_cut_that_ends_just_after_the_signal_is_refused():
     with pytest.raises(ValueError, match="n1, n2"):
         prepared(tau_mean=np.ones((2, N)), cut=(0, N + 10))

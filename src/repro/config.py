@@ -1,6 +1,6 @@
 """The configuration file, checked against its schema: one line for whatever is wrong."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,45 +10,87 @@ import yaml
 
 from repro.errors import InputError
 
+#: Keys and list positions that lead to a value.
+Place = tuple[str | int, ...]
 
-def _finite(value: object, place: str) -> None:
-    """Refuse NaN and infinity, which YAML can spell and a schema lets through."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            _finite(item, f"{place}.{key}" if place else str(key))
-    elif isinstance(value, list):
-        for index, item in enumerate(value):
-            _finite(item, f"{place}[{index}]")
-    elif isinstance(value, float) and not np.isfinite(value):
-        raise InputError.at(place, value, "a finite number")
+_ABSENT = object()
 
-
-def _origin(files: Iterable[Path], path: Iterable[str | int]) -> str:
-    """Name of the last configuration file that sets `path`, or the command line."""
-    origin = ""
-    keys = [k for k in path if isinstance(k, str)]
-    for file in files:
-        node: object = yaml.safe_load(file.read_text(encoding="utf-8"))
-        for key in keys:
-            node = node.get(key) if isinstance(node, Mapping) else None
-        if node is not None:
-            origin = str(file)
-    return origin or "configuration"
+# JSON takes 60.0 for an integer; a budget written so would fail later, far from here.
+_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
+    "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
+)
+_Validator = jsonschema.validators.extend(jsonschema.Draft202012Validator, type_checker=_TYPES)  # type: ignore[no-untyped-call]
 
 
-def _expected(error: jsonschema.ValidationError) -> tuple[str, str, str]:
-    """Field, found and expected of a schema violation, in words."""
-    field = ".".join(str(p) for p in error.absolute_path)
+def _field(place: Place) -> str:
+    """``("numeric", "arms", "N1", 3)`` as ``numeric.arms.N1[3]``."""
+    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in place).removeprefix(".")
+
+
+def _at(node: Any, place: Place) -> object:  # noqa: ANN401
+    """Value at a place of a nested configuration, or `_ABSENT`."""
+    try:
+        for key in place:
+            node = node[key]
+    except (KeyError, IndexError, TypeError):
+        return _ABSENT
+    return node
+
+
+def _infinite(node: object, place: Place = ()) -> Iterator[Place]:
+    """Places of NaN and infinity, which YAML can spell and a schema lets through."""
+    if isinstance(node, Mapping):
+        for key, item in node.items():
+            yield from _infinite(item, (*place, str(key)))
+    elif isinstance(node, list):
+        for index, item in enumerate(node):
+            yield from _infinite(item, (*place, index))
+    elif isinstance(node, float) and not np.isfinite(node):
+        yield place
+
+
+class _Sources:
+    """Which configuration file a value came from.
+
+    Parameters
+    ----------
+    config : mapping
+        Merged configuration.
+    files : iterable of Path
+        Files in the order they were merged.
+    """
+
+    def __init__(self, config: Mapping[str, Any], files: Iterable[Path]) -> None:
+        self._config = config
+        self._files = [(str(file), yaml.safe_load(Path(file).read_text(encoding="utf-8"))) for file in files]
+
+    def rank(self, place: Place) -> int:
+        """Position of the last file that holds the merged value there; their number if none does."""
+        value = _at(self._config, place)
+        # By their text, because NaN does not equal itself.
+        holding = [k for k, (_, content) in enumerate(self._files) if repr(_at(content, place)) == repr(value)]
+        return holding[-1] if holding else len(self._files)
+
+    def name(self, place: Place) -> str:
+        """Name of that file; the first one for a value that is missing."""
+        if _at(self._config, place) is _ABSENT and self._files:
+            return self._files[0][0]
+        rank = self.rank(place)
+        return self._files[rank][0] if rank < len(self._files) else "command line"
+
+
+def _expected(error: jsonschema.ValidationError) -> tuple[Place, str, str]:
+    """Place, found and expected of a schema violation, in words."""
+    place = tuple(error.absolute_path)
     rule, limit = str(error.validator), error.validator_value
     if rule == "additionalProperties":
         schema: Mapping[str, Any] = error.schema  # type: ignore[assignment]
-        known = [*schema.get("properties", {}), *error.schema.get("required", [])]  # type: ignore[union-attr]
+        known = [*schema.get("properties", {}), *schema.get("required", [])]
         unknown = [k for k in error.instance if k not in known]  # type: ignore[union-attr]
-        field = ".".join([*(str(p) for p in error.absolute_path), str(unknown[0])])
-        return field, "an unknown key", f"one of {', '.join(sorted(set(known)))}"
+        return (*place, str(unknown[0])), "an unknown key", f"one of {', '.join(sorted(set(known)))}"
     if rule == "required":
         missing = next(k for k in limit if k not in error.instance)  # type: ignore[union-attr,operator]
-        return ".".join(filter(None, [field, str(missing)])), "nothing", "a value"
+        return (*place, str(missing)), "nothing", "a value"
     words = {
         "type": f"{limit}",
         "enum": f"one of {limit}",
@@ -62,11 +104,32 @@ def _expected(error: jsonschema.ValidationError) -> tuple[str, str, str]:
         "uniqueItems": "values that differ",
         "pattern": f"text like {limit}",
     }
-    return field or "configuration", repr(error.instance), words.get(rule, f"{rule} {limit}")
+    return place, repr(error.instance), words.get(rule, f"{rule} {limit}")
+
+
+def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+    """Values that do not go together, and what would."""
+    for low, high in (
+        (("data", "guess_low"), ("data", "guess_high")),
+        (("data", "near_low"), ("data", "near_high")),
+        (("algorithm1", "guess_low"), ("algorithm1", "guess_high")),
+    ):
+        a, b = config[low[0]][low[1]], config[high[0]][high[1]]
+        if not a < b:
+            yield (low, high), f"{_field(low)} ({a}) below {_field(high)} ({b})"
+    data, signals, paper = config["data"], config["signals"], config["training"]["paper"]
+    if data["exact_share"] + data["near_share"] > 1:
+        yield (("data", "exact_share"), ("data", "near_share")), "two shares that add up to 1 at most"
+    if round(signals["duration_s"] / signals["sampling_period_s"]) <= signals["image_samples"]:
+        expected = f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
+        yield (("signals", "duration_s"), ("signals", "sampling_period_s")), expected
+    if not 1 <= round(paper["train_share"] * paper["images"]) < paper["images"]:
+        places = (("training", "paper", "images"), ("training", "paper", "train_share"))
+        yield places, "at least one image to train with and one to test with"
 
 
 def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] = ()) -> None:
-    """Check a configuration against its schema.
+    """Check a configuration against its schema, and its values against each other.
 
     Parameters
     ----------
@@ -82,13 +145,13 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
     InputError
         At the first violation: file, field, found and expected in one line.
     """
-    rules = yaml.safe_load(schema.read_text(encoding="utf-8"))
-    violations = list(jsonschema.Draft202012Validator(rules).iter_errors(config))
+    sources = _Sources(config, files)
+    violations = list(_Validator(yaml.safe_load(schema.read_text(encoding="utf-8"))).iter_errors(config))
     if violations:
-        error = min(violations, key=lambda e: [str(p) for p in e.absolute_path])
-        field, found, expected = _expected(error)
-        raise InputError.at(f"{_origin(files, field.split('.'))}: {field}", found, expected)
-    try:
-        _finite(config, "")
-    except InputError as error:
-        raise InputError(f"{_origin(files, str(error).split(':')[0].split('.'))}: {error}") from error
+        place, found, expected = _expected(min(violations, key=lambda e: [str(p) for p in e.absolute_path]))
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", found, expected)
+    for place in _infinite(config):
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place), "a finite number")
+    for places, expected in _contradictions(config):
+        place = max(places, key=sources.rank)  # the one that was set last
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place), expected)

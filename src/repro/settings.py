@@ -32,8 +32,6 @@ class NumericSettings:
 
     Attributes
     ----------
-    seeds : tuple of int
-        One repetition each; they seed the guesses and the validation trajectory.
     margin : int
         Samples recorded before and after the trajectory, which **cut** removes.
     validation_reading : {"rad_per_s", "hertz", "index"}
@@ -42,7 +40,6 @@ class NumericSettings:
         Name of each test arm and its nine parameters, an array of shape (9,).
     """
 
-    seeds: tuple[int, ...]
     margin: int
     validation_reading: FrequencyReading
     arms: dict[str, Array]
@@ -118,7 +115,6 @@ def numeric_settings(config: Config) -> NumericSettings:
     """The numeric experiment, from section ``numeric``."""
     n = config["numeric"]
     return NumericSettings(
-        seeds=tuple(n["seeds"]),
         margin=n["margin_samples"],
         validation_reading=n["validation_frequency_reading"],
         arms={name: np.array(beta, dtype=np.float64) for name, beta in n["arms"].items()},

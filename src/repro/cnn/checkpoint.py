@@ -101,7 +101,7 @@ def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
 
 
 def save_checkpoint(
-    path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress
+    path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress, run: str
 ) -> None:
     """Write weights, optimiser state and progress.
 
@@ -115,16 +115,18 @@ def save_checkpoint(
         Its optimisers.
     progress : Progress
         Where the run stands.
+    run : str
+        What identifies the run; only the same run may continue from the file.
     """
     tensors = {f"network.{name}": t for name, t in network.state_dict().items()}
     for which, optimiser in enumerate(optimisers):
         for index, state in optimiser.state_dict()["state"].items():
             tensors |= {f"{which}.{index}.{key}": t for key, t in state.items() if isinstance(t, Tensor)}
-    _write(path, tensors, {"progress": json.dumps(progress.__dict__)})
+    _write(path, tensors, {"progress": json.dumps(progress.__dict__), "run": run})
 
 
-def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer]) -> Progress:
-    """Restore what `save_checkpoint` wrote, or start anew if there is no file.
+def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], run: str) -> Progress:
+    """Restore what `save_checkpoint` wrote, or start anew if there is no file or it is another run's.
 
     Parameters
     ----------
@@ -134,6 +136,8 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
         Receives the weights.
     optimisers : sequence of torch.optim.Optimizer
         Receive their states.
+    run : str
+        What identifies the run.
 
     Returns
     -------
@@ -143,6 +147,8 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     if not path.exists():
         return Progress()
     tensors, metadata = _read(path)
+    if metadata.get("run") != run:
+        return Progress()
     prefix = "network."
     network.load_state_dict({n.removeprefix(prefix): t for n, t in tensors.items() if n.startswith(prefix)})
     for which, optimiser in enumerate(optimisers):

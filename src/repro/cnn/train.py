@@ -4,6 +4,7 @@ Budgets are steps, never seconds. The samples of a step depend on the seed and t
 run that was stopped continues from its checkpoint to the same bits.
 """
 
+import hashlib
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -50,6 +51,13 @@ class PaperSchedule:
     learning_rate_slope: float = 0.2e-7
     gradient_gain: float = 100.0
 
+    def __post_init__(self) -> None:
+        """Refuse a set that cannot be split."""
+        if self.images < 2:
+            raise ValueError(f"images: must be at least 2, got {self.images}.")
+        if not 1 <= round(self.train_share * self.images) < self.images:
+            raise ValueError(f"train_share: must leave images to train and to test with, got {self.train_share}.")
+
 
 @dataclass(frozen=True)
 class TrainingSettings:
@@ -86,7 +94,7 @@ class TrainingSettings:
     warmup: int = 200
     seed: int = 1
     test_samples: int = 4096
-    log_every: int = 250
+    log_every: int = 500
     checkpoint_every: int = 500
     precision: Precision = "bfloat16"
     paper: PaperSchedule = field(default_factory=PaperSchedule)
@@ -215,6 +223,14 @@ def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
         network.dtype = precision
 
 
+def _fingerprint(motion: SampledMotion, data: DataSettings, network: NetworkSettings, s: TrainingSettings) -> str:
+    """Hash of everything that decides a run's result."""
+    digest = hashlib.sha256(repr((data, network, s)).encode())
+    for array in (motion.torque, motion.model):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
 def train(
     motion: SampledMotion,
     data: DataSettings,
@@ -236,7 +252,7 @@ def train(
     settings : TrainingSettings
         Recipe and budget.
     checkpoint : Path or None
-        Where to save progress; if the file is there, training continues from it.
+        Where to save progress; if a file of the same run is there, training continues from it.
     report : callable
         Called with steps done, steps in all and the latest training loss.
 
@@ -250,7 +266,8 @@ def train(
     net = FactoredCNN(network, settings.precision)
     optimisers = make_optimisers(net, settings)
     gain = 1.0 if settings.recipe == "streamed" else settings.paper.gradient_gain
-    progress = load_checkpoint(checkpoint, net, optimisers) if checkpoint else Progress()
+    run = _fingerprint(motion, data, network, settings)
+    progress = load_checkpoint(checkpoint, net, optimisers, run) if checkpoint else Progress()
     batches, test = _batches(settings, motion, data, progress.step)
     began = time.perf_counter() - progress.seconds
     loss_sum, rows = progress.loss_sum, [*progress.rows]
@@ -273,7 +290,8 @@ def train(
         if done % 50 == 0 or done == settings.steps:
             report(done, settings.steps, float(loss.detach()))
         if checkpoint and done % settings.checkpoint_every == 0 and done < settings.steps:
-            save_checkpoint(checkpoint, net, optimisers, Progress(done, loss_sum, time.perf_counter() - began, rows))
+            saved = Progress(done, loss_sum, time.perf_counter() - began, rows)
+            save_checkpoint(checkpoint, net, optimisers, saved, run)
     table = np.array(rows, dtype=np.float64)
     net.dtype = torch.float32
     return Trained(net, table[:, :4], float(table[-1, 4]), table[:, 4])

@@ -115,7 +115,7 @@ def prepare(
     ddq = dct2dev(dq, h, c_f, reading)  # line 2
     tau = dct2low(tau, h, c_f, reading)  # line 3
     n2 = q.shape[-1] if n2 is None else n2
-    if not 0 <= n1 < n2 - settings.samples < q.shape[-1]:
+    if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
         raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
     q, dq, ddq, tau = (x[:, n1:n2] for x in (q, dq, ddq, tau))  # line 4
     c_p = fit2trt(tau, tau_mean)  # line 5

@@ -10,6 +10,7 @@ from repro.cnn.checkpoint import load_network
 from repro.cnn.train import HISTORY_COLUMNS
 from repro.errors import InputError
 from repro.files import read_csv, read_json
+from repro.model.parameters import NAMES
 from repro.pipeline import figure_data as draw
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.numeric import motion_of
@@ -21,6 +22,26 @@ Config = Mapping[str, Any]
 Inputs = Mapping[str, Sequence[Path]]
 
 SCORE_COLUMNS = ("case", "method", "seed", "trajectory", "joint", "time", "frequency", "total")
+
+
+def _nine(value: object) -> bool:
+    """Whether a value read from JSON is a parameter set."""
+    return isinstance(value, list) and len(value) == len(NAMES) and all(isinstance(x, int | float) for x in value)
+
+
+def _check_arms(path: Path, arms: object) -> None:
+    """Refuse arms without true parameters or estimates, by the field at fault."""
+    if not isinstance(arms, dict) or not arms:
+        raise InputError.at(f"{path}: arms", "no arm", "at least one")
+    for case, arm in arms.items():
+        if not isinstance(arm, dict) or not _nine(arm.get("true")):
+            raise InputError.at(f"{path}: arms.{case}.true", "no parameter set", "nine numbers")
+        methods = arm.get("methods")
+        if not isinstance(methods, dict) or not methods:
+            raise InputError.at(f"{path}: arms.{case}.methods", "no method", "at least one")
+        for method, estimate in methods.items():
+            if not isinstance(estimate, dict) or not _nine(estimate.get("beta")):
+                raise InputError.at(f"{path}: arms.{case}.methods.{method}.beta", "no parameter set", "nine numbers")
 
 
 def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
@@ -36,6 +57,7 @@ def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
         run = read_json(path)
         if not isinstance(run, dict) or not {"seed", "variant", "arms"} <= run.keys():
             raise InputError.at(str(path), "no identification result", "fields seed, variant, arms")
+        _check_arms(path, run["arms"])
         runs.append(run)
     return runs
 
@@ -51,7 +73,7 @@ def read_scores(paths: Sequence[Path]) -> pd.DataFrame:
     frames = [read_csv(path, SCORE_COLUMNS) for path in paths]
     for path, frame in zip(paths, frames, strict=True):
         for column in ("time", "frequency", "total"):
-            wrong = ~frame[column].between(0, 1)
+            wrong = ~pd.to_numeric(frame[column], errors="coerce").between(0, 1)
             if wrong.any():
                 line = int(wrong.to_numpy().argmax()) + 2
                 found = frame[column][wrong].iloc[0]

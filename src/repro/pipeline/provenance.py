@@ -6,9 +6,10 @@ import platform
 import subprocess
 from pathlib import Path
 
+from repro import __version__
 from repro.files import write_json
 
-PACKAGES = ("repro", "numpy", "scipy", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
+PACKAGES = ("numpy", "scipy", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 
 
 def commit(folder: Path) -> str:
@@ -39,7 +40,7 @@ def write_provenance(path: Path, folder: Path, cores: int) -> None:
             "cores": cores,
             "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "machine": f"{platform.machine()} {platform.system()}",
-            "packages": {name: importlib.metadata.version(name) for name in PACKAGES},
+            "packages": {"repro": __version__, **{name: importlib.metadata.version(name) for name in PACKAGES}},
             "python": platform.python_version(),
         },
     )

@@ -33,7 +33,7 @@ from repro.settings import (
     signal_settings,
     training_settings,
 )
-from repro.signals.trajectories import identification_trajectory
+from repro.signals.trajectories import identification_trajectory, sample_times
 
 _LOG = logging.getLogger(__name__)
 
@@ -79,16 +79,18 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
     Path(checkpoint).unlink(missing_ok=True)
 
 
-def read_mean_torque(path: Path) -> Array:
-    """Mean training torque, an array of shape (2, N).
+def read_mean_torque(path: Path, samples: int) -> Array:
+    """Mean training torque, an array of shape (2, N) with N = `samples`.
 
     Raises
     ------
     InputError
-        If the file is missing, lacks a column, or holds a value that is not finite.
+        If the file is missing, lacks a column, has another length, or holds a value that is not finite.
     """
     columns = ("joint1", "joint2")
     table = read_csv(path, columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
+    if len(table) != samples:
+        raise InputError.at(f"{path}: rows", len(table), f"{samples}, one for each sample of the trajectory")
     wrong = ~np.isfinite(table.to_numpy())
     if wrong.any():
         line, column = np.argwhere(wrong)[0]
@@ -101,14 +103,15 @@ def identify_numeric(variant: str, seed: int, named_inputs: Named, output: str, 
     """Stage identify: all arms for one seed."""
     inputs = paths(named_inputs)
     network = load_network(inputs["weights"][0], network_settings(config))
+    signals = signal_settings(config)
     experiment = Experiment(
         variant,
-        signal_settings(config),
+        signals,
         data_settings(config, variant),
         search_settings(config),
         refinement_settings(config),
         numeric_settings(config),
-        read_mean_torque(inputs["mean_torque"][0]),
+        read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size),
     )
     write_json(Path(output), identify_arms(network, experiment, seed))
 

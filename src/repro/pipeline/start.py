@@ -12,7 +12,7 @@ from repro.errors import InputError
 from repro.settings import check_together
 
 
-def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path]) -> None:
+def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[str | Path]) -> None:
     """Check the configuration; on a fault print its one line and leave with exit code 2.
 
     Parameters
@@ -22,7 +22,7 @@ def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path]
     schema : Path
         Its schema.
     files : iterable of Path
-        Files it was merged from.
+        Files it was merged from, in that order.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path]
         With code 2 if something is wrong.
     """
     try:
-        check_config(config, schema, files)
+        check_config(config, schema, [Path(file) for file in files])
         try:
             check_together(config)
         except ValueError as error:
@@ -60,11 +60,11 @@ def set_allocator(environment: MutableMapping[str, str]) -> None:
         environment.setdefault(name, value)
 
 
-def hold_folder(state: Path) -> TextIO | None:
+def hold_folder(state: Path) -> TextIO:
     """Mark this folder as in use until the process ends, and remove locks left by runs that were killed.
 
-    Snakemake's locks outlive a killed run. The operating system's do not: whoever holds this one is alive, so
-    if nobody does, any other lock is stale.
+    Snakemake's locks outlive a killed run. The operating system's do not: every living run shares this one, so
+    if it can be had alone, any other lock is stale.
 
     Parameters
     ----------
@@ -73,15 +73,15 @@ def hold_folder(state: Path) -> TextIO | None:
 
     Returns
     -------
-    file or None
-        Must be kept open for as long as the run lasts; None if another run is alive.
+    file
+        Must be kept open for as long as the run lasts.
     """
     state.mkdir(exist_ok=True)
     handle = (state / "alive").open("w")
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(state / "locks", ignore_errors=True)
     except BlockingIOError:
-        handle.close()
-        return None
-    shutil.rmtree(state / "locks", ignore_errors=True)
+        pass  # another run is alive, and so are its locks
+    fcntl.flock(handle, fcntl.LOCK_SH)
     return handle
