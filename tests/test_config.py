@@ -81,7 +81,7 @@ def test_every_key_is_explained():
 
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
-    budgets |= {"inner_limit", "threshold_numeric", "restarts", "passes", "results", "figures"}
+    budgets |= {"inner_limit", "threshold_numeric", "restarts", "keep", "passes", "results", "figures"}
     assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
 
 

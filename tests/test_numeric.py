@@ -127,7 +127,7 @@ def experiment(**changes):
         signals=SIGNALS,
         data=DataSettings(image=AWARE),
         search=SearchSettings(executions=4, inner_limit=3),
-        refinement=RefinementSettings(restarts=5, passes=2),
+        refinement=RefinementSettings(restarts=5, keep=9, passes=2),
         numeric=NUMERIC,
         tau_mean=mean_training_torque(SIGNALS, DataSettings(), 1),
     )
@@ -160,7 +160,7 @@ def test_a_perfect_network_finds_every_arm(found):
 def test_a_perfect_network_needs_one_image_for_each_execution(found):
     for arm in found["arms"].values():
         assert arm["methods"]["algorithm1+scale-aware"]["images"] == 4
-        # Refinement reads 5 fresh guesses, then those and the 4 candidates in each of 2 passes.
+        # Refinement reads 5 fresh guesses, then the best 9 in each of 2 passes, all there are in the first.
         assert arm["methods"]["algorithm1+refinement+scale-aware"]["images"] == 4 + 5 + 2 * 9
 
 

@@ -15,6 +15,7 @@ from repro.identify.prepare import prepare
 from repro.identify.refinement import RefinementSettings, refine
 from repro.identify.residual import ResidualReader
 from repro.model.dynamics import inverse_dynamics
+from repro.signals.metric import TorqueScorer
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
@@ -43,15 +44,24 @@ def start(n=5, seed=0):
     return np.random.default_rng(seed).uniform(0.05, 2.0, (n, 9))
 
 
-def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0):
-    return refine(reader, beta_m, search, RefinementSettings(restarts, passes), np.random.default_rng(seed))
+NO_SPREAD = {"spread_low": 1e-12, "spread_high": 2e-12}
 
 
-@pytest.mark.parametrize("passes", [1, 4, 30])
+def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, **spread):
+    settings = RefinementSettings(restarts, keep, passes, **(spread or NO_SPREAD))
+    return refine(reader, beta_m, PREPARED, search, settings, np.random.default_rng(seed))
+
+
+def similarity(beta):
+    return TorqueScorer(PREPARED.tau / PREPARED.largest, PREPARED.y)(beta).total.mean(-1)
+
+
+@pytest.mark.parametrize("passes", [1, 2, 3])
 def test_contracting_network_converges_to_the_truth(passes):
-    beta_m = start()
+    beta_m = TRUTH * np.random.default_rng(0).uniform(0.6, 1.5, (5, 9))
     found = refined(Reader(0.5), beta_m, restarts=0, passes=passes)
-    np.testing.assert_allclose(found[-5:] - TRUTH, (beta_m - TRUTH) / 2**passes, rtol=0, atol=1e-12)
+    error = np.abs(found - TRUTH).max(1)
+    assert error.min() < 1e-9 + np.abs(beta_m - TRUTH).max() / 2**passes
 
 
 def test_perfect_network_is_right_in_one_pass():
@@ -62,23 +72,38 @@ def test_perfect_network_is_right_in_one_pass():
 def test_candidates_of_every_pass_are_kept():
     beta_m = start()
     reader = Reader(0.5)
-    found = refined(reader, beta_m)
-    assert found.shape == (5 + 7 + 3 * 12, 9)
+    found = refined(reader, beta_m, keep=6)
+    assert found.shape == (5 + 7 + 3 * 6, 9)
     np.testing.assert_array_equal(found[:5], beta_m)
-    fresh = reader.guesses[0]
-    assert fresh.shape == (7, 9)
-    guess = np.concatenate([beta_m, TRUTH + 0.5 * (fresh - TRUTH)])
-    np.testing.assert_allclose(found[5:12], guess[5:], rtol=1e-12)
-    for k in range(3):
-        np.testing.assert_allclose(reader.guesses[k + 1], guess, rtol=1e-12)
-        guess = TRUTH + 0.5 * (guess - TRUTH)
-        np.testing.assert_allclose(found[12 + 12 * k : 24 + 12 * k], guess, rtol=1e-12)
-    assert reader.images == 7 + 3 * 12
+    for k, guess in enumerate([*reader.guesses]):
+        size = 7 if k == 0 else 6
+        at = 5 if k == 0 else 12 + 6 * (k - 1)
+        assert guess.shape == (size, 9)
+        np.testing.assert_allclose(found[at : at + size], guess + 0.5 * (TRUTH - guess), rtol=1e-12)
+    assert reader.images == 7 + 3 * 6
+
+
+def test_the_most_similar_estimates_are_fed_back():
+    reader = Reader(0.5)
+    found = refined(reader, start(), keep=4, passes=2)
+    for k, known in ((1, found[:12]), (2, found[:16])):
+        best = known[np.argsort(-similarity(known), kind="stable")[:4]]
+        np.testing.assert_allclose(reader.guesses[k], best, atol=1e-10)
+
+
+def test_guesses_are_spread_by_the_size_asked_for():
+    reader = Reader(0.0)
+    beta_m = np.tile(TRUTH, (4000, 1)) + 1.0  # far from the floor of the range
+    refined(reader, beta_m, restarts=0, passes=1, keep=4000, spread_low=0.01, spread_high=0.04)
+    spread = (reader.guesses[1] - beta_m).std(1, ddof=1)
+    assert 0.001 < spread.min() < spread.max() < 0.1
+    # Log-uniform from 0.01 to 0.04: the median is 0.02.
+    assert np.median(np.abs(reader.guesses[1] - beta_m)) == pytest.approx(0.02 * 0.6745, rel=0.1)
 
 
 def test_drift_after_a_good_pass_costs_nothing():
     """A network that is right once and wrong afterwards: the good pass must still be among the candidates."""
-    answers = iter([np.tile(TRUTH, (5, 1)), start(5, 1), start(5, 2)])
+    answers = iter([np.tile(TRUTH, (5, 1)), start(10, 1), start(15, 2)])
     reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
     found = refined(reader, start(), restarts=0)
     assert (np.abs(found - TRUTH).max(1) < 1e-12).sum() == 5
@@ -102,8 +127,7 @@ def test_similarity_rises_with_a_network_that_helps():
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
-def test_infeasible_estimates_are_not_kept_but_go_on(feasibility):
-    """An estimate outside is no candidate, yet the next pass may bring it back."""
+def test_infeasible_estimates_are_not_kept(feasibility):
     bad = TRUTH.copy()
     if feasibility == "positive":
         bad[1] = -0.1
@@ -123,7 +147,7 @@ def test_fresh_estimates_that_are_infeasible_are_not_kept():
 
 def test_guesses_fed_back_stay_in_the_range_seen_in_training():
     reader = Reader(move=lambda guess: guess - 0.4)
-    refined(reader, start(), search=replace(SEARCH, low=0.01))
+    refined(reader, start(), search=replace(SEARCH, low=0.01), spread_low=0.2, spread_high=2.0)
     for guess in reader.guesses:
         assert guess.min() >= 0.01
     assert reader.guesses[-1].min() == 0.01
@@ -140,7 +164,7 @@ def test_fresh_guesses_fill_the_range_of_line_17():
 
 def test_no_candidates_to_start_from():
     found = refined(Reader(1.0), np.empty((0, 9)), restarts=3, passes=2)
-    np.testing.assert_allclose(found, np.tile(TRUTH, (9, 1)), rtol=1e-12)
+    np.testing.assert_allclose(found, np.tile(TRUTH, (3 + 3 + 6, 1)), rtol=1e-12)
     assert refined(Reader(), np.empty((0, 9)), restarts=0).shape == (0, 9)
 
 
@@ -154,7 +178,10 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
     assert (first > 0).all()
 
 
-@pytest.mark.parametrize("wrong", [{"restarts": -1}, {"passes": 0}])
+@pytest.mark.parametrize(
+    "wrong",
+    [{"restarts": -1}, {"keep": 0}, {"passes": 0}, {"spread_low": 0.0}, {"spread_low": 0.1, "spread_high": 0.1}],
+)
 def test_wrong_budgets_are_refused(wrong):
-    with pytest.raises(ValueError, match="restarts, passes"):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
         RefinementSettings(**wrong)

@@ -36,7 +36,7 @@ training:
            gradient_gain: 50.0}}
 algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
              feasibility: positive-definite}
-refinement: {restarts: 41, passes: 5}
+refinement: {restarts: 41, keep: 7, passes: 5, spread_low: 0.01, spread_high: 0.04}
 numeric:
   seeds: [4, 8]
   margin_samples: 43
@@ -112,7 +112,9 @@ def test_search_scores_with_the_metric_of_the_configuration():
 
 
 def test_refinement():
-    assert settings.refinement_settings(sections("refinement")) == RefinementSettings(restarts=41, passes=5)
+    assert settings.refinement_settings(sections("refinement")) == RefinementSettings(
+        restarts=41, keep=7, passes=5, spread_low=0.01, spread_high=0.04
+    )
 
 
 def test_numeric_experiment():

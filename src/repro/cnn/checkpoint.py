@@ -146,7 +146,10 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     """
     if not path.exists():
         return Progress()
-    tensors, metadata = _read(path)
+    try:
+        tensors, metadata = _read(path)
+    except InputError as error:
+        raise InputError(f"{error}; delete it to start anew") from error
     if metadata.get("run") != run:
         return Progress()
     prefix = "network."

@@ -19,7 +19,7 @@ from torch import Tensor
 
 from repro.cnn.checkpoint import Progress, load_checkpoint, save_checkpoint
 from repro.cnn.dataset import DataSettings, SampledMotion, Samples, draw_samples
-from repro.cnn.factored import FactoredCNN, Precision
+from repro.cnn.factored import DTYPES, FactoredCNN, Precision
 from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
 
 Recipe = Literal["streamed", "paper"]
@@ -88,7 +88,7 @@ class TrainingSettings:
     """
 
     recipe: Recipe = "streamed"
-    steps: int = 10_500
+    steps: int = 10_000
     batch: int = 128
     learning_rate: float = 5e-3
     warmup: int = 200
@@ -100,7 +100,13 @@ class TrainingSettings:
     paper: PaperSchedule = field(default_factory=PaperSchedule)
 
     def __post_init__(self) -> None:
-        """Refuse budgets that are not positive."""
+        """Refuse budgets that are not positive and unknown choices."""
+        if self.recipe not in RECIPES:
+            raise ValueError(f"recipe: must be one of {RECIPES}, got {self.recipe!r}.")
+        if self.precision not in DTYPES:
+            raise ValueError(f"precision: must be one of {tuple(DTYPES)}, got {self.precision!r}.")
+        if not self.learning_rate > 0:
+            raise ValueError(f"learning_rate: must be positive, got {self.learning_rate}.")
         for name in ("steps", "batch", "test_samples", "log_every", "checkpoint_every"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name}: must be at least 1, got {getattr(self, name)}.")

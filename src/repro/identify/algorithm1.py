@@ -44,6 +44,8 @@ class SearchSettings:
         """Refuse budgets that are not positive and an unknown check."""
         if self.executions < 1 or self.inner_limit < 1:
             raise ValueError("executions, inner_limit: must be at least 1.")
+        if not 0 < self.low < self.high:
+            raise ValueError(f"low, high: must be positive with low below high, got {self.low} and {self.high}.")
         if self.feasibility not in CHECKS:
             raise ValueError(f"feasibility: must be one of {tuple(CHECKS)}, got {self.feasibility!r}.")
 

@@ -109,7 +109,7 @@ def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> di
         literal = select(found.beta, prepared, e.search)
         images = reader.images
         rng = np.random.default_rng((seed, _REFINE, index))
-        refined = select(refine(reader, found.beta, e.search, e.refinement, rng), prepared, e.search)
+        refined = select(refine(reader, found.beta, prepared, e.search, e.refinement, rng), prepared, e.search)
         met = int((found.similarity >= e.search.threshold).sum())
         suffix = SUFFIX[e.variant]
         arms[name] = {
