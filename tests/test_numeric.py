@@ -196,7 +196,8 @@ def test_methods_are_named_after_the_network(untrained, variant, suffix):
     result = identify_arms(untrained, experiment(variant=variant, data=DataSettings()), 1)
     assert result["variant"] == variant
     for arm in result["arms"].values():
-        assert list(arm["methods"]) == [f"algorithm1{suffix}", f"algorithm1+refinement{suffix}"]
+        steps = ("", "+local-search", "+refinement")
+        assert list(arm["methods"]) == [f"algorithm1{step}{suffix}" for step in steps]
 
 
 def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
@@ -208,8 +209,10 @@ def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
 def test_refinement_never_ends_below_algorithm_1(untrained, found):
     for result in (identify_arms(untrained, experiment(), 1), found):
         for arm in result["arms"].values():
-            literal, refined = arm["methods"].values()
-            assert refined["similarity"] >= literal["similarity"]
+            literal, control, refined = arm["methods"].values()
+            assert refined["similarity"] >= literal["similarity"] - 1e-12
+            assert control["similarity"] >= literal["similarity"] - 1e-12
+            assert literal["images"] < control["images"] < refined["images"]
 
 
 def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():

@@ -1,7 +1,8 @@
 """Refinement, an extension of ours and not the paper's: the best estimates go back in as the next guesses.
 
 An error that the network makes near a match depends on the guess it was shown, so each pass shows it guesses spread a
-little around the best estimates so far, and the similarity picks among what comes back.
+little around the best estimates so far, and the similarity picks among what comes back. How much of the gain is the
+network's and how much the selection's is told by the control without feeding back.
 """
 
 from dataclasses import dataclass
@@ -54,6 +55,7 @@ def refine(
     search: SearchSettings,
     settings: RefinementSettings,
     rng: np.random.Generator,
+    feed_back: bool = True,
 ) -> Array:
     """Feed the best estimates back as guesses.
 
@@ -71,6 +73,9 @@ def refine(
         Budget.
     rng : numpy.random.Generator
         Source of the fresh guesses and of the spread.
+    feed_back : bool
+        False: the spread guesses are candidates as they are, unread by the network. The control that tells
+        what selection alone achieves.
 
     Returns
     -------
@@ -87,7 +92,8 @@ def refine(
         low, high = np.log([settings.spread_low, settings.spread_high])
         spread = np.exp(rng.uniform(low, high, (len(best), 1)))
         # A guess below the published range was never seen in training.
-        beta = reader.estimate(np.maximum(best + spread * rng.standard_normal(best.shape), search.low))
+        guess = np.maximum(best + spread * rng.standard_normal(best.shape), search.low)
+        beta = reader.estimate(guess) if feed_back else guess
         beta = beta[possible(beta)]
         candidates = np.concatenate([candidates, beta])
         similarity = np.concatenate([similarity, score(beta).total.mean(-1)])

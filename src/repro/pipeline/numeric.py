@@ -11,7 +11,7 @@ import pandas as pd
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.priors import sample_beta
-from repro.identify.algorithm1 import SearchSettings, search, select
+from repro.identify.algorithm1 import SearchSettings, Selected, search, select
 from repro.identify.prepare import prepare
 from repro.identify.refinement import RefinementSettings, refine
 from repro.identify.residual import ResidualReader
@@ -78,7 +78,7 @@ class Experiment:
 
 
 def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> dict[str, Any]:
-    """Identify every test arm by Algorithm 1 and by its refinement.
+    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's control without the network.
 
     Parameters
     ----------
@@ -106,27 +106,26 @@ def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> di
         prepared = prepare(recorded.q, tau, e.tau_mean, signals, margin, margin + e.tau_mean.shape[-1])
         reader = ResidualReader(network, e.data.image, prepared)
         found = search(reader, prepared, e.search, np.random.default_rng((seed, _SEARCH, index)))
-        literal = select(found.beta, prepared, e.search)
-        images = reader.images
-        rng = np.random.default_rng((seed, _REFINE, index))
-        refined = select(refine(reader, found.beta, prepared, e.search, e.refinement, rng), prepared, e.search)
+        methods = {"algorithm1": _estimate(select(found.beta, prepared, e.search), reader.images)}
+        for method, feed_back in (("local-search", False), ("refinement", True)):
+            reader.images = found.images
+            rng = np.random.default_rng((seed, _REFINE, index))
+            refined = refine(reader, found.beta, prepared, e.search, e.refinement, rng, feed_back)
+            methods[f"algorithm1+{method}"] = _estimate(select(refined, prepared, e.search), reader.images)
         met = int((found.similarity >= e.search.threshold).sum())
         suffix = SUFFIX[e.variant]
         arms[name] = {
             "true": beta.tolist(),
             "executions_over_threshold": met,
-            "methods": {
-                f"algorithm1{suffix}": _estimate(literal.beta, literal.similarity, images),
-                f"algorithm1+refinement{suffix}": _estimate(refined.beta, refined.similarity, reader.images),
-            },
+            "methods": {f"{method}{suffix}": estimate for method, estimate in methods.items()},
         }
         _LOG.info("%s: %d of %d executions over the threshold", name, met, e.search.executions)
         progress(index + 1, len(e.numeric.arms))
     return {"variant": e.variant, "seed": seed, "arms": arms}
 
 
-def _estimate(beta: Array, similarity: float, images: int) -> dict[str, Any]:
-    return {"beta": beta.tolist(), "similarity": similarity, "images": images}
+def _estimate(selected: Selected, images: int) -> dict[str, Any]:
+    return {"beta": selected.beta.tolist(), "similarity": selected.similarity, "images": images}
 
 
 def validation_motion(signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:

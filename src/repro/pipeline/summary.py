@@ -9,13 +9,10 @@ from repro.errors import InputError
 from repro.model.parameters import NAMES, UNITS
 
 #: Order of methods in every table.
-METHODS = (
-    "algorithm1",
-    "algorithm1+refinement",
-    "algorithm1+scale-aware",
-    "algorithm1+refinement+scale-aware",
-    "algorithm1+paper-recipe",
-    "algorithm1+refinement+paper-recipe",
+METHODS = tuple(
+    f"algorithm1{step}{network}"
+    for network in ("", "+scale-aware", "+paper-recipe")
+    for step in ("", "+refinement", "+local-search")
 )
 
 

@@ -13,8 +13,10 @@ METHODS = {
     "true": "True parameters",
     "algorithm1": "Algorithm 1",
     "algorithm1+refinement": "Algorithm 1 + refinement (extension)",
+    "algorithm1+local-search": "Algorithm 1 + the refinement's selection without the network (control)",
     "algorithm1+scale-aware": "Algorithm 1 + scale-aware image (extension)",
     "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement + scale-aware image (extension)",
+    "algorithm1+local-search+scale-aware": "Algorithm 1 + scale-aware image, selection without the network (control)",
     "least-squares": "Least squares",
 }
 
