@@ -27,8 +27,8 @@ def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
     Returns
     -------
     dict
-        ``(case, method) -> seed``. With an even number of seeds, the better of the two in the middle. The
-        same seed is used for parameters, similarity, validation and figures, so that they belong together.
+        ``(case, method) -> seed``. With an even number of seeds, the better of the two in the middle.
+        Parameters and figures show this seed, so that nine parameters and four curves belong together.
     """
     on_id = scores[scores["trajectory"] == "ID"]
     mean = on_id.groupby(["case", "method", "seed"], sort=True)["total"].mean()
@@ -61,15 +61,15 @@ def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``: the median seed's values,
-        and the standard deviation of the total over the seeds.
+        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``. Each cell shows the seed
+        whose total is the cell's median, so that its total is its time times its frequency, and the standard
+        deviation of the total over the seeds. With an even number of seeds, the better of the two in the middle.
     """
-    chosen = median_seeds(scores)
     rows = []
     here = scores[scores["trajectory"] == trajectory]
     for key, group in here.groupby(["case", "method", "joint"], sort=True):
         case, method, joint = list(key)
-        row = group[group["seed"] == chosen[str(case), str(method)]].iloc[0]
+        row = group.sort_values(["total", "seed"], kind="stable").iloc[len(group) // 2]
         sd = float(group["total"].std(ddof=1)) if len(group) > 1 else 0.0
         rows.append((case, method, joint, row["time"], row["frequency"], row["total"], sd, len(group)))
     columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
