@@ -18,7 +18,7 @@ from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
-from repro.cnn.train import TrainingSettings, make_optimisers
+from repro.cnn.recipe import TrainingSettings, make_optimisers
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.

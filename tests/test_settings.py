@@ -11,7 +11,7 @@ from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.network import NetworkSettings
 from repro.cnn.priors import GuessSettings
-from repro.cnn.train import PaperSchedule, TrainingSettings
+from repro.cnn.recipe import PaperSchedule, TrainingSettings
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.signals.metric import MetricSettings

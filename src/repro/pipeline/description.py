@@ -7,7 +7,7 @@ import pandas as pd
 
 from repro.cnn.dataset import DataSettings
 from repro.cnn.network import NetworkSettings, SignalCNN
-from repro.cnn.train import TrainingSettings
+from repro.cnn.recipe import TrainingSettings
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 
 
