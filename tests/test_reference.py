@@ -1,0 +1,84 @@
+"""The committed reference run: its tables agree with each other, with the README, and with what is claimed of them."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from repro.paper.published import load_published
+
+ROOT = Path(__file__).resolve().parent.parent
+REFERENCE = ROOT / "docs/reference"
+CASES = ("N1", "N2", "N3", "N4")
+NAMES = {
+    "Algorithm 1": "algorithm1",
+    "+ refinement *(extension)*": "algorithm1+refinement",
+    "+ selection without the network *(control)*": "algorithm1+local-search",
+    "Algorithm 1, scale-aware image *(extension)*": "algorithm1+scale-aware",
+}
+
+
+def table(name):
+    return pd.read_csv(REFERENCE / "tables" / f"{name}.csv")
+
+
+def totals(name, method):
+    rows = table(name).set_index(["method", "case", "joint"])["total"]
+    return np.array([[rows[method, case, joint] for joint in (1, 2)] for case in CASES])
+
+
+@pytest.mark.parametrize("name", ["table06", "table07"])
+def test_totals_are_products_and_every_cell_is_there(name):
+    frame = table(name)
+    np.testing.assert_allclose(frame["total"], frame["time"] * frame["frequency"], rtol=1e-8)
+    assert len(frame) == frame["method"].nunique() * 8 == 48
+    assert (frame["seeds"] == 5).all()
+    assert (frame["total_sd"] > 0).all()
+
+
+def test_algorithm_1_exceeds_the_abstract_on_the_identification_trajectory():
+    literal = totals("table06", "algorithm1")
+    assert literal.mean() >= 0.9738
+    assert literal.min() >= 0.965
+
+
+def test_algorithm_1_validates_as_published():
+    published = load_published().similarities("total") / 100
+    assert (totals("table07", "algorithm1") >= published).sum() >= 6
+
+
+@pytest.mark.parametrize("name", ["table06", "table07"])
+@pytest.mark.parametrize("suffix", ["", "+scale-aware"])
+def test_refinement_is_above_98_percent_everywhere(name, suffix):
+    assert totals(name, f"algorithm1+refinement{suffix}").min() >= 0.98
+
+
+def test_loss_of_the_streamed_recipe():
+    history = pd.read_csv(REFERENCE / "training.csv")
+    config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
+    assert history["step"].iloc[-1] == config["training"]["steps"]
+    assert history["test_loss"].iloc[-1] <= 3e-4
+
+
+def test_parameters_of_the_reference_are_those_of_the_configuration():
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    for name, cases in (("table04", CASES[:2]), ("table05", CASES[2:])):
+        frame = table(name)
+        for case in cases:
+            true = frame[(frame["case"] == case) & (frame["method"] == "algorithm1")]["true"]
+            assert true.tolist() == config["numeric"]["arms"][case]
+
+
+def test_the_readme_shows_the_reference():
+    """Each row of the README's two tables, to the last printed digit."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    first, second = text.split("On the random validation trajectory (Table 7)")
+    for name, part in (("table06", first), ("table07", second)):
+        for label, method in NAMES.items():
+            row = re.search(rf"^\| {re.escape(label)} \| (.*) \|$", part, flags=re.MULTILINE)
+            assert row, (name, label)
+            shown = np.array([float(x) for x in row[1].split(" | ")]).reshape(4, 2)
+            np.testing.assert_allclose(shown, 100 * totals(name, method), atol=0.00501)
