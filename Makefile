@@ -23,6 +23,7 @@ help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
 	@echo "make test       set up $(VENV) with the test tools and run every check"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
+	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make requirements.lock and requirements-test.lock anew from pyproject.toml"
 	@echo "make clean      remove $(VENV) and caches; results stay"
 	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES) PYTHONS='$(PYTHONS)' (make lock)"

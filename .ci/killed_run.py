@@ -15,12 +15,13 @@ from pathlib import Path
 
 COMMAND = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "config/smoke.yaml"]
 FOLDERS = (Path("results/smoke"), Path("paper_figures/smoke"))
-KINDS = {".csv", ".json", ".safetensors", ".pdf", ".png", ".tex"}
+KINDS = {".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
 
 
 def digests() -> dict[str, str]:
     """SHA-256 of every result."""
-    files = [f for folder in FOLDERS for f in sorted(folder.rglob("*")) if f.suffix in KINDS and "logs" not in f.parts]
+    found = [f for folder in FOLDERS for f in sorted(folder.rglob("*")) if f.suffix in KINDS and "logs" not in f.parts]
+    files = [f for f in found if not f.name.startswith((".", "model-card"))]
     return {str(f): hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
 
 

@@ -233,3 +233,12 @@ def test_a_valid_configuration_is_accepted_in_silence(capsys):
     accept_config(load(BASE, SMOKE), SCHEMA, [BASE, SMOKE])
     said = capsys.readouterr()
     assert (said.out, said.err) == ("", "")
+
+
+@pytest.mark.parametrize("place", ["top", "arms"])
+def test_a_key_that_is_not_text_is_refused_in_one_line(place):
+    config = load(BASE)
+    (config if place == "top" else config["numeric"]["arms"])[1] = [1.0] * 9
+    with pytest.raises(InputError, match="the key 1, expected text") as caught:
+        check_config(config, SCHEMA, [BASE])
+    assert "\n" not in str(caught.value)

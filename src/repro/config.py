@@ -49,6 +49,16 @@ def _infinite(node: object, place: Place = ()) -> Iterator[Place]:
         yield place
 
 
+def _odd_keys(node: object, place: Place = ()) -> Iterator[tuple[Place, object]]:
+    """Keys that are not text, which YAML can spell and a schema cannot match."""
+    if isinstance(node, Mapping):
+        for key, item in node.items():
+            if not isinstance(key, str):
+                yield place, key
+            else:
+                yield from _odd_keys(item, (*place, key))
+
+
 class _Sources:
     """Which configuration file a value came from.
 
@@ -147,6 +157,8 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
         At the first violation: file, field, found and expected in one line.
     """
     sources = _Sources(config, files)
+    for place, key in _odd_keys(config):
+        raise InputError.at(f"{sources.name(place)}: {_field(place) or 'configuration'}", f"the key {key!r}", "text")
     violations = list(_Validator(yaml.safe_load(schema.read_text(encoding="utf-8"))).iter_errors(config))
     if violations:
         place, found, expected = _expected(min(violations, key=lambda e: [str(p) for p in e.absolute_path]))

@@ -1,5 +1,6 @@
 """What every workflow script runs inside: a log with the traceback, one line for bad input, fixed threads."""
 
+import fcntl
 import logging
 import sys
 from collections.abc import Iterator
@@ -36,6 +37,11 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     root.setLevel(logging.INFO)
     root.addHandler(to_file)
     root.addHandler(to_terminal)
+    alive = Path(".snakemake/alive")
+    # A job can outlive a killed run; while it does, the run's locks must not be taken for stale.
+    held = alive.open() if alive.exists() else None
+    if held:
+        fcntl.flock(held, fcntl.LOCK_SH)
     torch.set_num_threads(threads)
     torch.use_deterministic_algorithms(True)
     try:
@@ -52,3 +58,5 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
         root.removeHandler(to_terminal)
         root.removeHandler(to_file)
         to_file.close()
+        if held:
+            held.close()

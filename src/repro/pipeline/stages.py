@@ -15,8 +15,6 @@ from repro.cnn.train import HISTORY_COLUMNS, train
 from repro.errors import InputError
 from repro.files import read_csv, write_csv, write_json, write_text
 from repro.model.parameters import Array
-from repro.paper.metric_checks import abstract_check, composition, pair_bounds
-from repro.paper.metric_search import search as search_metric
 from repro.pipeline.description import model_card
 from repro.pipeline.numeric import Experiment, identify_arms, mean_training_torque, score_estimates
 from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA, read_identifications
@@ -60,7 +58,8 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
     signals, network = signal_settings(config), network_settings(config)
     data, training = data_settings(config, variant), training_settings(config, variant)
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
-    if training.precision == "bfloat16" and not torch.ops.mkldnn._is_mkldnn_bf16_supported():
+    able = torch.cpu.get_capabilities()
+    if training.precision == "bfloat16" and not any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16")):
         _LOG.warning("this processor has no bfloat16 arithmetic: training.precision: float32 is faster here")
     progress = Progress(f"training, {variant}")
     trained = train(
@@ -121,16 +120,6 @@ def score_numeric(identifications: Sequence[str], output: str, config: Config) -
     runs = read_identifications([Path(p) for p in identifications])
     scores = score_estimates(runs, signal_settings(config), numeric_settings(config), metric_settings(config))
     write_csv(Path(output), scores)
-
-
-def search_metric_formula(named_outputs: Named, config: Config) -> None:
-    """Search of the metric's formula and the checks of the published similarities."""
-    out = {name: files[0] for name, files in paths(named_outputs).items()}
-    settings = config["metric_search"]
-    write_csv(out["search"], search_metric(settings["seed"], repeats=settings["repeats"]))
-    write_csv(out["composition"], composition())
-    write_csv(out["abstract"], abstract_check().cells)
-    write_csv(out["bounds"], pair_bounds())
 
 
 def make_figure(name: str, named_inputs: Named, named_outputs: Named, config: Config) -> None:

@@ -1,8 +1,8 @@
 """Similarity of two signals in time and in frequency: ``metr2ev`` (Algorithm 2, Tables 6-8, 10).
 
-The listing of Algorithm 2 is lost; the formulas are the ones that explain the published figures best
-(see `repro.paper.metric_search`). Because the DCT-II of Eq. 5 is orthonormal it keeps inner products
-(Parseval), so the frequency similarity needs no transform: with X, Y the spectra of x, y,
+The listing of Algorithm 2 is lost. The formulas are among those that explain the published figures well and do not
+change with the unit; `repro.paper.metric_search` ranks the alternatives. Because the DCT-II of Eq. 5 is orthonormal it
+keeps inner products (Parseval), so the frequency similarity needs no transform: with X, Y the spectra of x, y,
 ``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``. `TorqueScorer` rests on that.
 """
 
