@@ -4,7 +4,7 @@ Each function reads only the sections it names, so that a workflow rule depends 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -83,13 +83,12 @@ def data_settings(config: Config, variant: str) -> DataSettings:
 
 def training_settings(config: Config, variant: str) -> TrainingSettings:
     """Recipe and budget of a variant, from section ``training``."""
-    t = dict(config["training"])
-    paper = dict(t.pop("paper"))
-    steps, batch = paper.pop("steps"), paper.pop("batch")
-    settings = TrainingSettings(**t, paper=PaperSchedule(**paper))
-    if variant == "paper-recipe":
-        return replace(settings, recipe="paper", steps=steps, batch=batch)
-    return settings
+    t = {key: value for key, value in config["training"].items() if key != "paper"}
+    if variant != "paper-recipe":
+        return TrainingSettings(**t)
+    paper = dict(config["training"]["paper"])
+    own = {"recipe": "paper", "steps": paper.pop("steps"), "batch": paper.pop("batch")}
+    return TrainingSettings(**{**t, **own}, paper=PaperSchedule(**paper))
 
 
 def search_settings(config: Config) -> SearchSettings:

@@ -6,6 +6,15 @@ def sections(*names):
     return parts
 
 
+def training_sections(wildcards):
+    """What one network's training depends on: its own image, and the paper's schedule only if it is used."""
+    image = "scale-aware" if wildcards.suffix == "-scale-aware" else "published"
+    parts = sections("signals", "network", "data", "training")
+    if wildcards.suffix != "-paper-recipe":
+        parts["training"] = {key: value for key, value in config["training"].items() if key != "paper"}
+    return {**parts, "images": {image: config["images"][image]}}
+
+
 def identifications(suffixes):
     """Results of every seed for the networks with these suffixes."""
     return expand(

@@ -18,7 +18,7 @@ rule train:
         mem_mb=3000,
         runtime=90,
     params:
-        config=sections("signals", "network", "data", "images", "training"),
+        config=training_sections,
         checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
     message:
         "Training the CNN{wildcards.suffix}"
