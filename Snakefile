@@ -61,7 +61,7 @@ rule all:
         "All tables and figures are up to date"
 
 
-# The paper's own training schedule takes about half an hour, so it is a target of its own.
+# The paper's own training schedule takes longer than all the rest, so it is a target of its own.
 rule paper_recipe:
     input:
         f"{R}/validation/numeric-paper-recipe.csv",
