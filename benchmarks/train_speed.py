@@ -18,7 +18,7 @@ from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
-from repro.cnn.recipe import TrainingSettings, make_optimisers
+from repro.cnn.recipe import TrainingSettings, learning_rate, make_optimisers
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.
@@ -49,13 +49,13 @@ def step_flop(batch: int) -> float:
 def main() -> None:
     """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--steps", type=int, default=200)
+    parser.add_argument("--steps", type=int, default=400)
     parser.add_argument("--batch", type=int, default=128)
     parser.add_argument("--threads", type=int, default=2)
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
     motion = sample_motion(identification_trajectory(), SignalSettings())
-    sizes, settings = NetworkSettings(), TrainingSettings(steps=args.steps, batch=args.batch)
+    sizes, settings = NetworkSettings(), TrainingSettings(steps=args.steps, batch=args.batch, warmup=args.steps // 10)
     runs = {"plain float32": SignalCNN(sizes)}
     runs |= {f"factored {p}": FactoredCNN(sizes, p) for p in ("float32", "bfloat16")}
     for network in runs.values():
@@ -74,7 +74,9 @@ def main() -> None:
             for step in range(block, min(block + BLOCK, args.steps))
         ]
         for name, network in runs.items():
-            for samples in batches:
+            for step, samples in enumerate(batches, block):
+                for group in (g for o in optimisers[name] for g in o.param_groups):
+                    group["lr"] = learning_rate(step, settings)
                 label, ready = torch.from_numpy(samples.residual), inputs(name, samples)
                 began = time.perf_counter()  # building images is not charged to the plain network
                 network.zero_grad()

@@ -478,7 +478,7 @@ def test_description_tables(tmp_path: Path) -> None:
     assert "8000" in tex
     tex, md = laid_out(tmp_path, "metric_search", search_frame())
     assert md.count("candidate") == 10 + 11 + 1  # the caption says it once
-    assert "| 18 | frequency candidate 17 | 1 - \\|x-y\\|²/\\|x\\|² | 2.000 | 1.5 | 0.777 | yes |" in md
+    assert "| 18 | frequency candidate 17 | 1 - \\|x-y\\|²/\\|x\\|² | 2.000 | 1.5 | 0.777 | 97.31 | yes |" in md
     assert r"$1 - \vert x-y\vert ^{2}/\vert x\vert ^{2}$" in tex
 
 
