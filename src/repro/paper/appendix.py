@@ -1,0 +1,167 @@
+"""The arm that Appendix A describes: which parameter sets give all six numbers printed there.
+
+Table 9 is lost, but Appendix A prints six numbers computed from the identified arm. Together they fix four
+combinations of the nine parameters and leave a family with five free ones.
+
+==================================== ============================================================
+printed numbers                      what they fix
+==================================== ============================================================
+7.2e-3, and the roots of the next    lambda_Q^min, hence g2 once g1 is chosen
+1.3659e-7, 3.4422e-6, 1.8986e-6      rho epsilon lambda_Q^min and the other corner of R1, which is
+                                     lambda_H^min - epsilon lambda_M^max + gamma lambda lambda_K^min,
+                                     hence b2 once k2 is chosen
+7.1236e-8                            lambda_B^max + lambda_K^max, hence b1 once k1 is chosen
+6.2020e-5                            lambda_M^min, hence I3 once I1 and I2 are chosen
+==================================== ============================================================
+
+Free are I1, l1 (which gives I2 = 2 l1 g2 / g), g1, k1 and k2. Joint 1 is taken to have the larger friction.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from repro.model.feasibility import is_positive, is_positive_definite
+from repro.model.lyapunov import LyapunovSettings
+from repro.model.parameters import STANDARD_GRAVITY, Array, Links
+from repro.model.stability import stability_constants
+from repro.paper.published import PublishedValue
+
+
+def _printed(quantity: str, unit: str, printed: str) -> PublishedValue:
+    """One number of Appendix A."""
+    return PublishedValue(f"appendix/{quantity}", "Appendix A", quantity, "ID", "algorithm1", None, "", unit, printed)
+
+
+#: The printed numbers, by the `repro.model.stability.StabilityConstants` field that each is.
+APPENDIX_NUMBERS = {
+    "potential": _printed("potential", "N m", "0.0072"),
+    "energy": _printed("energy", "kg^2 m^4/s^2", "6.2020e-5"),
+    "dissipation": _printed("dissipation", "(N m)^2", "1.3659e-7"),
+    "coupling": _printed("coupling", "(N m)^2", "7.1236e-8"),
+    "r1_min": _printed("r1_min", "N m", "3.4422e-6"),
+    "r2_max": _printed("r2_max", "N m", "1.8986e-6"),
+}
+
+
+@dataclass(frozen=True)
+class FreeChoices:
+    """What the printed numbers leave open, by default a natural arm.
+
+    Attributes
+    ----------
+    i1 : float
+        Inertia of both links seen by joint 1, kg m^2. At least about 0.09, or no I3 gives lambda_M^min.
+    l1 : float
+        Length of link 1, m. The arm's reach of 2.52 m/s / 8 rad/s = 0.315 m (Section III) leaves l2 = 0.150 m.
+    g1 : float
+        Gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9.
+    k1, k2 : float
+        Coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at
+        k2 = 0.382). Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in
+        Table 8 settles k2, which lies near k1 as it should with the same motor and gearbox.
+    """
+
+    i1: float = 0.12
+    l1: float = 0.165
+    g1: float = 0.95
+    k1: float = 0.4538
+    k2: float = 0.31
+
+
+def reproduced(beta: Array) -> dict[str, bool]:
+    """Which printed numbers a parameter set gives, each to its last printed digit.
+
+    Parameters
+    ----------
+    beta : array of shape (9,)
+        Parameter set, SI units.
+
+    Returns
+    -------
+    dict
+        For each key of `APPENDIX_NUMBERS`, whether the number is within half a unit of the last digit.
+    """
+    ours = stability_constants(beta)
+    return {name: abs(getattr(ours, name) - p.value) <= p.half_step for name, p in APPENDIX_NUMBERS.items()}
+
+
+def appendix_arm(choices: FreeChoices | None = None) -> Array:
+    """Parameter set that gives the six printed numbers of Appendix A.
+
+    Parameters
+    ----------
+    choices : FreeChoices, optional
+        Member of the family.
+
+    Returns
+    -------
+    array of shape (9,)
+        SI units.
+
+    Raises
+    ------
+    ValueError
+        If no physical parameter set with these choices gives the numbers.
+    """
+    c = choices or FreeChoices()
+    s = LyapunovSettings()
+    p = {name: number.value for name, number in APPENDIX_NUMBERS.items()}
+
+    # R1 = [[x, .], [., y]]: its trace is the sum of its two eigenvalues, x y is the dissipation.
+    trace = p["r1_min"] + p["r2_max"] / (s.rho * s.epsilon)
+    y = 0.5 * (trace + np.sqrt(trace**2 - 4.0 * p["dissipation"]))
+    lambda_q = p["dissipation"] / y / (s.rho * s.epsilon)
+    friction = 2.0 * np.sqrt(p["coupling"]) / s.epsilon
+
+    if c.g1 <= 2.0 * lambda_q:
+        raise ValueError(f"g1: must be above {2.0 * lambda_q:.4f} N m for lambda_Q^min = {lambda_q:.4f}, got {c.g1}.")
+    g2 = lambda_q * (c.g1 - lambda_q) / (c.g1 - 2.0 * lambda_q)  # det(Q - lambda_Q^min) = 0
+    i2 = 2.0 * c.l1 * g2 / STANDARD_GRAVITY
+    beta = np.array([c.i1, i2, 0.0, c.g1, g2, friction - c.k1, 0.0, c.k1, c.k2])
+
+    def energy_error(i3: float) -> float:
+        beta[2] = i3
+        return stability_constants(beta).energy - p["energy"]
+
+    # lambda_M^min <= I3 bounds I3 from below; lambda_M^min(I3) rises up to about I3 = I1 / 3.
+    low, high = 2.0 * p["energy"] / (s.rho * lambda_q), c.i1 / 3.0
+    if low >= high or energy_error(low) > 0.0 or energy_error(high) < 0.0:
+        raise ValueError(f"i1, l1: no I3 gives the printed {p['energy']:.4e} with i1 = {c.i1}, l1 = {c.l1}.")
+    beta[2] = brentq(energy_error, low, high, xtol=1e-14)
+
+    # lambda_H^min is b2 (H is diag(b1, b2) where q2 sin q2 = 0) as long as b2 is the smaller.
+    lambda_m_max = stability_constants(beta).lambda_m_max
+    beta[6] = y + s.epsilon * lambda_m_max - s.gamma * s.friction_steepness * c.k2
+    if not (is_positive(beta) and is_positive_definite(beta)):
+        raise ValueError(f"choices: {c} lead to a parameter set that is not physical, {beta.tolist()}.")
+    if not all(reproduced(beta).values()):
+        raise ValueError(f"choices: {c} make joint 2's friction the larger; the numbers are solved for joint 1's.")
+    return beta
+
+
+def example_links(beta: Array, m2: float, lc1: float) -> Links:
+    """Links that have given inertial and gravity parameters: Eq. 1's last lines, inverted.
+
+    The five parameters fix l1 = I2 g / (2 g2) and leave two of the other six quantities free.
+
+    Parameters
+    ----------
+    beta : array of shape (9,)
+        Parameter set, SI units.
+    m2 : float
+        Mass of link 2, kg.
+    lc1 : float
+        Distance of link 1's centre of mass from joint 1, m.
+
+    Returns
+    -------
+    Links
+        Masses, lengths and inertias; whether all are positive is for the caller to see.
+    """
+    i1, i2, i3, g1, g2 = beta[:5].tolist()
+    l1 = 0.5 * i2 * STANDARD_GRAVITY / g2
+    lc2 = g2 / (STANDARD_GRAVITY * m2)
+    m1 = (g1 / STANDARD_GRAVITY - m2 * l1) / lc1
+    return Links(m1, m2, l1, lc1, lc2, i1 - i3 - m1 * lc1**2 - m2 * l1**2, i3 - m2 * lc2**2)

@@ -1,0 +1,192 @@
+"""The desired motions T1-T4 that validate an identified arm (Section VI, Fig. 21-22).
+
+The paper names them: a filtered random vector, a circle, a motion profile and a sinusoidal trajectory, T1, T2
+and T4 multiplied by a window. What it does not give (centre and period of the circle, levels of the profile,
+frequencies of the sinusoids) is chosen here.
+"""
+
+import numpy as np
+
+from repro.model.parameters import Array
+from repro.signals.dct import FrequencyReading, dct2dev
+from repro.signals.kinematics import ArmGeometry, Elbow, inverse_kinematics
+from repro.signals.quintic import quintic
+from repro.signals.trajectories import Motion, random_trajectory, sample_times
+
+#: Samples of T1-T4: the board's whole memory, 20.48 s at 2.5 ms.
+SAMPLES = 8192
+
+# T2: turns, and distance of the centre as a share of the reach. At 0.8 straight below joint 1 the circle stays
+# between 0.7 and 0.9 of the reach: joint 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity
+# is not at its largest.
+CIRCLE_TURNS = 5
+CIRCLE_CENTRE = 0.8
+CIRCLE_RADIUS = 0.1  # 3.15 cm of 31.5 cm
+
+# T3: levels that the moves end at (rad), over the range of T1 and Eq. 10: both joints, each alone, both again.
+# A move takes 12 % and a hold 5 % of the time, 2.46 s and 1.02 s; what is left is rest at either end.
+PROFILE_LEVELS = np.array([[1.2, 1.2, -0.6, -1.2, 0.6, 0.0], [-0.8, 1.2, 1.2, -0.4, -1.2, 0.0]])
+PROFILE_MOVE = 0.12
+PROFILE_HOLD = 0.05
+
+# T4: one sinusoid a joint. 0.4 and 0.25 Hz have no short common period, so the joints meet in many phases.
+SINE_AMPLITUDE = np.array([[1.0], [1.0]])  # rad
+SINE_FREQUENCY = np.array([[0.25], [0.4]])  # Hz
+
+
+def start_and_end_window(time: Array) -> Array:
+    """f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2), T the largest time (Section VI).
+
+    Parameters
+    ----------
+    time : array of shape (N,)
+        s, from 0 up.
+
+    Returns
+    -------
+    array of shape (N,)
+        0 at both ends, 0.99 and more from 4.8 s after the start to 4.8 s before the end.
+    """
+    return np.asarray(1.0 - np.exp(-0.2 * time**2) - np.exp(-0.2 * (time.max() - time) ** 2))
+
+
+def _sampled(time: Array, q: Array, h: float) -> Motion:
+    """Motion through positions of shape (2, N); derivatives by Eq. 6 without filtering."""
+    dq = dct2dev(q, h, 0.0)
+    return Motion(time, q, dq, dct2dev(dq, h, 0.0))
+
+
+def random_motion(
+    rng: np.random.Generator,
+    c_f: float,
+    reading: FrequencyReading,
+    limit: float = 1.2,
+    samples: int = SAMPLES,
+    h: float = 2.5e-3,
+) -> Motion:
+    """T1: uniform random numbers, filtered by Eq. 14 and windowed.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of the random numbers.
+    c_f : float
+        Coefficient of Eq. 14.
+    reading : {"rad_per_s", "hertz", "index"}
+        Unit of omega in Eq. 14. With c_f = 1e-4 only the index keeps the motion below the arm's 8 rad/s.
+    limit : float
+        Range of the random numbers, -limit to limit, rad.
+    samples : int
+        Number of samples N.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    Motion
+        N samples.
+
+    Raises
+    ------
+    ValueError
+        If a range, a length or a filter setting is not valid.
+    """
+    motion = random_trajectory(rng, samples * h, h, c_f, reading, -limit, limit)
+    return _sampled(motion.time, motion.q * start_and_end_window(motion.time), h)
+
+
+def circle_motion(
+    geometry: ArmGeometry, elbow: Elbow = "positive", samples: int = SAMPLES, h: float = 2.5e-3
+) -> Motion:
+    """T2: a circle of the tip, a tenth of the reach in radius, windowed in joint space.
+
+    The window bends the first and last turn: the arm swings out of rest onto the circle and back.
+
+    Parameters
+    ----------
+    geometry : ArmGeometry
+        Link lengths.
+    elbow : {"positive", "negative"}
+        Sign of q2.
+    samples : int
+        Number of samples N.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    Motion
+        N samples.
+
+    Raises
+    ------
+    ValueError
+        If the links differ so much in length that the circle is out of reach, or a length is not valid.
+    """
+    time = sample_times(samples * h, h)
+    angle = 2.0 * np.pi * CIRCLE_TURNS * time / (samples * h)
+    circle = CIRCLE_RADIUS * np.stack([np.sin(angle), -np.cos(angle)])
+    tip = geometry.reach * (circle + np.array([[0.0], [-CIRCLE_CENTRE]]))
+    return _sampled(time, inverse_kinematics(tip, geometry, elbow) * start_and_end_window(time), h)
+
+
+def profile_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+    """T3: moves from rest to rest, each a quintic, with a hold after each.
+
+    Parameters
+    ----------
+    samples : int
+        Number of samples N.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    Motion
+        N samples, at rest at q = 0 at both ends.
+
+    Raises
+    ------
+    ValueError
+        If `samples` or `h` is not valid.
+    """
+    time = sample_times(samples * h, h)
+    total = samples * h
+    moves = PROFILE_LEVELS.shape[1]
+    rest = 0.5 * (1.0 - moves * PROFILE_MOVE - (moves - 1) * PROFILE_HOLD)
+    levels = np.concatenate([np.zeros((2, 1)), PROFILE_LEVELS], axis=1)
+    still = np.zeros((2, 2))
+    q = np.zeros((2, time.size))
+    for k in range(moves):
+        since = time - (rest + k * (PROFILE_MOVE + PROFILE_HOLD)) * total
+        duration = PROFILE_MOVE * total
+        move = (since >= 0.0) & (since < duration)
+        start, end = np.vstack([levels[:, k], still]), np.vstack([levels[:, k + 1], still])
+        q[:, move] = quintic(since[move], duration, start, end)
+        q[:, since >= duration] = levels[:, k + 1, None]
+    return _sampled(time, q, h)
+
+
+def sinusoidal_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+    """T4: a sinusoid for each joint, windowed.
+
+    Parameters
+    ----------
+    samples : int
+        Number of samples N.
+    h : float
+        Sampling period, s.
+
+    Returns
+    -------
+    Motion
+        N samples.
+
+    Raises
+    ------
+    ValueError
+        If `samples` or `h` is not valid.
+    """
+    time = sample_times(samples * h, h)
+    q = SINE_AMPLITUDE * np.sin(2.0 * np.pi * SINE_FREQUENCY * time)
+    return _sampled(time, q * start_and_end_window(time), h)

@@ -1,0 +1,286 @@
+"""Desired motions of the five recordings, and the limits they must keep."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import seeds
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from repro.errors import InputError
+from repro.model.dynamics import inverse_dynamics
+from repro.signals.dct import spectrum
+from repro.signals.kinematics import ArmGeometry, forward_kinematics
+from repro.signals.limits import SPEED_LIMIT, TORQUE_LIMIT, check_limits, peaks, permitted_program
+from repro.signals.programs import PROGRAMS, Program, ProgramSettings, identification_program, lead_in, program
+from repro.signals.quintic import quintic
+from repro.signals.trajectories import identification_trajectory
+from repro.signals.validation_motions import (
+    circle_motion,
+    profile_motion,
+    random_motion,
+    sinusoidal_motion,
+    start_and_end_window,
+)
+
+H = 2.5e-3
+ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+GEOMETRY = ArmGeometry(0.165, 0.150)
+SETTINGS = ProgramSettings()
+
+
+def rng(seed=1):
+    return np.random.default_rng(seed)
+
+
+def motions():
+    return {
+        "T1": random_motion(rng(), 1e-4, "index"),
+        "T2": circle_motion(GEOMETRY),
+        "T3": profile_motion(),
+        "T4": sinusoidal_motion(),
+    }
+
+
+states = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(lambda v: np.reshape(v, (3, 2)))
+
+
+@given(start=states, end=states, duration=st.floats(0.1, 10.0))
+def test_quintic_meets_both_states(start, end, duration):
+    """Fit a fifth-degree polynomial through samples, and read its ends."""
+    t = np.linspace(0.0, duration, 30)
+    for joint, positions in enumerate(quintic(t, duration, start, end)):
+        p = np.polynomial.Polynomial.fit(t, positions, 5)
+        for k in range(3):
+            scale = np.abs([start, end]).max() * max(duration, 1 / duration) ** 2 + 1
+            np.testing.assert_allclose(p.deriv(k)(0.0), start[k, joint], rtol=0, atol=1e-8 * scale)
+            np.testing.assert_allclose(p.deriv(k)(duration), end[k, joint], rtol=0, atol=1e-8 * scale)
+
+
+def test_quintic_from_rest_to_rest_is_minimum_jerk():
+    s = np.linspace(0.0, 1.0, 11)
+    q = quintic(2.0 * s, 2.0, np.zeros((3, 1)), np.array([[4.0], [0.0], [0.0]]))
+    np.testing.assert_allclose(q[0], 4.0 * (10 * s**3 - 15 * s**4 + 6 * s**5), rtol=0, atol=1e-13)
+
+
+def test_window_is_the_published_one():
+    t = H * np.arange(8192)
+    f = start_and_end_window(t)
+    np.testing.assert_allclose(f, 1 - np.exp(-0.2 * t**2) - np.exp(-0.2 * (t[-1] - t) ** 2), rtol=0, atol=1e-15)
+    assert abs(f[0]) < 1e-15
+    assert abs(f[-1]) < 1e-15
+    assert f[(t > 4.8) & (t < t[-1] - 4.8)].min() > 0.99
+
+
+def test_motions_last_the_whole_memory_and_begin_and_end_at_the_hanging_rest():
+    for name, motion in motions().items():
+        assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 8192), name
+        assert motion.time[-1] == pytest.approx(8191 * H)
+        np.testing.assert_allclose(motion.q[:, [0, -1]], 0.0, atol=1e-12, err_msg=name)
+        assert np.abs(motion.dq[:, [0, -1]]).max() < 0.01, name
+
+
+def test_derivatives_belong_to_the_positions():
+    for name, motion in motions().items():
+        change = np.cumsum(motion.dq[:, 1:], axis=1) * H
+        np.testing.assert_allclose(motion.q[:, :1] + change, motion.q[:, 1:], rtol=0, atol=1e-10, err_msg=name)
+        change = np.cumsum(motion.ddq[:, 1:], axis=1) * H
+        np.testing.assert_allclose(motion.dq[:, :1] + change, motion.dq[:, 1:], rtol=0, atol=1e-10, err_msg=name)
+
+
+def test_random_motion_is_filtered_and_windowed():
+    """Without the window the spectrum is that of the random vector times the filter's gain."""
+    motion = random_motion(rng(5), 1e-4, "index")
+    raw = rng(5).uniform(-1.2, 1.2, (2, 8192))
+    gain = np.exp(-1e-4 * np.arange(8192.0) ** 2)
+    middle = slice(3000, 5000)  # where the window is 1
+    filtered = motion.q / np.where((w := start_and_end_window(motion.time)) > 0.5, w, np.inf)
+    cosines = np.cos(np.pi * (np.arange(3000, 5000) + 0.5)[:, None] * np.arange(400) / 8192) * np.sqrt(2 / 8192)
+    cosines[:, 0] /= np.sqrt(2)
+    expected = (spectrum(raw) * gain)[:, :400] @ cosines.T
+    np.testing.assert_allclose(filtered[:, middle], expected, rtol=0, atol=1e-6)
+
+
+def test_random_motion_depends_on_its_seed_alone():
+    a, b, c = (random_motion(rng(seed), 1e-4, "index").q for seed in (1, 1, 2))
+    np.testing.assert_array_equal(a, b)
+    assert np.abs(a - c).max() > 0.01
+
+
+def test_circle_is_a_tenth_of_the_reach():
+    motion = circle_motion(GEOMETRY)
+    full = np.abs(start_and_end_window(motion.time) - 1.0) < 1e-6
+    assert full.sum() > 1000
+    tip = forward_kinematics(motion.q[:, full], GEOMETRY)[1]
+    np.testing.assert_allclose(np.hypot(tip[0], tip[1] + 0.252), 0.0315, rtol=0, atol=1e-6)
+    # away from straight and folded
+    assert np.abs(np.sin(motion.q[1, full])).min() > 0.7
+
+
+def test_circle_has_two_elbows():
+    positive, negative = circle_motion(GEOMETRY).q, circle_motion(GEOMETRY, "negative").q
+    np.testing.assert_allclose(positive[1], -negative[1], rtol=0, atol=1e-12)
+
+
+def test_circle_out_of_reach_is_refused():
+    with pytest.raises(ValueError, match="from joint 1"):
+        circle_motion(ArmGeometry(1.0, 0.05))
+
+
+def test_profile_moves_and_holds():
+    motion = profile_motion()
+    still = (np.abs(motion.dq) < 1e-9).all(0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+    lengths = np.diff(edges.reshape(-1, 2), axis=1).ravel() * H
+    holds = lengths[lengths > 0.1]
+    assert holds.size == 7  # rest, five holds, rest
+    np.testing.assert_allclose(holds[1:-1], 1.024, rtol=0, atol=0.02)
+    np.testing.assert_allclose(np.abs(motion.q).max(1), 1.2, rtol=0, atol=1e-12)
+    moving = np.abs(motion.dq) > 1e-3
+    assert (moving[0] & ~moving[1]).any()
+    assert (moving[1] & ~moving[0]).any()
+    assert (moving[0] & moving[1]).any()
+    assert np.abs(motion.ddq).max() < 10.0  # no step in velocity
+
+
+def test_sinusoids_have_their_frequencies():
+    motion = sinusoidal_motion()
+    for joint, frequency in ((0, 0.25), (1, 0.4)):
+        bins = np.abs(np.fft.rfft(motion.q[joint], 8 * 8192))
+        assert np.fft.rfftfreq(8 * 8192, H)[bins.argmax()] == pytest.approx(frequency, abs=0.01)
+        assert np.abs(motion.q[joint]).max() == pytest.approx(1.0, abs=0.01)
+
+
+@given(state=states, samples=st.integers(1, 400))
+def test_lead_in_ends_where_the_motion_begins(state, samples):
+    q = lead_in(*state, samples, H)
+    assert q.shape == (2, samples)
+    np.testing.assert_array_equal(q[:, 0], 0.0)
+    whole = quintic(H * np.arange(samples + 1), samples * H, np.zeros((3, 2)), state)
+    np.testing.assert_allclose(whole[:, -1], state[0], rtol=0, atol=1e-9)
+
+
+def test_identification_program_contains_eq_10():
+    p = identification_program()
+    assert p.q.shape == (2, 300 + 40 + 3770 + 40)
+    assert (p.n1, p.n2) == (340, 4110)
+    np.testing.assert_array_equal(p.q[:, p.n1 : p.n2], identification_trajectory().q)
+    np.testing.assert_array_equal(p.q[:, 300:], identification_trajectory(margin=40).q)
+    np.testing.assert_array_equal(p.q[:, 0], 0.0)
+    # Joined without a step in position, velocity or acceleration.
+    jerk = np.diff(p.q, n=3) / H**3
+    assert np.abs(jerk[:, 290:310]).max() < 500.0  # a step of 1 rad/s^2 in acceleration would give 400 more
+    assert np.abs(np.diff(p.q, n=2)[:, 290:310]).max() / H**2 < 5.0
+
+
+def test_programs_by_name():
+    for name in PROGRAMS:
+        p = program(name, SETTINGS, rng())
+        assert p.name == name
+        assert p.h == H
+        if name != "ID":
+            assert (p.n1, p.n2) == (0, 8192)
+            np.testing.assert_array_equal(p.q, motions()[name].q)
+
+
+def test_settings_reach_the_programs():
+    s = replace(
+        SETTINGS, duration=5.0, h=5e-3, margin=7, lead_in=0.5, validation_samples=4096, geometry=ArmGeometry(0.2, 0.2)
+    )
+    p = program("ID", s, rng())
+    assert (p.q.shape[1], p.n1, p.n2, p.h) == (1114, 107, 1107, 5e-3)
+    assert all(program(name, s, rng()).q.shape == (2, 4096) for name in PROGRAMS[1:])
+    tip = forward_kinematics(program("T2", s, rng()).q[:, 2000:2100], s.geometry)[1]
+    np.testing.assert_allclose(np.hypot(tip[0], tip[1] + 0.32), 0.04, rtol=0, atol=1e-6)
+    wide = replace(SETTINGS, t1_limit=2.4)
+    np.testing.assert_allclose(program("T1", wide, rng()).q, 2 * program("T1", SETTINGS, rng()).q, rtol=0, atol=1e-12)
+
+
+def test_a_program_longer_than_the_memory_is_refused():
+    with pytest.raises(InputError, match=r"trajectory ID: length: found 8572 samples, expected at most .* 8192"):
+        identification_program(20.48)
+    with pytest.raises(InputError, match="trajectory T3"):
+        program("T3", replace(SETTINGS, validation_samples=8193), rng())
+    assert identification_program(8192 * H - 380 * H).q.shape[1] == 8192
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: program("T5", SETTINGS, rng()), "name"),
+        (lambda: identification_program(margin=-1), "margin"),
+        (lambda: identification_program(lead_in_s=0.0), "samples"),
+        (lambda: identification_program(lead_in_s=np.nan), "lead_in_s"),
+        (lambda: profile_motion(samples=1), "duration"),
+        (lambda: sinusoidal_motion(h=0.0), "h:"),
+        (lambda: quintic(np.zeros(1), 0.0, np.zeros((3, 2)), np.zeros((3, 2))), "duration"),
+        (lambda: quintic(np.zeros(1), 1.0, np.zeros((2, 2)), np.zeros((2, 2))), "shape"),
+        (lambda: Program("ID", np.zeros((3, 5)), 0, 5, H), "q:"),
+        (lambda: Program("ID", np.full((2, 5), np.nan), 0, 5, H), "q:"),
+        (lambda: Program("ID", np.zeros((2, 5)), 3, 6, H), "n1, n2"),
+        (lambda: permitted_program("T1", SETTINGS, rng(), ARM, draws=0), "draws"),
+    ],
+)
+def test_wrong_arguments_are_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_every_program_keeps_the_limits():
+    for name in PROGRAMS:
+        p = permitted_program(name, SETTINGS, rng(0), ARM)
+        check_limits(p, ARM)
+        speed, torque = peaks(p, ARM)
+        assert (speed < 3.0).all(), name
+        assert (torque > 0.3).all(), name  # both joints overcome their friction
+
+
+def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
+    first = program("T1", SETTINGS, rng(0))
+    with pytest.raises(InputError, match="trajectory T1: joint 1 torque"):
+        check_limits(first, ARM)
+    generator = rng(0)
+    draws = [program("T1", SETTINGS, generator) for _ in range(10)]
+    kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
+    np.testing.assert_array_equal(permitted_program("T1", SETTINGS, rng(0), ARM).q, kept.q)
+    with pytest.raises(InputError, match="T1: joint 1 torque"):
+        permitted_program("T1", SETTINGS, rng(0), ARM, draws=1)
+
+
+def test_peaks_of_a_motion_known_exactly():
+    """Eq. 10 with its exact derivatives; the differences are accurate to h^2."""
+    motion = identification_trajectory()
+    p = Program("ID", motion.q - motion.q[:, :1], 0, motion.q.shape[1], H)
+    exact = identification_trajectory()
+    speed, torque = peaks(p, ARM)
+    np.testing.assert_allclose(speed, np.abs(exact.dq).max(1), rtol=1e-3)
+    q = exact.q - exact.q[:, :1]
+    # Inside the run; at its first sample the jump from rest to the trajectory's speed is counted too.
+    inner = inverse_dynamics(q[:, 1:], exact.dq[:, 1:], exact.ddq[:, 1:], ARM)
+    assert (torque >= np.abs(inner).max(1) - 1e-3).all()
+
+
+@settings(max_examples=30)
+@given(joint=st.integers(0, 1), at=st.integers(0, 99), seed=seeds)
+def test_a_jump_at_any_sample_is_refused(joint, at, seed):
+    """Also at the first sample, which the arm would have to reach from rest at q = 0."""
+    q = np.random.default_rng(seed).uniform(-1e-6, 1e-6, (2, 100))
+    q[joint, at:] += 1.01 * SPEED_LIMIT * H
+    with pytest.raises(
+        InputError, match=f"trajectory T4: joint {joint + 1} speed: found 8.0.* rad/s, expected at most 8"
+    ):
+        check_limits(Program("T4", q, 0, 100, H), ARM)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_torque_limit_of_each_joint(joint):
+    p = program("T4", SETTINGS, rng())
+    needed = peaks(p, ARM)[1]
+    limits = list(TORQUE_LIMIT)
+    limits[joint] = 0.99 * needed[joint]
+    with pytest.raises(InputError, match=f"trajectory T4: joint {joint + 1} torque: found .* N m, expected") as caught:
+        check_limits(p, ARM, (limits[0], limits[1]))
+    assert "\n" not in str(caught.value)
+    limits[joint] = 1.01 * needed[joint]
+    check_limits(p, ARM, (limits[0], limits[1]))

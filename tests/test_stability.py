@@ -1,0 +1,203 @@
+"""Appendix A: the six printed numbers from the arm's parameters, and the energy function of Eq. 3."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import feasible_betas, seeds
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from repro.model.dynamics import forward_dynamics, mass_matrix
+from repro.model.lyapunov import LyapunovSettings, lyapunov_function, lyapunov_lower_bound
+from repro.model.parameters import inertial_from_links
+from repro.model.stability import dissipation_matrix, stability_constants
+from repro.paper.appendix import APPENDIX_NUMBERS, FreeChoices, appendix_arm, example_links, reproduced
+
+# The simulated arm: the solved parameter set, rounded as far as the printed numbers allow.
+ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+
+
+def printed_like(value, digits):
+    """`value` as the appendix prints it, with `digits` significant digits."""
+    return f"{value:.{digits - 1}e}"
+
+
+def test_the_six_printed_numbers():
+    """Appendix A's numbers by its formulas, with numpy's eigenvalues over a grid of q2 and none of our code."""
+    i1, i2, i3, g1, g2, b1, b2, k1, k2 = ARM
+    rho, epsilon, gamma, lam = 0.1, 0.001, 0.0025, 20.0
+    q2 = np.linspace(-np.pi, np.pi, 4001)
+    c, x = np.cos(q2), 0.25 * epsilon * i2 * q2 * np.sin(q2)
+    m = np.linalg.eigvalsh(
+        np.moveaxis(np.array([[i1 + i2 * c, i3 + i2 * c / 2], [i3 + i2 * c / 2, i3 + 0 * c]]), -1, 0)
+    )
+    h = np.linalg.eigvalsh(np.moveaxis(np.array([[b1 + 0 * x, -x], [-x, b2 + 2 * x]]), -1, 0))
+    q = np.linalg.eigvalsh([[g1 + g2, g2], [g2, g2]])
+    corner, cross = rho * epsilon * q[0], 0.5 * epsilon * (max(b1, b2) + max(k1, k2))
+    speed = h.min() - epsilon * m.max() + gamma * lam * min(k1, k2)
+    r1 = np.linalg.eigvalsh([[corner, cross], [cross, speed]])
+    assert printed_like(rho * q[0], 2) == "7.2e-03"
+    assert printed_like(q[0], 2) == "7.2e-02"
+    assert printed_like(0.5 * rho * q[0] * m.min() - 0.25 * (epsilon * m.max()) ** 2, 5) == "6.2020e-05"
+    assert printed_like(corner * speed, 5) == "1.3659e-07"
+    assert printed_like(cross**2, 5) == "7.1236e-08"
+    assert printed_like(r1[0], 5) == "3.4422e-06"
+    assert printed_like(rho * epsilon * r1[1], 5) == "1.8986e-06"
+
+    ours = stability_constants(ARM)
+    expected = {
+        "lambda_m_min": m.min(),
+        "lambda_m_max": m.max(),
+        "lambda_h_min": h.min(),
+        "lambda_q_min": q[0],
+        "lambda_q_max": q[1],
+        "r1_min": r1[0],
+        "r1_max": r1[1],
+    }
+    for name, value in expected.items():
+        np.testing.assert_allclose(getattr(ours, name), value, rtol=1e-9, err_msg=name)
+    assert all(ours.conditions.values())
+    assert reproduced(ARM) == dict.fromkeys(APPENDIX_NUMBERS, True)
+
+
+def test_the_solver_finds_the_arm():
+    beta = appendix_arm()
+    np.testing.assert_allclose(beta, ARM, rtol=2e-4)
+    assert reproduced(beta) == dict.fromkeys(APPENDIX_NUMBERS, True)
+
+
+def test_a_nearby_arm_does_not_reproduce_the_numbers():
+    for k in (2, 4, 5, 6):  # the four that the numbers pin
+        assert not all(reproduced(ARM * np.where(np.arange(9) == k, 1.002, 1.0)).values())
+
+
+@given(
+    i1=st.floats(0.1, 0.3),
+    l1=st.floats(0.05, 0.25),
+    g1=st.floats(0.5, 1.5),
+    k1=st.floats(0.39, 0.52),
+    k2=st.floats(0.01, 0.38),
+)
+def test_every_member_of_the_family_gives_the_numbers(i1, l1, g1, k1, k2):
+    beta = appendix_arm(FreeChoices(i1, l1, g1, k1, k2))
+    assert (beta > 0).all()
+    assert reproduced(beta) == dict.fromkeys(APPENDIX_NUMBERS, True)
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ({"g1": 0.14}, "g1"),
+        ({"i1": 0.08}, "no I3"),
+        ({"k2": 0.39}, "not physical"),  # b2 < 0
+        ({"k1": 0.54}, "not physical"),  # b1 < 0
+        ({"k1": 0.3}, "larger"),
+    ],
+)
+def test_choices_without_an_arm_are_refused(choice, message):
+    with pytest.raises(ValueError, match=message):
+        appendix_arm(replace(FreeChoices(), **choice))
+
+
+def test_the_arm_has_links():
+    links = example_links(ARM, m2=0.2, lc1=0.08)
+    assert all(value > 0 for value in vars(links).values())
+    assert links.l1 == pytest.approx(0.165, abs=1e-5)
+    assert links.lc2 < 0.150
+    np.testing.assert_allclose(inertial_from_links(links), ARM[:5], rtol=1e-12)
+
+
+@given(beta=feasible_betas(), seed=seeds)
+def test_eigenvalue_bounds_hold_everywhere_and_are_reached(beta, seed):
+    ours = stability_constants(beta)
+    q2 = np.append(np.random.default_rng(seed).uniform(-np.pi, np.pi, 50), [0.0, np.pi, 2.028757838])
+    m = np.linalg.eigvalsh(mass_matrix(np.stack([q2, q2], -1), beta))
+    h = np.linalg.eigvalsh(dissipation_matrix(q2 * np.sin(q2), beta, 1e-3))
+    np.testing.assert_allclose(m.min(), ours.lambda_m_min, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(m.max(), ours.lambda_m_max, rtol=1e-9)
+    np.testing.assert_allclose(h.min(), ours.lambda_h_min, rtol=1e-9, atol=1e-12)
+
+
+@given(beta=feasible_betas())
+def test_conditions_are_what_their_numbers_say(beta):
+    ours = stability_constants(beta)
+    assert ours.conditions["energy"] == (ours.energy > 0)
+    assert ours.conditions["dissipation"] == (ours.dissipation > ours.coupling)
+    # R1 is positive definite just when its determinant is, the difference of the third condition's two sides.
+    assert ours.conditions["dissipation"] == (ours.r1_min > 0) or abs(ours.dissipation / ours.coupling - 1) < 1e-9
+    assert np.isnan(ours.a_1) == (ours.r1_min <= 0 or ours.s1_min <= 0)
+
+
+def test_gains_of_the_arm():
+    ours = stability_constants(ARM)
+    assert ours.a_1 == pytest.approx(np.sqrt(2 * ours.s2_max) / np.sqrt(ours.s1_min) / ours.r1_min, rel=1e-12)
+    assert ours.g_f == pytest.approx(ours.a_1 / (0.1 * 0.001), rel=1e-12)
+
+
+def test_an_arm_that_is_not_physical_is_told_apart():
+    ours = stability_constants(ARM * np.where(np.arange(9) == 4, -1.0, 1.0))  # g2 < 0: Q is indefinite
+    assert not ours.conditions["potential"]
+    assert not ours.conditions["energy"]
+    assert np.isnan(ours.g_f)
+
+
+@given(seed=seeds)
+def test_the_energy_function_is_above_its_bound(seed):
+    """Eq. 17 with the minus sign, over the region where 1 - cos x > 0.1 x^2 holds for x = q1 + q2."""
+    rng = np.random.default_rng(seed)
+    q, dq = rng.normal(size=(2, 200, 2))
+    q *= rng.uniform(0.0, 2.85, (200, 1)) / np.linalg.norm(q, axis=-1, keepdims=True)
+    ours = stability_constants(ARM)
+    norms = np.linalg.norm(q, axis=-1), np.linalg.norm(dq, axis=-1)
+    bound = lyapunov_lower_bound(*norms, ours.lambda_q_min, (ours.lambda_m_min, ours.lambda_m_max), LyapunovSettings())
+    v = lyapunov_function(q, dq, ARM)
+    assert (v >= bound).all()
+    assert (bound > 0).all()
+
+
+def test_the_energy_function_is_zero_at_rest():
+    assert lyapunov_function(np.zeros(2), np.zeros(2), ARM) == 0.0
+
+
+@given(q=st.tuples(*[st.floats(-3.0, 3.0)] * 2), dq=st.tuples(*[st.floats(-8.0, 8.0)] * 2), epsilon=st.floats(0.0, 0.1))
+def test_the_energy_function_is_eq_3(q, dq, epsilon):
+    """Written out in scalars."""
+    i1, i2, i3, g1, g2 = ARM[:5]
+    c2 = np.cos(q[1])
+    p1 = (i1 + i2 * c2) * dq[0] + (i3 + i2 * c2 / 2) * dq[1]
+    p2 = (i3 + i2 * c2 / 2) * dq[0] + i3 * dq[1]
+    v = (dq[0] * p1 + dq[1] * p2) / 2 + g1 * (1 - np.cos(q[0])) + g2 * (1 - np.cos(q[0] + q[1]))
+    v += epsilon * (q[0] * p1 + q[1] * p2)
+    np.testing.assert_allclose(lyapunov_function(q, dq, ARM, epsilon), v, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("start", [(2.0, 0.5, 0.0, 0.0), (-0.5, 1.5, 3.0, -4.0), (0.3, -2.5, -2.0, 6.0)])
+def test_the_energy_function_falls_along_a_free_motion(start):
+    """Friction alone, no torque: V of Eq. 3 falls all the way."""
+
+    def rate(_, state):
+        return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], np.zeros(2), ARM)])
+
+    run = solve_ivp(rate, (0.0, 3.0), start, method="LSODA", rtol=1e-10, atol=1e-12, max_step=5e-3)
+    v = lyapunov_function(run.y[:2].T, run.y[2:].T, ARM)
+    assert (v > 0).all()
+    assert (np.diff(v) < 0).all()
+    assert v[-1] < 0.5 * v[0]
+
+
+@pytest.mark.parametrize("name", ["rho", "epsilon", "gamma", "friction_steepness"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_settings_must_be_positive(name, value):
+    with pytest.raises(ValueError, match=name):
+        LyapunovSettings(**{name: value})
+
+
+def test_wrong_shapes_are_refused():
+    with pytest.raises(ValueError, match="one set"):
+        stability_constants(np.zeros((2, 9)))
+    with pytest.raises(ValueError, match="9 parameters"):
+        stability_constants(np.zeros(8))
+    with pytest.raises(ValueError, match="dq"):
+        lyapunov_function(np.zeros(2), np.zeros(3), ARM)
