@@ -110,7 +110,9 @@ def flags(frame: pd.DataFrame, name: str) -> "np.ndarray[tuple[int], np.dtype[np
     return np.array([meaning[word] for word in words], dtype=np.bool_)
 
 
-def read_curves(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Curve]]:
+def read_curves(
+    frame: pd.DataFrame, panels: Mapping[str, Sequence[str]], rising: bool = True
+) -> dict[str, dict[str, Curve]]:
     """Split a long table ``panel, series, x, y`` into curves.
 
     Parameters
@@ -119,6 +121,8 @@ def read_curves(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dic
         One row for each point.
     panels : mapping of str to sequence of str
         Panels that must be there, each with its series.
+    rising : bool
+        Whether x must rise along a curve; a path in the plane may turn back.
 
     Returns
     -------
@@ -129,7 +133,7 @@ def read_curves(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dic
     ------
     InputError
         If the table is not valid, a panel or series is unknown or missing, a curve has fewer than two
-        points, or its x does not rise.
+        points, or its x does not rise where it must.
     """
     table = check_table(frame, text=("panel", "series"), numbers=("x", "y"))
     check_names(table["panel"], list(panels), "panel")
@@ -144,7 +148,7 @@ def read_curves(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dic
             place = f"panel {panel}, series {name}"
             if x.size < 2:
                 raise InputError.at(place, f"{x.size} point", "at least two points")
-            if not (np.diff(x) > 0).all():
+            if rising and not (np.diff(x) > 0).all():
                 line = int(points.index[int(np.argmin(np.diff(x) > 0)) + 1]) + 2
                 raise InputError.at(f"line {line}: x", f"no rise in {place}", "x that rises from point to point")
             curves[panel][name] = (x, y)

@@ -8,7 +8,18 @@ from matplotlib.figure import Figure
 
 from repro.errors import InputError
 from repro.files import read_csv
-from repro.render import candidates, images, lines, network, schematics, style, torques
+from repro.render import (
+    candidates,
+    experiment,
+    experiment_setup,
+    images,
+    lines,
+    network,
+    schematics,
+    spread,
+    style,
+    torques,
+)
 
 #: Figure from the table that holds its numbers; call these inside `style.house_style`.
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
@@ -25,6 +36,14 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "fig15": torques.torques_all,
     "fig16": lines.random_motion,
     "fig17": torques.spectra_all,
+    "fig18": experiment_setup.setup,
+    "fig19": experiment.identification,
+    "fig20": experiment.identification_spectra,
+    "fig21": experiment.paths,
+    "fig22": experiment.validation_motion,
+    "fig23": experiment.validation_torques,
+    "fig24": experiment.validation_spectra,
+    "spread": spread.spread,
     "metric_search": candidates.metric_search,
 }
 

@@ -1,5 +1,7 @@
 """Line figures: motions, the torque distribution and the loss (Fig. 6, 9, 10, 16)."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -14,13 +16,22 @@ TIME = "Time (s)"
 TORQUE = "Torque (N·m)"
 COEFFICIENT = "Coefficient (N·m)"
 
-_MOTION = {"position": "Position (rad)", "velocity": "Velocity (rad/s)", "acceleration": "Acceleration (rad/s²)"}
 JOINTS = ("joint1", "joint2")
+
+#: Axis label of each panel of a motion.
+MOTION = {"position": "Position (rad)", "velocity": "Velocity (rad/s)", "acceleration": "Acceleration (rad/s²)"}
 
 
 def plot_series(axes: Axes, name: str, curve: Curve) -> None:
     """Draw one curve in the stroke and under the label of its series."""
     axes.plot(*curve, label=style.SERIES_LABELS[name], **style.STROKES[name])
+
+
+def plot_panel(axes: Axes, series: Mapping[str, Curve]) -> None:
+    """Draw curves one over the other in their order."""
+    for name, curve in series.items():
+        plot_series(axes, name, curve)
+    style.few_ticks(axes)
 
 
 def motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
@@ -44,14 +55,12 @@ def motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
     InputError
         If the table is not as described.
     """
-    curves = read_curves(frame, dict.fromkeys(_MOTION, JOINTS))
+    curves = read_curves(frame, dict.fromkeys(MOTION, JOINTS))
     figure = style.new_figure(width, 3.9)
     panels = figure.subplots(3, 1, sharex=True)
-    for axes, (panel, label) in zip(panels, _MOTION.items(), strict=True):
-        for name in JOINTS:
-            plot_series(axes, name, curves[panel][name])
+    for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
+        plot_panel(axes, curves[panel])
         axes.set_ylabel(label)
-        style.few_ticks(axes)
     panels[-1].set_xlabel(TIME)
     figure.align_ylabels()
     style.legend_above(figure, panels[0], 2)

@@ -39,6 +39,9 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
     "alpha": "\N{GREEK SMALL LETTER ALPHA}",
     "beta": "β",
+    "epsilon": "ε",
+    "rho": "\N{GREEK SMALL LETTER RHO}",
+    "gamma": "\N{GREEK SMALL LETTER GAMMA}",
     "lambda": "λ",
     "pi": "π",
     "omega": "ω",
@@ -49,7 +52,7 @@ _GREEK = {
 #: A formula is read as numbers, names (letters, then perhaps an index), powers, subscripts, and whatever else.
 _FORMULA = re.compile(
     r"(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]+)(?P<index>\d*)"
-    r"|\^(?P<power>-?[\d.]+|[A-Za-z]|\([0-9A-Za-z/. +-]*\))|(?<=.)_(?P<below>[0-9A-Za-z]+)|(?P<other>.)"
+    r"|\^(?P<power>-?[\d.]+|min|max|[A-Za-z]|\([0-9A-Za-z/. +-]*\))|(?<=.)_(?P<below>[0-9A-Za-z]+)|(?P<other>.)"
 )
 _PRODUCT = re.compile(r"(?<=\d)\s*x\s*(?=\d)")
 
@@ -102,7 +105,7 @@ def formula(text: str) -> Text:
     for token in _FORMULA.finditer(text):
         name, index, power = token["name"], token["index"], token["power"]
         if power:
-            tex.append(f"^{{{power}}}")
+            tex.append(f"^{{\\{power}}}" if power in ("min", "max") else f"^{{{power}}}")
             md.append(power.translate(_SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
         elif token["below"]:
             tex.append(f"_{{{token['below']}}}")
@@ -145,6 +148,16 @@ def number(value: float, decimals: int, spread: float | None = None) -> Text:
     if spread is None:
         return Text(f"${digits}$", digits)
     return Text(f"${digits} \\pm {spread:.{decimals}f}$", f"{digits} ± {spread:.{decimals}f}")
+
+
+def scientific(value: float, decimals: int) -> Text:
+    """A number as a power of ten; 0 stays 0."""
+    if value == 0.0:
+        return Text("$0$", "0")
+    digits, power = f"{value:.{decimals}e}".split("e")
+    return Text(
+        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{_TIMES}10{str(int(power)).translate(_SUPERSCRIPTS)}"
+    )
 
 
 @dataclass(frozen=True)

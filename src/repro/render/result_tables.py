@@ -1,4 +1,4 @@
-"""Tables of results: identified parameters (Tables 4, 5) and similarities (Tables 6, 7)."""
+"""Tables of results: identified parameters (Tables 4, 5) and similarities (Tables 6, 7, 10)."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,6 @@ from repro.render.markup import Table, Text, formula, number, plain, unit
 
 #: What the tables call each method, in the order of their blocks; others follow under their own name.
 METHODS = {
-    "true": "True parameters",
     "algorithm1": "Algorithm 1",
     "algorithm1+refinement": "Algorithm 1 + refinement (extension)",
     "algorithm1+local-search": "Algorithm 1 + the refinement's selection without the network (control)",
@@ -18,21 +17,22 @@ METHODS = {
     "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement + scale-aware image (extension)",
     "algorithm1+local-search+scale-aware": "Algorithm 1 + scale-aware image, selection without the network (control)",
     "least-squares": "Least squares",
+    "true": "True parameters",
 }
 
 
-def _methods(table: pd.DataFrame) -> list[str]:
+def methods_of(table: pd.DataFrame) -> list[str]:
     """Methods of a table in the order of their blocks."""
     found = list(dict.fromkeys(table["method"]))
     return [name for name in METHODS if name in found] + [name for name in found if name not in METHODS]
 
 
-def _heading(method: str) -> Text:
+def heading_of(method: str) -> Text:
     """What a method is called."""
     return plain(METHODS.get(method, method))
 
 
-def _row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
+def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
     """Find the one row with these values.
 
     Raises
@@ -57,16 +57,16 @@ def _parameters(frame: pd.DataFrame, cases: Sequence[str], title: str, label: st
     names = dict(zip(table["parameter"], table["unit"], strict=True))
     repeated = bool((table["estimate_sd"] > 0).any())
     blocks = []
-    for method in _methods(table):
+    for method in methods_of(table):
         rows = []
         for name, si in names.items():
             cells = [formula(name) + Text("~(", " (") + unit(si) + plain(")")]
             for case in cases:
-                row = _row(table, {"method": method, "case": case, "parameter": name})
+                row = one_row(table, {"method": method, "case": case, "parameter": name})
                 spread = float(row["estimate_sd"]) if repeated else None
                 cells += [number(float(row["true"]), 4), number(float(row["estimate"]), 4, spread)]
             rows.append(cells)
-        blocks.append((_heading(method), rows))
+        blocks.append((heading_of(method), rows))
     spread_words = ", ± the standard deviation over the seeds" if repeated else ""
     caption = plain(
         f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
@@ -129,21 +129,19 @@ def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: 
         raise InputError.at("seeds", ", ".join(f"{count:g}" for count in seeds), "one number of seeds, at least 1")
     check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
     blocks = []
-    for method in _methods(table):
+    for method in methods_of(table):
         rows = []
         for joint in (1, 2):
-            found = [_row(table, {"method": method, "case": case, "joint": joint}) for case in cases]
+            found = [one_row(table, {"method": method, "case": case, "joint": joint}) for case in cases]
             for factor, word in factors.items():
                 cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
                 for row in found:
                     spread = 100.0 * float(row["total_sd"]) if factor == "total" and seeds[0] > 1 else None
                     cells.append(number(100.0 * float(row[factor]), 2, spread))
                 rows.append(cells)
-        blocks.append((_heading(method), rows))
+        blocks.append((heading_of(method), rows))
     many = f"median of {seeds[0]:.0f} seeds, ± the standard deviation of the total over the seeds"
-    caption = plain(
-        f"Similarity (%) of the torques rebuilt {of_what}, numeric tests: {many if seeds[0] > 1 else 'one seed'}."
-    )
+    caption = plain(f"Similarity (%) of the torques rebuilt {of_what}: {many if seeds[0] > 1 else 'one seed'}.")
     header = [plain("metr2ev (%)"), *(plain(case) for case in cases)]
     return Table(title, label, caption, "l" + "r" * len(cases), header, blocks)
 
@@ -167,7 +165,7 @@ def similarity(frame: pd.DataFrame) -> Table:
     InputError
         If the table is not as described.
     """
-    what = "from the identified parameters"
+    what = "from the identified parameters, numeric tests"
     return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 6", "tab:table06", what)
 
 
@@ -189,5 +187,27 @@ def validation(frame: pd.DataFrame) -> Table:
     InputError
         If the table is not as described.
     """
-    what = "on the random validation trajectory"
+    what = "on the random validation trajectory, numeric tests"
     return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 7", "tab:table07", what)
+
+
+def experiment(frame: pd.DataFrame) -> Table:
+    """Similarity on the identification and validation motions of the simulated arm (Table 10).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As for `similarity`, cases ID, T1 ... T4.
+
+    Returns
+    -------
+    Table
+        Percentages, a block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    what = "on the identification motion and the validation motions, simulated experiment"
+    return _similarities(frame, ("ID", "T1", "T2", "T3", "T4"), "Table 10", "tab:table10", what)

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
@@ -81,6 +81,36 @@ STROKES: Final[dict[str, dict[str, Any]]] = {
     "test": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 1.0},
     "median": {"color": "#00304d", "linestyle": "-", "linewidth": 1.2},
     "mean": {"color": "#c44a00", "linestyle": (0, (3.0, 1.5)), "linewidth": 1.2},
+    "desired": {"color": "#00304d", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.9},
+    "desired1": {"color": "#9fcbe6", "linestyle": "-", "linewidth": 2.6},
+    "desired2": {"color": "#f8dcae", "linestyle": "-", "linewidth": 2.6},
+    "measured": {"color": "0.80", "linestyle": "-", "linewidth": 2.6},
+    "algorithm1": {"color": "#5ab8ea", "linestyle": (0, (6.0, 1.2, 1.2, 1.2)), "linewidth": 1.1},
+    "algorithm1+refinement": {"color": "#004a78", "linestyle": "-", "linewidth": 0.9},
+    "algorithm1+local-search": {"color": "#a6761d", "linestyle": (0, (2.0, 1.2)), "linewidth": 1.0},
+    "algorithm1+scale-aware": {"color": "#7fc8a0", "linestyle": (0, (6.0, 1.2, 1.2, 1.2)), "linewidth": 1.1},
+    "algorithm1+refinement+scale-aware": {"color": "#0b5d3b", "linestyle": "-", "linewidth": 0.9},
+    "algorithm1+local-search+scale-aware": {"color": "#c6a0c8", "linestyle": (0, (2.0, 1.2)), "linewidth": 1.0},
+    "least-squares": {"color": "#d1490a", "linestyle": (0, (3.5, 2.5)), "linewidth": 1.1},
+    "true": {"color": "0.0", "linestyle": (0, (1.0, 2.0)), "linewidth": 1.1},
+}
+
+#: Marks of the series that are also drawn point by point; the colour is that of the stroke.
+MARKS: Final[dict[str, dict[str, Any]]] = {
+    "rebuilt": {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.0},
+    "algorithm1": {"marker": "o", "markersize": 3.4, "markeredgewidth": 0.0},
+    "algorithm1+refinement": {"marker": "D", "markersize": 3.2, "fillstyle": "none", "markeredgewidth": 0.7},
+    "algorithm1+local-search": {"marker": "v", "markersize": 3.4, "markeredgewidth": 0.0},
+    "algorithm1+scale-aware": {"marker": "s", "markersize": 3.0, "markeredgewidth": 0.0},
+    "algorithm1+refinement+scale-aware": {
+        "marker": "s",
+        "markersize": 3.4,
+        "fillstyle": "none",
+        "markeredgewidth": 0.7,
+    },
+    "algorithm1+local-search+scale-aware": {"marker": "^", "markersize": 3.4, "markeredgewidth": 0.0},
+    "least-squares": {"marker": "x", "markersize": 3.4, "markeredgewidth": 0.9},
+    "true": {"marker": "+", "markersize": 4.0, "markeredgewidth": 0.8},
 }
 
 #: What the legend calls each series.
@@ -93,7 +123,34 @@ SERIES_LABELS: Final[dict[str, str]] = {
     "test": "Test",
     "median": "Median",
     "mean": "Mean",
+    "desired": "Desired",
+    "desired1": "Desired, joint 1",
+    "desired2": "Desired, joint 2",
+    "measured": "Measured",
+    "algorithm1": "Algorithm 1",
+    "algorithm1+refinement": "Algorithm 1 + refinement",
+    "algorithm1+local-search": "Algorithm 1 + selection alone",
+    "algorithm1+scale-aware": "Algorithm 1, scale-aware",
+    "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement, scale-aware",
+    "algorithm1+local-search+scale-aware": "Algorithm 1 + selection alone, scale-aware",
+    "least-squares": "Least squares",
+    "true": "True parameters",
 }
+
+#: Methods of identification in the order in which they are drawn.
+METHODS: Final = (
+    "algorithm1",
+    "algorithm1+refinement",
+    "algorithm1+local-search",
+    "algorithm1+scale-aware",
+    "algorithm1+refinement+scale-aware",
+    "algorithm1+local-search+scale-aware",
+    "least-squares",
+    "true",
+)
+
+#: Heads the legend of every figure whose signals come from the simulated arm.
+SIMULATED: Final = "Simulated experiment"
 
 #: Signs of sizes and ranges.
 TIMES: Final = "\N{MULTIPLICATION SIGN}"
@@ -146,9 +203,9 @@ def few_ticks(axes: Axes) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
 
 
-def legend_above(figure: Figure, axes: Axes, columns: int) -> None:
-    """Put the legend of `axes` above all panels, outside the data."""
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
+def legend_above(figure: FigureBase, axes: Axes, columns: int, title: str | None = None) -> None:
+    """Put the legend of `axes`, under its `title`, above all panels, outside the data."""
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns, title=title)
 
 
 def save(figure: Figure, title: str, pdf_path: Path, png_path: Path) -> None:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_csv, write_text
-from repro.render import description_tables, result_tables
+from repro.render import description_tables, experiment_tables, result_tables
 from repro.render.markup import Table
 
 #: Table from the tidy table that holds its numbers.
@@ -18,6 +18,11 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
     "table05": result_tables.parameters_34,
     "table06": result_tables.similarity,
     "table07": result_tables.validation,
+    "table08": experiment_tables.control,
+    "table09": experiment_tables.parameters,
+    "table10": result_tables.experiment,
+    "stability": experiment_tables.stability,
+    "verdict": experiment_tables.verdict,
     "metric_search": description_tables.metric_search,
 }
 

@@ -1,0 +1,214 @@
+"""The experiment on the simulated arm: torques, spectra, motions and paths (Fig. 19-24)."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from repro.errors import InputError
+from repro.render import style
+from repro.render.contract import check_table, read_curves
+from repro.render.lines import JOINTS, MOTION, TIME, plot_panel
+from repro.render.torques import page, spectrum_panels, torque_panels
+
+#: Motions on which the identified parameters are validated (Section VI).
+CASES = ("T1", "T2", "T3", "T4")
+
+#: Series of each panel of a motion, the desired position below the one reached.
+_TRACKED = {"position": ("desired1", "desired2", *JOINTS), "velocity": JOINTS, "acceleration": JOINTS}
+
+#: Title of each torque panel of the identification experiment, and of the validation experiments.
+_IDENTIFICATION = {"torque1": "Joint 1", "torque2": "Joint 2"}
+_VALIDATION = {f"{case} torque{j}": f"{case}, joint {j}" for case in CASES for j in (1, 2)}
+
+
+def _compared(frame: pd.DataFrame, panels: Iterable[str]) -> tuple[str, ...]:
+    """Series of the torque panels: the measured one, then the methods that the table holds.
+
+    Raises
+    ------
+    InputError
+        If there is no method, or a series that is neither measured nor a method.
+    """
+    table = check_table(frame, text=("panel", "series"))
+    found = dict.fromkeys(table["series"][table["panel"].isin(list(panels))])
+    for name in found:
+        if name not in ("measured", *style.METHODS):
+            raise InputError.at("torque series", repr(name), f"one of measured, {', '.join(style.METHODS)}")
+    methods = [name for name in style.METHODS if name in found]
+    if not methods:
+        raise InputError.at("torque series", "no method", f"at least one of {', '.join(style.METHODS)}")
+    return ("measured", *methods)
+
+
+def _torques(frame: pd.DataFrame, titles: Mapping[str, str], draw: Callable[..., None]) -> Figure:
+    """Measured and rebuilt signals, a column for each joint."""
+    curves = read_curves(frame, dict.fromkeys(titles, _compared(frame, titles)))
+    figure = page(len(titles))
+    draw(figure, curves, titles, legend_title=style.SIMULATED)
+    return figure
+
+
+def identification(frame: pd.DataFrame) -> Figure:
+    """Torques on the identification trajectory, rebuilt by each method, and the motion (Fig. 19).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels torque1, torque2 (N m; series measured and one or more of
+        `style.METHODS`, the same in both), position (rad; series desired1, desired2, joint1, joint2), velocity
+        (rad/s) and acceleration (rad/s^2) (series joint1, joint2); x in s.
+
+    Returns
+    -------
+    Figure
+        Torques above, motion below, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    torque_series = dict.fromkeys(_IDENTIFICATION, _compared(frame, _IDENTIFICATION))
+    curves = read_curves(frame, {**torque_series, **_TRACKED})
+    figure = style.new_figure(style.PAGE, 4.4)
+    upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.15, 1.0))[:, 0]
+    torque_panels(upper, curves, _IDENTIFICATION, style.SIMULATED)
+    panels = lower.subplots(1, 3)
+    for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
+        plot_panel(axes, curves[panel])
+        axes.set(xlabel=TIME, ylabel=label)
+    style.legend_above(lower, panels[0], 4)
+    return figure
+
+
+def identification_spectra(frame: pd.DataFrame) -> Figure:
+    """DCT-II of the torques of the identification trajectory (Fig. 20).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels torque1, torque2; series measured and one or more of `style.METHODS`, the
+        same in both; x in Hz, y in N m.
+
+    Returns
+    -------
+    Figure
+        A column for each joint, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return _torques(frame, _IDENTIFICATION, spectrum_panels)
+
+
+def paths(frame: pd.DataFrame) -> Figure:
+    """Desired and actual paths of the tip on the validation motions (Fig. 21).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels T1 ... T4; series desired, actual; x and y in m, in the order of time.
+
+    Returns
+    -------
+    Figure
+        A panel with equal axes for each motion, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    curves = read_curves(frame, dict.fromkeys(CASES, ("actual", "desired")), rising=False)
+    figure = style.new_figure(style.PAGE, 2.35)
+    panels = figure.subplots(1, len(CASES))
+    for axes, case in zip(panels, CASES, strict=True):
+        plot_panel(axes, curves[case])
+        axes.set(title=case, xlabel="$x$ (m)", aspect="equal", adjustable="datalim")
+        axes.locator_params(axis="both", nbins=4)
+    panels[0].set_ylabel("$y$ (m)")
+    style.legend_above(figure, panels[0], 2, style.SIMULATED)
+    return figure
+
+
+def validation_motion(frame: pd.DataFrame) -> Figure:
+    """Validation motions of both joints (Fig. 22).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels ``T1 position``, ``T1 velocity``, ``T1 acceleration`` ... ``T4
+        acceleration``; units and series as in the motion of `identification`.
+
+    Returns
+    -------
+    Figure
+        A column for each motion, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    wanted: dict[str, Sequence[str]] = {f"{case} {panel}": _TRACKED[panel] for panel in MOTION for case in CASES}
+    curves = read_curves(frame, wanted)
+    figure = style.new_figure(style.PAGE, 4.3)
+    grid = figure.subplots(len(MOTION), len(CASES), sharex="col")
+    for row, (panel, label) in zip(grid, MOTION.items(), strict=True):
+        for axes, case in zip(row, CASES, strict=True):
+            plot_panel(axes, curves[f"{case} {panel}"])
+        row[0].set_ylabel(label)
+    for axes, case in zip(grid[0], CASES, strict=True):
+        axes.set_title(case)
+    for axes in grid[-1]:
+        axes.set_xlabel(TIME)
+    figure.align_ylabels()
+    style.legend_above(figure, grid[0, 0], 4, style.SIMULATED)
+    return figure
+
+
+def validation_torques(frame: pd.DataFrame) -> Figure:
+    """Torques of the validation motions, rebuilt by each method (Fig. 23).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``panel, series, x, y``; panels ``T1 torque1``, ``T1 torque2`` ... ``T4 torque2``; series measured and one
+        or more of `style.METHODS`, the same in all; x in s, y in N m.
+
+    Returns
+    -------
+    Figure
+        A row for each motion, a column for each joint, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return _torques(frame, _VALIDATION, torque_panels)
+
+
+def validation_spectra(frame: pd.DataFrame) -> Figure:
+    """DCT-II of the torques of the validation motions (Fig. 24).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As for `validation_torques`, x in Hz.
+
+    Returns
+    -------
+    Figure
+        A row for each motion, a column for each joint, page wide.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    return _torques(frame, _VALIDATION, partial(spectrum_panels, by_row=True))

@@ -1,0 +1,215 @@
+"""Tables of the simulated experiment: control and parameters (Tables 8, 9), stability, and the verdict."""
+
+import pandas as pd
+
+from repro.render.contract import check_names, check_range, check_table, flags
+from repro.render.markup import Table, Text, formula, number, plain, scientific, unit
+from repro.render.result_tables import heading_of, methods_of, one_row
+
+_MOTIONS = ("ID", "T1", "T2", "T3", "T4")
+
+
+def _with_unit(name: Text, si: str) -> Text:
+    """Name of a column with its unit in brackets."""
+    return name + Text("~(", " (") + unit(si) + plain(")")
+
+
+def control(frame: pd.DataFrame) -> Table:
+    """Constants of the embedded system and how well the position follows (Table 8).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``case, method, joint, time, frequency, total, total_sd, seeds, kp, kv, pwm_khz, c_f``; case tracking, method
+        pd; one row for each joint; similarities and spread as fractions of 1, kp in N m/rad, kv in N m per rad and
+        sample, the PWM frequency in kHz, c_f in s^2. With one seed no spread is shown.
+
+    Returns
+    -------
+    Table
+        A row for each joint.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    shares, constants = ("time", "frequency", "total", "total_sd"), ("kp", "kv", "pwm_khz", "c_f")
+    table = check_table(frame, ("case", "method"), ("joint", *shares, "seeds", *constants))
+    check_names(table["case"], ("tracking",), "case")
+    check_names(table["method"], ("pd",), "method")
+    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_range(table, shares, 0.0, 1.0, "a fraction of 1")
+    check_range(table, ("seeds",), 1.0, float("inf"), "at least 1 seed")
+    rows = []
+    for joint in (1, 2):
+        row = one_row(table, {"joint": joint})
+        spread = 100.0 * float(row["total_sd"]) if row["seeds"] > 1 else None
+        cells = [formula(f"q{joint}"), number(100.0 * float(row["total"]), 2, spread)]
+        cells += [number(float(row["kp"]), 4), number(float(row["kv"]), 4)]
+        rows.append([*cells, number(float(row["pwm_khz"]), 0), scientific(float(row["c_f"]), 0)])
+    gain = Text("$K_{p}$", "Kp"), Text("$K_{v}$", "Kv")
+    header = (
+        plain("Joint"),
+        plain("metr2ev (%)"),
+        _with_unit(gain[0], "N m/rad"),
+        _with_unit(gain[1], "N m/rad"),
+        Text(r"$f_{\mathrm{PWM}}$~(kHz)", "f PWM (kHz)"),
+        _with_unit(Text("$c_{f}$", "c_f"), "s^2"),
+    )
+    caption = plain(
+        "Constants of the simulated board and similarity of the desired and the simulated position on the "
+        "identification trajectory. Kv is for the change of position over one sample."
+    )
+    return Table("Table 8", "tab:table08", caption, "lrrrrr", header, [(None, rows)])
+
+
+def parameters(frame: pd.DataFrame) -> Table:
+    """Parameters of the simulated arm as identified by each method (Table 9).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``case, method, parameter, unit, true, estimate, estimate_sd``; case ID; one row for each method and
+        parameter. Where every spread is 0 (one seed) none is shown.
+
+    Returns
+    -------
+    Table
+        A row for each parameter, a column for the truth and for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    table = check_table(frame, ("case", "method", "parameter", "unit"), ("true", "estimate", "estimate_sd"))
+    check_names(table["case"], ("ID",), "case")
+    check_range(table, ("estimate_sd",), 0.0, float("inf"), "a spread of 0 or more")
+    methods = methods_of(table)
+    repeated = bool((table["estimate_sd"] > 0).any())
+    rows = []
+    for name, si in dict(zip(table["parameter"], table["unit"], strict=True)).items():
+        found = [one_row(table, {"method": method, "parameter": name}) for method in methods]
+        cells = [_with_unit(formula(name), si), number(float(found[0]["true"]), 4)]
+        cells += [number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None) for row in found]
+        rows.append(cells)
+    spread = ", ± the standard deviation over the seeds" if repeated else ""
+    caption = plain(f"True and identified parameters of the simulated arm: median seed{spread}.")
+    header = [plain("Parameter"), plain("True"), *(heading_of(method) for method in methods)]
+    return Table("Table 9", "tab:table09", caption, "lr" + "r" * len(methods), header, [(None, rows)])
+
+
+def stability(frame: pd.DataFrame) -> Table:
+    """Conditions for stability of the appendix with the parameters of each method.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``method, quantity, symbol, value, bound, holds``; symbol in ASCII, such as ``rho lambda_Q^min``; a condition
+        holds if its value exceeds its bound.
+
+    Returns
+    -------
+    Table
+        A block for each method.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    table = check_table(frame, ("method", "quantity", "symbol"), ("value", "bound"))
+    table["holds"] = flags(frame, "holds")
+    blocks = []
+    for method in methods_of(table):
+        chosen = table[table["method"] == method].drop(columns="method")
+        rows = [
+            (
+                plain(quantity),
+                formula(symbol),
+                scientific(value, 4),
+                scientific(bound, 4),
+                plain("yes" if holds else "no"),
+            )
+            for quantity, symbol, value, bound, holds in chosen.itertuples(index=False)
+        ]
+        blocks.append((heading_of(method), rows))
+    caption = plain(
+        "Conditions for input-to-state stability (appendix) with the parameters identified on the simulated arm; a "
+        "condition holds if its value exceeds its bound."
+    )
+    header = tuple(plain(name) for name in ("Condition", "Symbol", "Value", "Bound", "Holds"))
+    return Table("Stability", "tab:stability", caption, "llrrl", header, blocks)
+
+
+def verdict(frame: pd.DataFrame) -> Table:
+    """Whether Algorithm 1 beats least squares, by motion, joint and duration of the identification trajectory.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``motion, joint, duration, runs, wins, win_share, win_low, win_high, difference_median, difference_low,
+        difference_high`` and, where more than one method is compared, ``method``; duration in s, shares and
+        differences of the total (Algorithm 1 less least squares) as fractions of 1; motions ID, T1 ... T4.
+
+    Returns
+    -------
+    Table
+        A block for each duration (and method), a row for each motion and joint.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    named = frame if "method" in frame.columns else frame.assign(method="algorithm1")
+    shares = ("win_share", "win_low", "win_high")
+    differences = ("difference_median", "difference_low", "difference_high")
+    table = check_table(named, ("motion", "method"), ("joint", "duration", "runs", "wins", *shares, *differences))
+    check_names(table["motion"], _MOTIONS, "motion")
+    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_range(table, ("runs",), 1.0, float("inf"), "at least 1 run")
+    check_range(table, ("wins",), 0.0, float(table["runs"].max()), "no more wins than runs")
+    check_range(table, shares, 0.0, 1.0, "a fraction of 1")
+    check_range(table, differences, -1.0, 1.0, "a difference of fractions of 1")
+    blocks = []
+    for method in methods_of(table):
+        for duration in sorted(set(table["duration"])):
+            rows = []
+            for motion in _MOTIONS:
+                for joint in (1, 2):
+                    key = {"method": method, "duration": duration, "motion": motion, "joint": joint}
+                    rows.append(_verdict_row(motion, joint, one_row(table, key)))
+            blocks.append((heading_of(method) + plain(f", identified on {duration:.4g} s"), rows))
+    caption = plain(
+        "Algorithm 1 against least squares on the simulated arm: runs in which its total similarity is higher, and the "
+        "median difference of the totals in points of a percent, each with its confidence interval. A method is named "
+        "better where the whole interval of the difference lies on its side of 0."
+    )
+    names = ("Motion", "Runs", "Wins", "Share of wins (%)", "Difference (points)", "Better")
+    header = tuple(plain(name) for name in names)
+    return Table("Verdict", "tab:verdict", caption, "lrrrrl", header, blocks)
+
+
+def _interval(values: pd.Series, decimals: int) -> Text:
+    """A percentage followed by its interval."""
+    middle, low, high = (number(100.0 * float(value), decimals) for value in values)
+    return middle + Text(" [", " [") + low + Text(", ", ", ") + high + Text("]", "]")
+
+
+def _verdict_row(motion: str, joint: int, row: pd.Series) -> list[Text]:
+    """Cells of one motion and joint."""
+    better = "undecided"
+    if row["difference_low"] > 0.0:
+        better = "Algorithm 1"
+    elif row["difference_high"] < 0.0:
+        better = "least squares"
+    return [
+        plain(motion) + Text(", ", ", ") + formula(f"tau{joint}"),
+        number(float(row["runs"]), 0),
+        number(float(row["wins"]), 0),
+        _interval(row[["win_share", "win_low", "win_high"]], 0),
+        _interval(row[["difference_median", "difference_low", "difference_high"]], 2),
+        plain(better),
+    ]

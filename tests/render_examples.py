@@ -1,0 +1,311 @@
+"""Examples of the numbers of every figure and table, and how tests draw, lay out and refuse them."""
+
+import itertools
+import re
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from repro.errors import InputError
+from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
+from repro.render import style
+from repro.render.figures import FIGURES, draw
+from repro.render.tables import lay_out
+
+CASES = ("N1", "N2", "N3", "N4")
+METHODS = ("algorithm1+refinement+scale-aware", "algorithm1+refinement", "a further_one", "algorithm1")
+
+
+def long_table(panels: dict[str, tuple[str, ...]], x: np.ndarray, y: Callable[[int], np.ndarray]) -> pd.DataFrame:
+    rows = [(panel, name) for panel, series in panels.items() for name in series]
+    frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": y(i)}) for i, (p, s) in enumerate(rows)]
+    return pd.concat(frames, ignore_index=True)
+
+
+def waves(panels: dict[str, tuple[str, ...]], n: int = 60) -> pd.DataFrame:
+    t = np.linspace(0.0, 9.4, n)
+    return long_table(panels, t, lambda i: np.sin(t + 0.3 * i) * (1 + i))
+
+
+def bands(panels: dict[str, tuple[str, ...]]) -> pd.DataFrame:
+    k = np.arange(200.0)
+    return long_table(panels, k / 18.85, lambda i: 30.0 * np.cos(k + i) * np.exp(-k / 8))
+
+
+def case_panels(*cases: str) -> dict[str, tuple[str, ...]]:
+    return {f"{case}/joint{joint}": ("actual", "rebuilt") for case in cases for joint in (1, 2)}
+
+
+def subsampling_frame() -> pd.DataFrame:
+    t = np.arange(64.0)
+    parts = {("signal", "x"): t / 10, ("spectrum", "kept"): t[:16], ("spectrum", "dropped"): t[16:]}
+    parts[("subsampled", "xs")] = t[:16] * 0.4
+    frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": np.cos(x)}) for (p, s), x in parts.items()]
+    return pd.concat(frames, ignore_index=True)
+
+
+def network_frame() -> pd.DataFrame:
+    rows = [
+        ("input", "input", 100, 100, 2, "", 0),
+        ("conv1", "convolution", 92, 92, 10, "9x9x2x10", 1630),
+        ("pool1", "max pool", 46, 46, 10, "2x2", 0),
+        ("conv2", "convolution", 42, 42, 10, "5x5x10x10", 2510),
+        ("pool2", "max pool", 21, 21, 10, "2x2", 0),
+        ("conv3", "convolution", 19, 19, 10, "3x3x10x10", 910),
+        ("fc4", "fully connected", 1, 1, 100, "", 361100),
+        ("fc5", "fully connected", 1, 1, 50, "", 5050),
+        ("output", "output", 1, 1, 9, "", 459),
+    ]
+    return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
+
+
+def index_frame(shape: dict[str, int]) -> pd.DataFrame:
+    return pd.DataFrame(itertools.product(*(range(n) for n in shape.values())), columns=list(shape))
+
+
+def examples_frame() -> pd.DataFrame:
+    pixels = index_frame({"row": 12, "column": 12})
+    shade = (pixels["row"] * 12 + pixels["column"]) / 143
+    pixels = pixels.assign(red=shade, green=1 - shade, blue=0.5)
+    return pd.concat([pixels.assign(kind=k, image=i) for k in ("Mp", "Mn") for i in "abcdefghi"], ignore_index=True)
+
+
+def kernels_frame() -> pd.DataFrame:
+    frames = []
+    for layer, size, inputs in (("conv1", 9, 2), ("conv2", 5, 10), ("conv3", 3, 10)):
+        frame = index_frame({"input": inputs, "output": 10, "row": size, "column": size}).assign(layer=layer)
+        frames.append(frame.assign(power=np.linspace(0.0, 1.0, len(frame))))
+    return pd.concat(frames, ignore_index=True)
+
+
+def candidates_frame() -> pd.DataFrame:
+    rows = [
+        (factor, f"{factor} candidate {i}", 0.3 + 0.1 * i, i == chosen)
+        for factor, chosen in (("time", 1), ("frequency", 17))
+        for i in range(20)
+    ]
+    return pd.DataFrame(rows, columns=["factor", "candidate", "rms_log_error", "chosen"])
+
+
+SETUP_PARTS = ("pc", "serial", "write-ram", "ram", "pd", "pwm", "decoder", "uplink", "motors", "arm")
+RIVALS = ("algorithm1", "algorithm1+refinement", "least-squares", "true")
+MOTIONS = ("T1", "T2", "T3", "T4")
+TRACKED = {
+    "position": ("desired1", "desired2", "joint1", "joint2"),
+    "velocity": ("joint1", "joint2"),
+    "acceleration": ("joint1", "joint2"),
+}
+
+
+#: Figures that must say so.
+SIMULATED = ("fig18", "fig19", "fig20", "fig21", "fig22", "fig23", "fig24", "spread")
+
+
+def setup_frame() -> pd.DataFrame:
+    rows = [(part, "-", "8192 x 2", "float32") for part in SETUP_PARTS]
+    rows += [("motors", "joint 1", "2.7192/1023", "N m"), ("pc", "-", "repro record", "-")]
+    return pd.DataFrame(rows, columns=["component", "label", "value", "unit"])
+
+
+def torque_series(*panels: str) -> dict[str, tuple[str, ...]]:
+    return dict.fromkeys(panels, ("measured", *RIVALS))
+
+
+def validated_panels() -> dict[str, tuple[str, ...]]:
+    return torque_series(*(f"{case} torque{joint}" for case in MOTIONS for joint in (1, 2)))
+
+
+def tracked_panels(*cases: str) -> dict[str, tuple[str, ...]]:
+    return {f"{case}{panel}": series for case in cases for panel, series in TRACKED.items()}
+
+
+def paths_frame() -> pd.DataFrame:
+    t = np.linspace(0.0, 6.0, 50)
+    frames = [
+        pd.DataFrame({"panel": case, "series": name, "x": size * np.cos(t), "y": size * np.sin(t) - 0.2})
+        for case in MOTIONS
+        for name, size in (("desired", 0.0315), ("actual", 0.031))
+    ]
+    return pd.concat(frames, ignore_index=True)
+
+
+def spread_frame() -> pd.DataFrame:
+    runs = itertools.product(("ID", *MOTIONS), (1, 2), RIVALS, (9.42, 20.48), range(1, 6))
+    rows = [(*run, 0.9 + 0.01 * (i % 7)) for i, run in enumerate(runs)]
+    for name in ("published algorithm1", "published least-squares"):
+        rows += [(case, joint, name, None, None, 0.93) for case in ("ID", *MOTIONS) for joint in (1, 2)]
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
+
+
+MOTION = dict.fromkeys(("position", "velocity", "acceleration"), ("joint1", "joint2"))
+
+FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
+    "fig05": subsampling_frame,
+    "fig06": lambda: waves(MOTION),
+    "fig07": network_frame,
+    "fig08": examples_frame,
+    "fig09": lambda: waves(dict.fromkeys(("joint1", "joint2"), ("p05", "p25", "p50", "p75", "p95", "mean"))),
+    "fig10": lambda: waves({"loss": ("train", "test")}).assign(y=lambda f: np.exp(-f["x"])),
+    "fig11": kernels_frame,
+    "fig12": lambda: waves(case_panels("N1", "N2")),
+    "fig13": lambda: waves(case_panels("N3", "N4")),
+    "fig14": lambda: bands(case_panels(*CASES)),
+    "fig15": lambda: waves(case_panels(*CASES), 600),
+    "fig16": lambda: waves(MOTION, 600),
+    "fig17": lambda: bands(case_panels(*CASES)).assign(y=lambda f: np.sin(7 * f["x"])),
+    "fig18": setup_frame,
+    "fig19": lambda: waves(torque_series("torque1", "torque2") | tracked_panels("")),
+    "fig20": lambda: bands(torque_series("torque1", "torque2")),
+    "fig21": paths_frame,
+    "fig22": lambda: waves(tracked_panels(*(f"{case} " for case in MOTIONS))),
+    "fig23": lambda: waves(validated_panels()),
+    "fig24": lambda: bands(validated_panels()),
+    "spread": spread_frame,
+    "metric_search": candidates_frame,
+}
+
+
+def parameters_frame(cases: tuple[str, ...], methods: tuple[str, ...] = METHODS) -> pd.DataFrame:
+    rows = [
+        (case, method, name, unit, 0.1 + 0.01 * i, 0.2 + 0.0101 * i, 0.003)
+        for i, (method, case, (name, unit)) in enumerate(
+            itertools.product(methods, cases, zip(NAMES, UNITS, strict=True))
+        )
+    ]
+    return pd.DataFrame(rows, columns=["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"])
+
+
+def similarity_frame(
+    seeds: int = 5, cases: tuple[str, ...] = CASES, methods: tuple[str, ...] = METHODS
+) -> pd.DataFrame:
+    rows = [
+        (case, method, joint, 0.99 - i * 1e-4, 0.98 - i * 1e-4, 0.97 - i * 1e-4, 0.0042, seeds)
+        for i, (method, case, joint) in enumerate(itertools.product(methods, cases, (1, 2)))
+    ]
+    columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def search_frame() -> pd.DataFrame:
+    frame = candidates_frame()
+    rank = frame.groupby("factor").cumcount() + 1
+    return frame.rename(columns={"rms_log_error": "rms_log_error_best"}).assign(
+        formula="1 - |x-y|^2/|x|^2", rms_log_error_mean=0.777, best_bandwidth=1.5, rank=rank, abstract_mean_total=0.9731
+    )
+
+
+def control_frame(seeds: int = 5) -> pd.DataFrame:
+    frame = similarity_frame(seeds, ("tracking",), ("pd",))
+    return frame.assign(kp=[180.4817, 30.6819], kv=[1270.7266, 102.273], pwm_khz=1, c_f=1e-4)
+
+
+def arm_parameters_frame() -> pd.DataFrame:
+    frame = parameters_frame(("ID",), ("least-squares", "algorithm1", "algorithm1+refinement"))
+    return frame.assign(true=0.1 + 0.01 * (frame.index % len(NAMES)))
+
+
+def stability_frame() -> pd.DataFrame:
+    rows = [
+        (method, f"Condition {i}", symbol, value, bound, value > bound)
+        for method in ("algorithm1", "least-squares")
+        for i, (symbol, value, bound) in enumerate(
+            (("rho lambda_Q^min", 7.2e-3, 0.0), ("epsilon^2/4", 7.1236e-8, 1.3659e-7))
+        )
+    ]
+    return pd.DataFrame(rows, columns=["method", "quantity", "symbol", "value", "bound", "holds"])
+
+
+def verdict_frame() -> pd.DataFrame:
+    differences = itertools.cycle(((0.02, 0.01, 0.03), (-0.02, -0.03, -0.01), (0.01, -0.01, 0.03)))
+    rows = [
+        (motion, joint, duration, 12, 9, 0.75, 0.43, 0.95, *difference)
+        for (duration, motion, joint), difference in zip(
+            itertools.product((20.48, 9.42), ("ID", *MOTIONS), (1, 2)), differences, strict=False
+        )
+    ]
+    counts = ["motion", "joint", "duration", "runs", "wins", "win_share", "win_low", "win_high"]
+    return pd.DataFrame(rows, columns=[*counts, "difference_median", "difference_low", "difference_high"])
+
+
+TABLES: dict[str, Callable[[], pd.DataFrame]] = {
+    "table02": lambda: pd.DataFrame(
+        {"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS}
+    ),
+    "table03": lambda: pd.DataFrame(
+        {"feature": ["Input", "Rate & loss_1", "Images"], "value": ["100 x 100 x 2", "50% #3", 8000]}
+    ),
+    "table04": lambda: parameters_frame(("N1", "N2")),
+    "table05": lambda: parameters_frame(("N3", "N4")),
+    "table06": similarity_frame,
+    "table07": similarity_frame,
+    "table08": control_frame,
+    "table09": arm_parameters_frame,
+    "table10": lambda: similarity_frame(5, ("ID", *MOTIONS), RIVALS),
+    "stability": stability_frame,
+    "verdict": verdict_frame,
+    "metric_search": search_frame,
+}
+
+
+def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
+    path = folder / f"{name}.csv"
+    frame.to_csv(path, index=False)
+    return path
+
+
+def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
+    pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
+    draw(name, written(folder, name, frame), pdf, png)
+    return pdf.read_bytes(), png.read_bytes()
+
+
+def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
+    tex, md = folder / f"{name}.tex", folder / f"{name}.md"
+    lay_out(name, written(folder, name, frame), tex, md)
+    return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
+
+
+def made(name: str, frame: pd.DataFrame) -> Figure:
+    with style.house_style():
+        return FIGURES[name](frame)
+
+
+def words_of(pdf: bytes) -> str:
+    """All text of a PDF: the strings of its page streams, with the kerning between their pieces left out."""
+    streams = [part.split(b"endstream")[0].strip(b"\r\n") for part in pdf.split(b"stream\n")[1:]]
+    pages = b"".join(zlib.decompress(part) for part in streams if part[:1] == b"\x78")
+    return b"".join(re.findall(rb"\(((?:[^()\\]|\\.)*)\)", pages)).decode("latin-1").replace("\x00", "")
+
+
+def refused(act: Callable[[Path, str, pd.DataFrame], object], folder: Path, name: str, frame: pd.DataFrame) -> str:
+    with pytest.raises(InputError) as caught:
+        act(folder, name, frame)
+    message = str(caught.value)
+    assert len(message.splitlines()) == 1
+    assert f"{name}.csv" in message
+    assert "found" in message
+    assert "expected" in message
+    return message
+
+
+def shown_texts(figure: Figure) -> list[tuple[Text, Bbox]]:
+    """Every text that can be seen, with its box; ticks outside the view are not drawn."""
+    hidden = set()
+    for axes in figure.findobj(mpl.axes.Axes):
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+                if not low - 1e-9 <= tick.get_loc() <= high + 1e-9 or not axes.axison:
+                    hidden |= {tick.label1, tick.label2}
+    texts = [t for t in figure.findobj(Text) if t.get_text().strip() and t.get_visible() and t not in hidden]
+    axes_off = [a for a in figure.findobj(mpl.axes.Axes) if not a.axison]
+    labels_off = {label for a in axes_off for label in (a.xaxis.label, a.yaxis.label)}
+    return [(t, Text.get_window_extent(t)) for t in texts if t not in labels_off and t.figure is not None]

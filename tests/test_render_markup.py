@@ -1,0 +1,41 @@
+"""Text in LaTeX and Markdown: escaped, balanced, and the symbols that are meant."""
+
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from repro.render import markup
+
+
+@given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
+def test_text_is_escaped(text: str) -> None:
+    tex = markup.plain(text).tex
+    # What is left once every command and escape is taken away holds nothing that LaTeX would read as a command.
+    words = r"\$\\times\$|\\text(backslash|asciitilde|asciicircum|less|greater|bar)\{\}|\\[{}$&%#_]"
+    assert not set(re.sub(words, "", tex)) & set("\\{}$&%#_~^<>|")
+    assert "|" not in re.sub(r"\\.", "", markup.plain(text).md)
+
+
+@given(st.text("mlcx12 ()|^*+-/_%&#{}$<>~.", max_size=30))
+def test_formulas_balance(text: str) -> None:
+    made = markup.formula(text)
+    bare = re.sub(r"\\[^A-Za-z]", "", made.tex)
+    assert bare.count("{") == bare.count("}")
+    assert bare.count("$") % 2 == 0
+    assert not set("&%#_") & set(re.sub(r"_\{", "", bare)) - set("{")
+    assert "|" not in re.sub(r"\\.", "", made.md)
+
+
+def test_markup_of_formulas_and_units() -> None:
+    assert markup.formula("tau1") == markup.Text(r"$\tau_{1}$", "τ₁")
+    assert markup.formula("beta").tex == r"$\beta $"
+    assert markup.formula("sqrt(x)^0.4").tex == r"$\mathrm{sqrt}(x)^{0.4}$"
+    assert markup.formula("x^p").md == "x^p"
+    assert markup.formula("||x - y||^2").tex == r"$\vert \vert x - y\vert \vert ^{2}$"
+    assert markup.formula("|x|_1") == markup.Text(r"$\vert x\vert _{1}$", r"\|x\|₁")
+    remark = markup.formula("corr(x, y), in the signal's unit")
+    assert remark.tex == r"$\mathrm{corr}(x,\,y)$, in the signal's unit"
+    assert markup.unit("1").md == "\N{EN DASH}"
+    assert markup.unit("N m").md == "N·m"
+    assert markup.number(-0.12345, 4).md == "-0.1235"

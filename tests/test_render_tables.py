@@ -1,0 +1,81 @@
+"""Tables one by one: cells are the numbers given, and a message names what is wrong with them."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from render_examples import CASES, TABLES, laid_out, parameters_frame, refused, search_frame, similarity_frame
+
+
+def test_parameter_table_holds_the_numbers(tmp_path: Path) -> None:
+    frame = parameters_frame(("N1", "N2"))
+    tex, md = laid_out(tmp_path, "table04", frame)
+    for row in frame.itertuples():
+        assert f"| {row.true:.4f} | {row.estimate:.4f} ± 0.0030 |" in md
+        assert f"${row.true:.4f}$ & ${row.estimate:.4f} \\pm 0.0030$" in tex
+    assert r"$I_{1}$~($\mathrm{kg\,m^{2}}$)" in tex
+    assert "| b₂ (kg·m²/s) |" in md
+    assert "N1 true | N1 identified | N2 true | N2 identified" in md
+    headings = re.findall(r"^\| \*\*(.*?)\*\*", md, flags=re.MULTILINE)
+    assert [heading.split(" (")[0] for heading in headings] == [
+        "Algorithm 1",
+        "Algorithm 1 + refinement",
+        "Algorithm 1 + refinement + scale-aware image",
+        "a further\\_one",
+    ]
+    _, alone = laid_out(tmp_path, "table04", frame.assign(estimate_sd=0.0))
+    assert "±" not in alone
+
+
+def test_similarity_table_holds_the_numbers(tmp_path: Path) -> None:
+    frame = similarity_frame()
+    tex, md = laid_out(tmp_path, "table06", frame)
+    for row in frame.itertuples():
+        assert f"{100 * row.total:.2f} ± 0.42" in md
+        assert f"${100 * row.total:.2f} \\pm 0.42$" in tex
+        for value in (row.time, row.frequency):
+            assert f"| {100 * value:.2f} |" in md
+            assert f"${100 * value:.2f}$" in tex
+    first = frame[(frame["method"] == "algorithm1") & (frame["joint"] == 2)].set_index("case")["time"]
+    assert "| Time τ₂ | " + " | ".join(f"{100 * first[case]:.2f}" for case in CASES) + " |" in md
+    assert "median of 5 seeds" in md
+    assert "median of 5 seeds" in tex
+    _, alone = laid_out(tmp_path, "table07", similarity_frame(1))
+    assert "one seed" in alone
+    assert "±" not in alone
+
+
+def test_description_tables(tmp_path: Path) -> None:
+    tex, md = laid_out(tmp_path, "table02", TABLES["table02"]())
+    assert "$m_{2}\\,l_{c2}^{2} + J_{2}$ & $\\mathrm{kg\\,m^{2}}$" in tex
+    assert "| m₂ lc₂² + J₂ | kg·m² |" in md
+    tex, md = laid_out(tmp_path, "table03", TABLES["table03"]())
+    assert "$\\times$".join(("100", "100", "2")) in tex
+    assert r"Rate \& loss\_1 & 50\% \#3 \\" in tex
+    assert "| Rate & loss\\_1 | 50% #3 |" in md
+    assert "8000" in tex
+    tex, md = laid_out(tmp_path, "metric_search", search_frame())
+    assert md.count("candidate") == 10 + 11 + 1  # the caption says it once
+    assert "| 18 | frequency candidate 17 | 1 - \\|x-y\\|²/\\|x\\|² | 2.000 | 1.5 | 0.777 | 97.31 | yes |" in md
+    assert r"$1 - \vert x-y\vert ^{2}/\vert x\vert ^{2}$" in tex
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "words"),
+    [
+        ("table04", lambda f: f[:-1], "0 rows"),
+        ("table04", lambda f: pd.concat([f, f[:1]]), "2 rows"),
+        ("table05", lambda f: f.replace({"case": {"N3": "N1"}}), "'N1'"),
+        ("table05", lambda f: f.assign(estimate_sd=-0.1), "0 or more"),
+        ("table06", lambda f: f.assign(total=97.1), "fraction of 1"),
+        ("table06", lambda f: f.assign(seeds=range(len(f))), "one number of seeds"),
+        ("table07", lambda f: f.assign(joint=f["joint"] + 1), "'3'"),
+        ("table07", lambda f: f[f["case"] != "N4"], "'N4'"),
+    ],
+)
+def test_tables_name_what_is_wrong(
+    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
+) -> None:
+    assert words in refused(laid_out, tmp_path, name, spoil(TABLES[name]()))
