@@ -1,0 +1,126 @@
+"""The simulated FPGA board: what stands between the serial line and the arm (Section III, Fig. 2)."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from repro.fpga import downlink
+from repro.fpga.controller import PDController
+from repro.fpga.downlink import RAM_SAMPLES, Gains
+from repro.fpga.frames import encode
+from repro.fpga.loop import ControlLoop
+from repro.fpga.messages import Message, MessageDecoder, MessageKind
+from repro.fpga.plant import Plant
+
+
+class Board:
+    """A board with its arm, moved on by one sampling period at a time.
+
+    Blocks of Fig. 2: **Write Ram** and **Ram-FPGA** are `receive` and the memory it fills, **Read Ram**,
+    **Decoder**, **PD**, **PWM gen** and **Aq uart** are `tick`.
+
+    Parameters
+    ----------
+    make_plant : callable
+        Gives the arm at rest; called at every start, so that equal programs give equal frames.
+    torque_per_count : array of shape (2,)
+        Torque of one PWM count, N m.
+    identity : mapping
+        What the board answers when asked who it is.
+
+    Attributes
+    ----------
+    refusals : list of str
+        Why messages were refused, oldest first.
+    """
+
+    def __init__(
+        self, make_plant: Callable[[], Plant], torque_per_count: ArrayLike, identity: Mapping[str, Any]
+    ) -> None:
+        self._make_plant = make_plant
+        self._torque = np.asarray(torque_per_count, dtype=np.float64)
+        self._identity = dict(identity)
+        self._decoder = MessageDecoder()
+        self._ram = np.zeros((2, RAM_SAMPLES), dtype=np.float32)
+        self._written = np.zeros(RAM_SAMPLES, dtype=np.bool_)
+        self._gains: Gains | None = None
+        self._loop: ControlLoop | None = None
+        self._sample = self._samples = 0
+        self.refusals: list[str] = []
+
+    @property
+    def running(self) -> bool:
+        """Whether the arm is under way."""
+        return self._loop is not None
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes from the host.
+
+        Parameters
+        ----------
+        data : bytes
+            Any number of them, cut anywhere.
+
+        Returns
+        -------
+        bytes
+            The board's description of itself if it was asked for, else nothing. While the arm moves the line
+            belongs to the frames and only a stop is obeyed.
+        """
+        answer = b""
+        for message in self._decoder.feed(data):
+            try:
+                answer += self._obey(message)
+            except ValueError as error:
+                self.refusals.append(f"{message.kind.name}: {error}")
+        return answer
+
+    def _obey(self, message: Message) -> bytes:
+        if message.kind is MessageKind.STOP:
+            self._loop = None
+        elif self.running:
+            raise ValueError("the arm is moving.")
+        elif message.kind is MessageKind.GAINS:
+            self._gains = downlink.parse_gains(message)
+        elif message.kind is MessageKind.TRAJECTORY:
+            block = downlink.parse_trajectory(message)
+            place = slice(block.start, block.start + block.desired.shape[1])
+            self._ram[:, place], self._written[place] = block.desired, True
+        elif message.kind is MessageKind.START:
+            self._start(downlink.parse_start(message))
+        elif message.kind is MessageKind.IDENTIFY:
+            return downlink.encode_identity(self._identity)
+        else:
+            raise ValueError("only a board sends it.")
+        return b""
+
+    def _start(self, samples: int) -> None:
+        if self._gains is None:
+            raise ValueError("no gains have been received.")
+        missing = int(np.count_nonzero(~self._written[:samples]))
+        if missing:
+            raise ValueError(f"{missing} of {samples} samples of the trajectory have not been received.")
+        controller = PDController(self._gains.kp, self._gains.kv)
+        self._loop = ControlLoop(self._make_plant(), controller, self._torque)
+        self._sample, self._samples = 0, samples
+
+    def tick(self) -> bytes:
+        """One sampling period.
+
+        Returns
+        -------
+        bytes
+            The frame of this sample; nothing unless the arm is under way. After the last sample the motors
+            are off and the trajectory is forgotten, so that the next start needs a whole program again.
+        """
+        if self._loop is None:
+            return b""
+        i = self._sample
+        position, pwm = self._loop.step(self._ram[:, i : i + 1])
+        self._sample += 1
+        if self._sample == self._samples:
+            self._loop = None
+            self._written[:] = False
+        return encode(position, pwm)

@@ -1,0 +1,201 @@
+"""The simulated arm: Eq. 1 and what Eq. 1 leaves out, moved on by one sampling period at a time.
+
+What is left out is Stribeck friction, a torque ripple that turns with the joint and a PWM dead band. Each is zero
+unless asked for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import DOP853
+
+from repro.model.dynamics import LAMBDA
+from repro.model.feasibility import CHECKS
+from repro.model.parameters import Array, check_beta
+
+#: Substeps of a sampling period, and while a joint is slower than `SLOW`, where friction bends most.
+STEPS, SLOW_STEPS = 1, 3
+SLOW = 0.2
+
+
+@dataclass(frozen=True)
+class Unmodelled:
+    """Effects that Eq. 1 does not hold.
+
+    Attributes
+    ----------
+    stribeck : float
+        Share by which Coulomb friction is higher near standstill.
+    stribeck_velocity : float
+        Velocity over which that share fades, rad/s.
+    ripple : float
+        Amplitude of the torque ripple, N m.
+    ripple_cycles : float
+        Ripple cycles in one turn of the joint.
+    dead_band : int
+        PWM counts that do not move the motor.
+    """
+
+    stribeck: float = 0.0
+    stribeck_velocity: float = 0.2
+    ripple: float = 0.0
+    ripple_cycles: float = 17.0
+    dead_band: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse levels that are negative or not finite."""
+        for name in ("stribeck", "ripple", "ripple_cycles", "dead_band"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name}: must be finite and not negative, got {getattr(self, name)}.")
+        if not 0 < self.stribeck_velocity < np.inf:
+            raise ValueError(f"stribeck_velocity: must be positive and finite, got {self.stribeck_velocity}.")
+
+
+class Plant:
+    r"""One arm or a batch of arms under a torque that is held over each sampling period.
+
+    .. math::
+        M \ddot q + C \dot q + g + B \dot q + K [(1 + s) \tanh \lambda \dot q - s \tanh(\dot q / v_s)]
+        + a \sin(n q + \varphi) = \tau
+
+    with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi. With s = a = 0 it is Eq. 1.
+
+    Parameters
+    ----------
+    beta : array of shape (9,) or (B, 9)
+        Parameters of each arm; the inertia matrix must be positive definite.
+    h : float
+        Sampling period, s.
+    unmodelled : Unmodelled
+        Effects beyond Eq. 1.
+    ripple_phase : array of shape (2,) or (B, 2)
+        Phase of the ripple of each joint, rad.
+    refine : int
+        Factor on the number of substeps, to check that they are enough.
+
+    Raises
+    ------
+    ValueError
+        If an arm's inertia matrix is not positive definite or shapes do not fit.
+
+    Notes
+    -----
+    Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
+    them changes no encoder count of a recording. Arms of one batch share their substeps.
+    """
+
+    def __init__(
+        self,
+        beta: ArrayLike,
+        h: float,
+        unmodelled: Unmodelled | None = None,
+        ripple_phase: ArrayLike = (0.0, 0.0),
+        refine: int = 1,
+    ) -> None:
+        arms = np.atleast_2d(check_beta(np.asarray(beta)))
+        if not CHECKS["positive-definite"](arms).all():
+            raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
+        if not 0 < h < np.inf or refine < 1:
+            raise ValueError(f"h, refine: must be positive, got {h} and {refine}.")
+        phase = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (len(arms), 2)).T
+        effects = unmodelled or Unmodelled()
+        batch = len(arms)
+        i1, i2, i3, g1, g2, b1, b2, k1, k2 = np.ascontiguousarray(arms.T)
+        self._effects, self.state = effects, np.zeros((4, batch))
+        # Arguments of sin and tanh and the velocities are linear in the state (q1, q2, dq1, dq2).
+        n, slow = effects.ripple_cycles, 1.0 / effects.stribeck_velocity
+        self._linear = np.array(
+            [[1, 0, 0, 0], [1, 1, 0, 0], [n, 0, 0, 0], [0, n, 0, 0], [0, 1, 0, 0]]
+            + [[0, 0, LAMBDA, 0], [0, 0, 0, LAMBDA], [0, 0, slow, 0], [0, 0, 0, slow]]
+            + [[0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 2, 1], [0, 0, -1, 0]],
+            dtype=np.float64,
+        )
+        self._phase = np.zeros((5, batch))
+        self._phase[2:4] = phase
+        # Weights of those features in gravity, ripple, Coulomb and viscous friction, subtracted from the torque.
+        weight = np.zeros((2, 11, batch))
+        weight[0, 0], weight[:, 1] = g1, g2
+        weight[0, 2] = weight[1, 3] = effects.ripple
+        for j, (b, k) in enumerate(((b1, k1), (b2, k2))):
+            weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + effects.stribeck), -k * effects.stribeck, b
+        # Both rows of Eq. 1 are divided by I3.
+        self._weight, self._per_i3 = -weight / i3, 1.0 / i3
+        self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0
+        self._tableau = {steps: _tableau(h / (steps * refine)) for steps in (STEPS, SLOW_STEPS)}
+        self._refine = refine
+        # Work space with its views, made once: a recording takes some 100,000 derivatives.
+        f, r = np.empty((13, batch)), np.empty((2, batch))
+        self._features = (f, f[:5], f[5:9], f[:11], f[4], f[11:8:-2], f[10:13:2])
+        self._torque = (r, r[0], r[1])
+        self._stages = np.empty((DOP853.n_stages + 1, 4, batch))  # the state, then the slope of each stage
+        flat = self._stages.reshape(DOP853.n_stages + 1, -1)
+        self._known = [flat[: i + 1] for i in range(DOP853.n_stages + 1)]
+        self._point = np.empty((4, batch))
+
+    def derivative(self, x: Array, tau: Array, out: Array) -> None:
+        """Time derivative of the state.
+
+        Parameters
+        ----------
+        x : array of shape (4, B)
+            ``(q1, q2, dq1, dq2)``.
+        tau : array of shape (2, B)
+            Motor torque over I3, rad/s^2.
+        out : array of shape (4, B)
+            Filled with ``(dq1, dq2, ddq1, ddq2)``.
+        """
+        f, sines, tanhs, weighed, sin_q2, left, right = self._features
+        r, r1, r2 = self._torque
+        np.dot(self._linear, x, out=f)
+        sines += self._phase
+        np.sin(sines, out=sines)
+        np.tanh(tanhs, out=tanhs)
+        if len(r1) == 1:
+            np.dot(self._weight[:, :, 0], weighed, out=r)
+        else:
+            np.einsum("jfb,fb->jb", self._weight, weighed, out=r)
+        r += tau
+        # Centrifugal and Coriolis torque: I2/2 sin q2 times ((2 dq1 + dq2) dq2, -dq1^2).
+        r += left * right * (self._coupling * sin_q2)
+        # M / I3 = [[D + 1 + 2m, 1 + m], [1 + m, 1]] with m = I2 / (2 I3) cos q2, so its determinant is D - m^2.
+        m = np.cos(x[1])
+        m *= self._coupling
+        determinant = self._determinant - m * m
+        m += 1.0
+        out[:2] = x[2:]
+        np.divide(r1 - m * r2, determinant, out=out[2])
+        np.subtract(r2, m * out[2], out=out[3])
+
+    def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
+        """Move on by one sampling period.
+
+        Parameters
+        ----------
+        pwm : int array of shape (2, B)
+            PWM counts.
+        torque_per_count : array of shape (2,)
+            N m.
+        """
+        band = self._effects.dead_band
+        effective = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
+        tau = effective * torque_per_count[:, np.newaxis] * self._per_i3
+        steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
+        *inner, last = self._tableau[steps]
+        stages, known, point = self._stages, self._known, self._point
+        flat_point = point.reshape(-1)
+        stages[0] = self.state
+        for _ in range(steps * self._refine):
+            self.derivative(stages[0], tau, stages[1])
+            for i, row in enumerate(inner, start=1):
+                np.dot(row, known[i], out=flat_point)
+                self.derivative(point, tau, stages[i + 1])
+            np.dot(last, known[-1], out=flat_point)
+            stages[0] = point
+        self.state = stages[0].copy()
+
+
+def _tableau(h: float) -> list[Array]:
+    """Weights of (state, slopes so far) that give each stage's point, and last the end of the step."""
+    inner = [np.concatenate([[1.0], h * DOP853.A[i, :i]]) for i in range(1, DOP853.n_stages)]
+    return [*inner, np.concatenate([[1.0], h * DOP853.B])]

@@ -1,0 +1,129 @@
+"""The simulated arm against Eq. 1, against SciPy's integrator, and against itself with finer steps and in a batch."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from repro.fpga.controller import ControlConstants
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant, Unmodelled
+from repro.model.dynamics import forward_dynamics
+from repro.model.parameters import Array
+from repro.signals.programs import identification_program
+
+H = 2.5e-3
+ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+OTHER = np.array([0.9, 0.2, 0.15, 2.0, 0.6, 0.1, 0.05, 0.2, 0.1])
+ROUGH = Unmodelled(stribeck=0.3, stribeck_velocity=0.2, ripple=0.05, ripple_cycles=17.0)
+TABLE_8 = ControlConstants((180.4817, 30.6819), (1270.7266, 102.2730), (1000.0, 1000.0), (2.7192, 2.7314))
+
+
+def written_out(beta: Array, e: Unmodelled, phase: Array, tau: Array) -> Callable[[float, Array], Array]:
+    """Equation of motion with its extra torques, from the model room's forward dynamics."""
+
+    def derivative(_: float, x: Array) -> Array:
+        q, dq = x[:2], x[2:]
+        k = beta[7:]
+        stribeck = k * e.stribeck * (np.tanh(20 * dq) - np.tanh(dq / e.stribeck_velocity))
+        ripple = e.ripple * np.sin(e.ripple_cycles * q + phase)
+        return np.concatenate([dq, forward_dynamics(q, dq, tau - stribeck - ripple, beta)])
+
+    return derivative
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=30)
+def test_derivative_is_eq_1_and_the_extra_torques(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, tau, phase = rng.normal(size=(4, 2)), rng.normal(size=(2, 2)), rng.uniform(0, 6, (2, 2))
+    arms = np.stack([ARM, OTHER])
+    plant, out = Plant(arms, H, ROUGH, phase), np.empty((4, 2))
+    plant.derivative(x, tau / arms[:, 2], out)
+    for b in (0, 1):
+        expected = written_out(arms[b], ROUGH, phase[b], tau[:, b])(0.0, x[:, b])
+        assert out[:, b] == pytest.approx(expected, rel=1e-10, abs=1e-10)
+        single, alone = Plant(arms[b], H, ROUGH, phase[b]), np.empty((4, 1))
+        single.derivative(x[:, b : b + 1], tau[:, b : b + 1] / arms[b, 2], alone)
+        assert alone[:, 0] == pytest.approx(expected, rel=1e-10, abs=1e-10)
+
+
+@pytest.mark.parametrize("effects", [Unmodelled(), ROUGH])
+def test_agrees_with_scipy(effects: Unmodelled) -> None:
+    rng = np.random.default_rng(4)
+    phase, pwm = np.array([0.4, 2.0]), np.repeat(rng.integers(-900, 900, (2, 10)), 6, axis=1)
+    plant = Plant(ARM, H, effects, phase)
+    x = np.zeros(4)
+    for i in range(pwm.shape[1]):
+        plant.advance(pwm[:, i : i + 1].astype(np.int32), TABLE_8.torque_per_count)
+        motion = written_out(ARM, effects, phase, pwm[:, i] * TABLE_8.torque_per_count)
+        x = solve_ivp(motion, (0, H), x, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    assert plant.state[:, 0] == pytest.approx(x, abs=1e-7)
+    assert np.abs(x[:2]).min() > 1e-3
+
+
+def test_halving_the_steps_changes_no_encoder_count() -> None:
+    desired = identification_program().q
+    coarse, fine = (simulate(Plant(ARM, H, ROUGH, (1.0, 2.0), refine=r), TABLE_8, desired) for r in (1, 2))
+    assert (coarse[0] == fine[0]).all()
+    assert (coarse[1] == fine[1]).all()
+    assert np.ptp(coarse[0]) > 2000
+
+
+def test_a_batch_is_its_arms_one_by_one() -> None:
+    desired = np.stack([identification_program().q[:, :700]] * 3)
+    desired[2] *= 0.5
+    arms, phase = np.stack([ARM, OTHER, ARM]), np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
+    position, pwm = simulate(Plant(arms, H, ROUGH, phase), TABLE_8, desired)
+    for b in range(3):
+        alone = simulate(Plant(arms[b], H, ROUGH, phase[b]), TABLE_8, desired[b])
+        assert (position[b] == alone[0][0]).all()
+        assert (pwm[b] == alone[1][0]).all()
+    assert (position[0] != position[2]).any()
+
+
+def test_without_torque_the_arm_keeps_hanging() -> None:
+    plant = Plant(ARM, H)
+    for _ in range(20):
+        plant.advance(np.zeros((2, 1), np.int32), TABLE_8.torque_per_count)
+    assert (plant.state == 0).all()
+
+
+def test_torque_within_the_dead_band_does_nothing() -> None:
+    lazy = Plant(ARM, H, Unmodelled(dead_band=40))
+    lazy.advance(np.array([[40], [-40]], np.int32), TABLE_8.torque_per_count)
+    assert (lazy.state == 0).all()
+    lazy.advance(np.array([[140], [-90]], np.int32), TABLE_8.torque_per_count)
+    plain = Plant(ARM, H)
+    plain.advance(np.array([[100], [-50]], np.int32), TABLE_8.torque_per_count)
+    assert (lazy.state == plain.state).all()
+
+
+def test_the_loop_follows_and_the_encoder_rounds() -> None:
+    program = identification_program()
+    position, pwm = simulate(Plant(ARM, H), TABLE_8, program.q)
+    error = position[0] * RADIANS_PER_COUNT - program.q
+    assert np.abs(error).max() < 0.05
+    assert np.abs(pwm).max() <= 1023
+    with pytest.raises(ValueError, match="desired"):
+        simulate(Plant(ARM, H), TABLE_8, np.zeros((3, 10)))
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("stribeck", -0.1), ("ripple", float("nan")), ("stribeck_velocity", 0.0), ("dead_band", -1), ("ripple_cycles", -2)],
+)
+def test_wrong_levels_are_refused(field: str, value: float) -> None:
+    with pytest.raises(ValueError, match=field):
+        Unmodelled(**{field: value})
+
+
+def test_impossible_arms_are_refused() -> None:
+    with pytest.raises(ValueError, match="positive definite"):
+        Plant(np.array([0.1, 0.5, 0.2, 1, 1, 0.1, 0.1, 0.1, 0.1]), H)
+    with pytest.raises(ValueError, match="refine"):
+        Plant(ARM, H, refine=0)
