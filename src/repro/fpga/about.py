@@ -1,0 +1,94 @@
+"""What was recorded, with what, and over which link."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from repro.fpga.controller import ControlConstants
+
+#: Why a recording ended early; empty if it did not.
+REASONS: Final = ("", "silent", "disconnected", "interrupted")
+
+Reason = Literal["", "silent", "disconnected", "interrupted"]
+
+
+@dataclass(frozen=True)
+class Host:
+    """The host's end of the link while it recorded.
+
+    Attributes
+    ----------
+    port : str
+        Name or URL that was opened.
+    baud : int
+        Bits per second asked for.
+    began : str
+        When the arm was started, ISO 8601 with the offset from UTC.
+    chunks : tuple of (int, float)
+        Bytes received so far and the time since the start (s), about every 50 ms.
+    """
+
+    port: str
+    baud: int
+    began: str
+    chunks: tuple[tuple[int, float], ...]
+
+
+@dataclass(frozen=True)
+class About:
+    """What was recorded, and with what.
+
+    Attributes
+    ----------
+    motion : str
+        Name of the motion.
+    samples : int
+        Number of samples expected.
+    n1, n2 : int
+        The trajectory proper is samples n1 to n2 - 1.
+    h : float
+        Sampling period, s.
+    trajectory_sha256 : str
+        `trajectory_digest` of the desired positions.
+    control : ControlConstants
+        Gains, PWM frequencies and motor torques.
+    board : mapping or None
+        How a simulated board described itself and its arm; None for real hardware.
+    host : Host or None
+        The host's end; None for a recording simulated in process.
+    """
+
+    motion: str
+    samples: int
+    n1: int
+    n2: int
+    h: float
+    trajectory_sha256: str
+    control: ControlConstants
+    board: Mapping[str, object] | None
+    host: Host | None = None
+
+    @property
+    def source(self) -> str:
+        """``simulated`` or ``serial``."""
+        return "serial" if self.board is None else "simulated"
+
+
+def trajectory_digest(desired: ArrayLike) -> str:
+    """SHA-256 of desired positions as they are sent to the board.
+
+    Parameters
+    ----------
+    desired : array of shape (2, N)
+        q_d, rad.
+
+    Returns
+    -------
+    str
+        Of big-endian single-precision numbers, q1 and q2 of each sample together.
+    """
+    return hashlib.sha256(np.asarray(desired).T.astype(">f4").tobytes()).hexdigest()

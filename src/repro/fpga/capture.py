@@ -1,0 +1,216 @@
+"""Capture files: the raw bytes of a recording, never changed once written, and a JSON sidecar that vouches for them."""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.errors import InputError
+from repro.files import read_json, write_json, write_whole
+from repro.fpga.about import About, Reason
+from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
+from repro.fpga.parser import StreamParser
+from repro.fpga.sidecar import check_sidecar, sidecar
+from repro.fpga.stream import Counts, Gap
+from repro.model.parameters import Array
+
+
+@dataclass(frozen=True)
+class Capture:
+    """A recording and what its bytes decode to.
+
+    Attributes
+    ----------
+    place : str
+        Name of the file, for messages.
+    about : About
+        What was recorded, and with what.
+    data : bytes
+        As received.
+    position, pwm : int16 arrays of shape (2, n)
+        Encoder and PWM counts of the frames that arrived.
+    index : int array of shape (n,)
+        Sample that each frame is; a gap counts with its estimate of the frames lost.
+    gaps : tuple of Gap
+        Interruptions.
+    counts : Counts
+        What became of every byte.
+    reason : {"", "silent", "disconnected", "interrupted"}
+        Why the recording ended early.
+    """
+
+    place: str
+    about: About
+    data: bytes
+    position: Int16Array
+    pwm: Int16Array
+    index: NDArray[np.int64]
+    gaps: tuple[Gap, ...]
+    counts: Counts
+    reason: Reason
+
+    @property
+    def complete(self) -> bool:
+        """Whether the recording reached the end of the motion."""
+        return self.reason == ""
+
+    @cached_property
+    def time(self) -> Array:
+        """Sampling instants, s, shape (n,)."""
+        return np.asarray(self.index * self.about.h)
+
+    @cached_property
+    def q(self) -> Array:
+        """Joint positions, rad, shape (2, n)."""
+        return np.asarray(self.position * np.float64(RADIANS_PER_COUNT))
+
+    @cached_property
+    def tau(self) -> Array:
+        """Joint torques, N m, shape (2, n)."""
+        return np.asarray(self.pwm * self.about.control.torque_per_count[:, np.newaxis])
+
+
+def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = "recording") -> Capture:
+    """Read the bytes of a recording.
+
+    Parameters
+    ----------
+    data : bytes
+        As received.
+    about : About
+        What was recorded.
+    reason : {"", "silent", "disconnected", "interrupted"}
+        Why it ended early.
+    place : str
+        Name for messages.
+
+    Returns
+    -------
+    Capture
+        With its frames.
+    """
+    parser = StreamParser()
+    parts = (parser.feed(data), parser.finish())
+    position = np.concatenate([part.position for part in parts], axis=1)
+    pwm = np.concatenate([part.pwm for part in parts], axis=1)
+    lost_before = np.zeros(position.shape[1] + 1, dtype=np.int64)
+    for gap in parser.gaps:
+        lost_before[gap.next_frame] += gap.lost
+    index = np.arange(position.shape[1]) + np.cumsum(lost_before)[:-1]
+    return Capture(place, about, data, position, pwm, index, tuple(parser.gaps), parser.counts, reason)
+
+
+def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", overwrite: bool = False) -> Capture:
+    """Write a recording and its sidecar; both are there afterwards, or neither.
+
+    Parameters
+    ----------
+    path : Path
+        ``NAME.bin``; the sidecar is ``NAME.json`` beside it.
+    data : bytes
+        As received.
+    about : About
+        What was recorded.
+    reason : {"", "silent", "disconnected", "interrupted"}
+        Why it ended early.
+    overwrite : bool
+        Whether a capture that is there may be replaced.
+
+    Returns
+    -------
+    Capture
+        What was written, decoded.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in ``.bin``, or a file is there and may not be replaced.
+    """
+    check_target(path, overwrite)
+    capture = decode_capture(data, about, reason, str(path))
+    content = sidecar(about, data, capture.counts, reason)
+    beside = path.with_suffix(".json")
+    beside.unlink(missing_ok=True)  # bytes never stand beside a sidecar of others
+
+    def fill(temporary: Path) -> None:
+        temporary.write_bytes(data)
+
+    with _removed_on_failure(path):
+        write_whole(path, fill)
+        path.chmod(0o444)
+        write_json(beside, content)
+    return capture
+
+
+@contextmanager
+def _removed_on_failure(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def check_target(path: Path, overwrite: bool) -> None:
+    """Refuse a name that a capture cannot be written to.
+
+    Parameters
+    ----------
+    path : Path
+        ``NAME.bin``.
+    overwrite : bool
+        Whether a capture that is there may be replaced.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in ``.bin``, or a file is there and may not be replaced.
+    """
+    if path.suffix != ".bin":
+        raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
+    for each in (path, path.with_suffix(".json")):
+        if each.exists() and not overwrite:
+            raise InputError.at(str(each), "a file", "a new name, or leave to overwrite")
+
+
+def read_capture(path: Path) -> Capture:
+    """Read a capture and check it against its sidecar.
+
+    Parameters
+    ----------
+    path : Path
+        ``NAME.bin``.
+
+    Returns
+    -------
+    Capture
+        Decoded.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, the sidecar is not what it should be, or the bytes are not those it vouches for.
+    """
+    if path.suffix != ".bin":
+        raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a capture") from error
+    beside = path.with_suffix(".json")
+    about, content = check_sidecar(str(beside), read_json(beside))
+    if len(data) != content["bytes"]:
+        raise InputError.at(f"{path}: size", f"{len(data)} bytes", f"the {content['bytes']} of {beside.name}")
+    digest = hashlib.sha256(data).hexdigest()
+    if digest != content["sha256"]:
+        raise InputError.at(f"{path}: SHA-256", digest, f"the {content['sha256']} of {beside.name}")
+    capture = decode_capture(data, about, content["reason"], str(path))
+    for name, counted in asdict(capture.counts).items():
+        if content["counts"][name] != counted:
+            raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
+    return capture

@@ -1,0 +1,203 @@
+"""What the host tells the board: gains, desired trajectory, start, stop (Section III); and who the board says it is."""
+
+import json
+import struct
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from repro.fpga.messages import BLOCK_SAMPLES, Message, MessageKind, encode_message
+
+#: Samples of both joints that the board's RAM holds as single-precision numbers.
+RAM_SAMPLES: Final = 8192
+
+SingleArray = NDArray[np.float32]
+Pair = tuple[float, float]
+
+_GAINS = struct.Struct(">6f")
+_SAMPLE = struct.Struct(">H")
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Constants of the controller, as the board is sent them.
+
+    Attributes
+    ----------
+    kp : tuple of 2 floats
+        Proportional gains, PWM counts per rad.
+    kv : tuple of 2 floats
+        Derivative gains, PWM counts per rad between two samples.
+    pwm_hz : tuple of 2 floats
+        PWM frequencies, Hz.
+
+    Raises
+    ------
+    ValueError
+        If one is not a pair, not finite in single precision, negative, or a frequency is zero.
+    """
+
+    kp: Pair
+    kv: Pair
+    pwm_hz: Pair
+
+    def __post_init__(self) -> None:
+        for name in ("kp", "kv", "pwm_hz"):
+            values = tuple(float(v) for v in getattr(self, name))
+            if len(values) != 2:
+                raise ValueError(f"{name}: must hold one number for each joint, got {len(values)}.")
+            if not all(0.0 <= v <= float(np.finfo(np.float32).max) for v in values):
+                raise ValueError(f"{name}: must be finite in single precision and not negative, got {values}.")
+            object.__setattr__(self, name, values)
+        if min(np.float32(v) for v in self.pwm_hz) == 0.0:
+            raise ValueError(f"pwm_hz: must be positive, got {self.pwm_hz}.")
+
+
+@dataclass(frozen=True)
+class TrajectoryBlock:
+    """Part of the desired trajectory.
+
+    Attributes
+    ----------
+    start : int
+        Sample at which it begins.
+    desired : float32 array of shape (2, n)
+        q_d, rad.
+    """
+
+    start: int
+    desired: SingleArray
+
+
+def encode_gains(gains: Gains) -> bytes:
+    """Message that sets the controller's constants."""
+    return encode_message(MessageKind.GAINS, _GAINS.pack(*gains.kp, *gains.kv, *gains.pwm_hz))
+
+
+def encode_trajectory(desired: ArrayLike) -> bytes:
+    """Messages that fill the board's RAM, blocks of at most 256 samples.
+
+    Parameters
+    ----------
+    desired : array of shape (2, N)
+        q_d, rad; 1 <= N <= 8192.
+
+    Returns
+    -------
+    bytes
+        Trajectory messages, first sample first.
+
+    Raises
+    ------
+    ValueError
+        If the shape is not (2, N), the RAM does not hold N samples, or one is not finite in single precision.
+    """
+    wanted = np.asarray(desired, dtype=np.float64)
+    if wanted.ndim != 2 or wanted.shape[0] != 2:
+        raise ValueError(f"desired: must have the shape (2, N), got {wanted.shape}.")
+    n = wanted.shape[1]
+    _check_samples(n)
+    if not (np.abs(wanted) <= np.finfo(np.float32).max).all():
+        raise ValueError("desired: every sample must be finite in single precision.")
+    samples = wanted.T.astype(">f4")
+    return b"".join(
+        encode_message(MessageKind.TRAJECTORY, _SAMPLE.pack(start) + samples[start : start + BLOCK_SAMPLES].tobytes())
+        for start in range(0, n, BLOCK_SAMPLES)
+    )
+
+
+def encode_program(gains: Gains, desired: ArrayLike) -> bytes:
+    """Gains and trajectory: all that the board needs before its start; see `encode_trajectory`."""
+    return encode_gains(gains) + encode_trajectory(desired)
+
+
+def encode_start(samples: int) -> bytes:
+    """Message that starts the arm for a number of samples.
+
+    Raises
+    ------
+    ValueError
+        If `samples` is not in 1 ... 8192.
+    """
+    _check_samples(samples)
+    return encode_message(MessageKind.START, _SAMPLE.pack(samples))
+
+
+def encode_stop() -> bytes:
+    """Message that stops the arm."""
+    return encode_message(MessageKind.STOP)
+
+
+def encode_identify() -> bytes:
+    """Message that asks the board who it is."""
+    return encode_message(MessageKind.IDENTIFY)
+
+
+def encode_identity(identity: dict[str, Any]) -> bytes:
+    """Board's answer to `encode_identify`: one JSON object.
+
+    Raises
+    ------
+    ValueError
+        If it holds a number that is not finite or is longer than a message can be.
+    """
+    text = json.dumps(identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return encode_message(MessageKind.IDENTITY, text.encode())
+
+
+def parse_gains(message: Message) -> Gains:
+    """Constants of the controller; ValueError if it is another message or `Gains` refuses them."""
+    _check_kind(message, MessageKind.GAINS)
+    numbers = _GAINS.unpack(message.payload)
+    return Gains(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6])
+
+
+def parse_trajectory(message: Message) -> TrajectoryBlock:
+    """Part of the trajectory; ValueError if it is another message, does not fit the RAM or is not finite."""
+    _check_kind(message, MessageKind.TRAJECTORY)
+    (start,) = _SAMPLE.unpack_from(message.payload)
+    samples = np.frombuffer(message.payload, dtype=">f4", offset=_SAMPLE.size).reshape(-1, 2)
+    if start + len(samples) > RAM_SAMPLES:
+        raise ValueError(f"trajectory: samples {start} ... {start + len(samples) - 1} lie beyond the RAM.")
+    if not np.isfinite(samples).all():
+        raise ValueError("trajectory: every sample must be finite.")
+    return TrajectoryBlock(start, np.ascontiguousarray(samples.T, dtype=np.float32))
+
+
+def parse_start(message: Message) -> int:
+    """Count the samples to run for; ValueError if it is another message or the RAM does not hold them."""
+    _check_kind(message, MessageKind.START)
+    (samples,) = _SAMPLE.unpack(message.payload)
+    _check_samples(samples)
+    return int(samples)
+
+
+def parse_identity(message: Message) -> dict[str, Any]:
+    """What the board says of itself; ValueError if it is another message or not one JSON object."""
+    _check_kind(message, MessageKind.IDENTITY)
+    try:
+        identity = json.loads(message.payload, parse_constant=_refuse_constant)
+    except ValueError as error:
+        raise ValueError(f"identity: must be UTF-8 JSON ({error}).") from error
+    if not isinstance(identity, dict):
+        raise ValueError(f"identity: must be a JSON object, got {type(identity).__name__}.")
+    return identity
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a JSON number")
+
+
+def _check_kind(message: Message, kind: MessageKind) -> None:
+    if message.kind != kind:
+        raise ValueError(f"message: must be {kind.name}, got {message.kind.name}.")
+
+
+def _check_samples(n: int) -> None:
+    if not 1 <= n <= RAM_SAMPLES:
+        raise ValueError(
+            f"trajectory: the board's RAM holds 1 ... {RAM_SAMPLES} samples "
+            f"({RAM_SAMPLES * 2.5e-3:g} s at 2.5 ms), got {n}."
+        )

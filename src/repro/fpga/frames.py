@@ -1,0 +1,160 @@
+"""The 64-bit uplink frame (Section III): one joint position and torque pair every 2.5 ms.
+
+A frame is one big-endian 64-bit word, most significant bit first::
+
+    63..56      55..40            39..24            23..13          12..2           1..0
+    identifier  joint-1 position  joint-2 position  joint-1 torque  joint-2 torque  zero
+    0xA5        int16, counts     int16, counts     11 bit, PWM     11 bit, PWM     00
+
+All four numbers are two's complement. The controller saturates at +-1023 counts of PWM, so a torque of -1024
+never occurs.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Int16Array = NDArray[np.int16]
+WordArray = NDArray[np.uint64]
+
+IDENTIFIER: Final = 0xA5
+FRAME_BYTES: Final = 8
+#: Encoder counts in a turn of a joint.
+COUNTS_PER_TURN: Final = 8400
+RADIANS_PER_COUNT: Final = 2.0 * math.pi / COUNTS_PER_TURN
+#: Largest torque in PWM counts, either way.
+PWM_LIMIT: Final = 1023
+#: Time between frames, s.
+SAMPLING_PERIOD: Final = 2.5e-3
+#: Bits per second on the wire: 8 data bits, no parity, one stop bit.
+BAUD: Final = 115200
+#: Fastest a joint can turn, rad/s.
+MAX_SPEED: Final = 8.0
+#: Counts a joint can turn between frames: 8 rad/s x 2.5 ms, rounded up.
+MAX_STEP: Final = math.ceil(MAX_SPEED * SAMPLING_PERIOD / RADIANS_PER_COUNT)
+
+#: Bits that are the same in every frame, and what they hold.
+FIXED_BITS: Final = 0xFF00000000000003
+FIXED_VALUE: Final = IDENTIFIER << 56
+#: Bits of each torque, and -1024 there.
+TORQUE_BITS: Final = (0x7FF << 13, 0x7FF << 2)
+TORQUE_NEVER: Final = (0x400 << 13, 0x400 << 2)
+# From three bits up, how far each field lies above the low 16 bits.
+_SHIFTS: Final = np.array([[43], [27], [11], [0]], dtype=np.uint64)
+
+
+def encode(position: ArrayLike, pwm: ArrayLike) -> bytes:
+    """Frames of a motion.
+
+    Parameters
+    ----------
+    position : integers of shape (2, N)
+        Encoder counts, -32768 ... 32767.
+    pwm : integers of shape (2, N)
+        Torque in PWM counts, -1023 ... 1023.
+
+    Returns
+    -------
+    bytes
+        N frames of 8 bytes, oldest first.
+
+    Raises
+    ------
+    ValueError
+        If an array does not hold integers, is not of shape (2, N), differs in N, or leaves its range.
+    """
+    q = _integers("position", position, -(2**15), 2**15 - 1)
+    tau = _integers("pwm", pwm, -PWM_LIMIT, PWM_LIMIT)
+    if q.shape != tau.shape:
+        raise ValueError(f"position, pwm: must be equally long, got {q.shape[1]} and {tau.shape[1]} samples.")
+    word = (q[0] & 0xFFFF) << 40 | (q[1] & 0xFFFF) << 24 | (tau[0] & 0x7FF) << 13 | (tau[1] & 0x7FF) << 2
+    data: bytes = (word.astype(np.uint64) | np.uint64(FIXED_VALUE)).astype(">u8").tobytes()
+    return data
+
+
+def decode(data: bytes) -> tuple[Int16Array, Int16Array]:
+    """Positions and torques of whole, undamaged frames; `repro.fpga.parser` reads a stream that may be damaged.
+
+    Parameters
+    ----------
+    data : bytes
+        N frames of 8 bytes.
+
+    Returns
+    -------
+    position, pwm : int16 arrays of shape (2, N)
+        Encoder counts and PWM counts.
+
+    Raises
+    ------
+    ValueError
+        If the length is not a multiple of 8, or a frame breaks the rule named: identifier, zero bits, torque.
+    """
+    if len(data) % FRAME_BYTES:
+        raise ValueError(f"data: must be whole frames of {FRAME_BYTES} bytes, got {len(data)} bytes.")
+    words = np.frombuffer(data, dtype=">u8").astype(np.uint64)
+    identifier = words >> 56
+    rules = (
+        (f"the identifier must be 0x{IDENTIFIER:02X}", identifier != IDENTIFIER),
+        ("the last two bits must be zero", words & 0b11 != 0),
+        ("a torque must not be -1024", ~_torque_possible(words)),
+    )
+    for rule, broken in rules:
+        if broken.any():
+            i = int(np.argmax(broken))
+            raise ValueError(f"data: {rule}; frame {i} is {data[i * FRAME_BYTES : (i + 1) * FRAME_BYTES].hex()}.")
+    return split_words(words)
+
+
+def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
+    """Positions and torques held by frames, unchecked.
+
+    Parameters
+    ----------
+    words : uint64 array of shape (N,)
+        Frames as numbers.
+
+    Returns
+    -------
+    position, pwm : int16 arrays of shape (2, N)
+        Encoder counts and PWM counts.
+    """
+    # Each field is shifted to the low 16 bits, a torque to the top of those so that its sign is kept, and cut out.
+    fields = (words << 3 >> _SHIFTS).astype(np.int16)
+    fields[2:] >>= 5
+    return fields[:2], fields[2:]
+
+
+def valid_words(words: WordArray) -> NDArray[np.bool_]:
+    """Whether each word keeps the rules a frame can be checked by on its own.
+
+    Parameters
+    ----------
+    words : uint64 array of shape (N,)
+        Frames as numbers.
+
+    Returns
+    -------
+    bool array of shape (N,)
+        True where identifier and zero bits are right and no torque is -1024.
+    """
+    return np.asarray((words & FIXED_BITS == FIXED_VALUE) & _torque_possible(words))
+
+
+def _torque_possible(words: WordArray) -> NDArray[np.bool_]:
+    first, second = (words & bits != never for bits, never in zip(TORQUE_BITS, TORQUE_NEVER, strict=True))
+    return np.asarray(first & second)
+
+
+def _integers(name: str, values: ArrayLike, low: int, high: int) -> NDArray[np.int64]:
+    array = np.asarray(values)
+    if array.ndim != 2 or array.shape[0] != 2:
+        raise ValueError(f"{name}: must have the shape (2, N), got {array.shape}.")
+    if array.size and not np.issubdtype(array.dtype, np.integer):
+        raise ValueError(f"{name}: must hold integers, got {array.dtype}.")
+    outside = (array < low) | (array > high)
+    if outside.any():
+        raise ValueError(f"{name}: must lie in {low} ... {high}, got {array[outside][0]}.")
+    return array.astype(np.int64)
