@@ -25,13 +25,15 @@ if workflow.is_main_process:
 
 R = config["results"]
 F = config["figures"]
-FIGURES = [f"fig{n:02d}" for n in range(5, 18)]
-TABLES = [f"table{n:02d}" for n in range(2, 8)]
+FIGURES = [f"fig{n:02d}" for n in range(5, 25)]
+TABLES = [f"table{n:02d}" for n in range(2, 11)]
 
 
 wildcard_constraints:
     suffix="|-scale-aware|-paper-recipe",
     seed=r"\d+",
+    index=r"\d+",
+    motion="ID|T1|T2|T3|T4",
 
 
 report: "workflow/report/workflow.rst"
@@ -45,6 +47,8 @@ include: "workflow/rules/validate.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/metric_search.smk"
+include: "workflow/rules/experiment.smk"
+include: "workflow/rules/experiment_outputs.smk"
 
 
 localrules:
@@ -55,8 +59,8 @@ localrules:
 rule all:
     default_target: True
     input:
-        expand(f"{F}/{{figure}}.{{ext}}", figure=[*FIGURES, "metric_search"], ext=["pdf", "png"]),
-        expand(f"{R}/tables/{{table}}.{{ext}}", table=[*TABLES, "metric_search"], ext=["csv", "tex", "md"]),
+        expand(f"{F}/{{figure}}.{{ext}}", figure=[*FIGURES, "spread", "metric_search"], ext=["pdf", "png"]),
+        expand(f"{R}/tables/{{table}}.{{ext}}", table=[*TABLES, "stability", "verdict", "metric_search"], ext=["csv", "tex", "md"]),
     message:
         "All tables and figures are up to date"
 

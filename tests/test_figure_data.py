@@ -28,6 +28,7 @@ from repro.render.figures import FIGURES
 from repro.render.tables import LAYOUTS
 from repro.settings import metric_settings, numeric_settings, signal_settings, training_settings
 from repro.signals.trajectories import identification_trajectory
+from repro.streams import Stream, stream
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -198,7 +199,7 @@ def test_example_images_depend_on_the_seed_alone():
 def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
     frame = figure_data.torque_distribution(SIGNALS, DataSettings(), seed=1, arms=500)
     motion = identification_trajectory()
-    beta = sample_beta(np.random.default_rng((1, 3)), 500)
+    beta = sample_beta(stream(1, Stream.TRAINING_ARMS), 500)
     for j, joint in enumerate(("joint1", "joint2")):
         levels = [curve(frame, joint, f"p{p:02d}")[1] for p in (5, 25, 50, 75, 95)]
         assert all((low <= high).all() for low, high in itertools.pairwise(levels))

@@ -27,6 +27,7 @@ from repro.pipeline.numeric import (
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
+from repro.streams import Stream, stream
 
 ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
@@ -97,7 +98,7 @@ def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
     tau = mean_training_torque(SIGNALS, data, 1)
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
     pick = slice(None, None, 377)
-    arms = sample_beta(np.random.default_rng((1, 3)), MEAN_ARMS, data.prior)
+    arms = sample_beta(stream(1, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior)
     each = inverse_dynamics(motion.q[:, pick], motion.dq[:, pick], motion.ddq[:, pick], arms)
     assert tau.shape == (2, 3770)
     np.testing.assert_allclose(tau[:, pick], each.mean(0), rtol=1e-9, atol=1e-12)

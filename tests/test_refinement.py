@@ -15,6 +15,7 @@ from repro.identify.prepare import prepare
 from repro.identify.refinement import RefinementSettings, refine
 from repro.identify.residual import ResidualReader
 from repro.model.dynamics import inverse_dynamics
+from repro.model.feasibility import CHECKS
 from repro.signals.metric import TorqueScorer
 from repro.signals.trajectories import identification_trajectory
 
@@ -44,69 +45,130 @@ def start(n=5, seed=0):
     return np.random.default_rng(seed).uniform(0.05, 2.0, (n, 9))
 
 
-NO_SPREAD = {"spread_low": 1e-12, "spread_high": 2e-12}
-
-
-def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, **spread):
-    settings = RefinementSettings(restarts, keep, passes, **(spread or NO_SPREAD))
-    return refine(reader, beta_m, PREPARED, search, settings, np.random.default_rng(seed))
+def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, feed_back=True, **moves):
+    settings = RefinementSettings(restarts, keep, passes, **moves)
+    return refine(reader, beta_m, PREPARED, search, settings, np.random.default_rng(seed), feed_back)
 
 
 def similarity(beta):
     return TorqueScorer(PREPARED.tau / PREPARED.largest, PREPARED.y)(beta).total.mean(-1)
 
 
+def near(n, seed=0, size=0.3):
+    """Candidates about the truth."""
+    return TRUTH * np.random.default_rng(seed).uniform(1 - size, 1 + size, (n, 9))
+
+
+def literal_pass(best, reader, rng, keep, reach, jitter, low, feed_back):
+    """One pass, candidate by candidate; the truth's check is that all nine are positive."""
+    n = len(best)
+    a, b = rng.integers(n, size=(2, n))
+    length = rng.uniform(0.0, reach, (n, 1))
+    noise = rng.standard_normal((n, 9))
+    guesses = [[max(best[i][k] + length[i, 0] * (best[a[i]][k] - best[b[i]][k]) + jitter * noise[i][k], low)
+                for k in range(9)] for i in range(n)]  # fmt: skip
+    pool = [*best, *np.array(guesses)]
+    if feed_back:
+        pool += [*reader.estimate(np.array(guesses))]
+    pool = [beta for beta in pool if min(beta) > 0]
+    return sorted(pool, key=lambda beta: -similarity(beta[None])[0])[:keep]
+
+
+@pytest.mark.parametrize("feed_back", [True, False])
+@pytest.mark.parametrize("keep", [4, 30])
+def test_passes_are_those_of_the_literal_listing(keep, feed_back):
+    reader, rng = Reader(0.1), np.random.default_rng(5)
+    fresh = reader.estimate(rng.uniform(SEARCH.low, SEARCH.high, (7, 9)))
+    best = sorted([*near(6), *fresh], key=lambda beta: -similarity(beta[None])[0])[:keep]
+    for _ in range(4):
+        best = literal_pass(best, reader, rng, keep, 0.6, 1e-3, SEARCH.low, feed_back)
+    found = refined(Reader(0.1), near(6), passes=4, keep=keep, seed=5, feed_back=feed_back, reach=0.6, jitter=1e-3)
+    np.testing.assert_allclose(found, best, rtol=1e-9)
+
+
 @pytest.mark.parametrize("passes", [1, 2, 3])
 def test_contracting_network_converges_to_the_truth(passes):
-    beta_m = TRUTH * np.random.default_rng(0).uniform(0.6, 1.5, (5, 9))
-    found = refined(Reader(0.5), beta_m, restarts=0, passes=passes)
-    error = np.abs(found - TRUTH).max(1)
-    assert error.min() < 1e-9 + np.abs(beta_m - TRUTH).max() / 2**passes
+    beta_m = near(5)
+    found = refined(Reader(0.5), beta_m, restarts=0, passes=passes, reach=1e-9, jitter=0.0)
+    assert np.abs(found - TRUTH).max(1).min() < 1e-6 + np.abs(beta_m - TRUTH).max() / 2**passes
 
 
-def test_perfect_network_is_right_in_one_pass():
-    found = refined(Reader(1.0), start(), passes=1)
-    np.testing.assert_allclose(found[5:], np.broadcast_to(TRUTH, (7 + 12, 9)), rtol=1e-12)
+def test_selection_alone_finds_a_badly_conditioned_arm():
+    """Some parameters hardly change the torque: moves of one size for all nine do not get there."""
+    arm = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+    tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, arm)
+    prepared = prepare(MOTION.q, tau, np.ones_like(tau), SIGNALS)
+    before, after = [], []
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        beta_m = rng.uniform(1e-3, 1.0, (2000, 9))
+        found = refine(Reader(), beta_m, prepared, SEARCH, RefinementSettings(restarts=0), rng, feed_back=False)
+        before.append(select(beta_m, prepared, SEARCH).similarity)
+        after.append(select(found, prepared, SEARCH).similarity)
+    assert max(before) < 0.8
+    # The filter rounds the torque's steps, so the arm itself does not reach 1.
+    assert np.median(after) > select(arm[None] / prepared.largest, prepared, SEARCH).similarity - 1e-3
 
 
-def test_candidates_of_every_pass_are_kept():
-    beta_m = start()
-    reader = Reader(0.5)
-    found = refined(reader, beta_m, keep=6)
-    assert found.shape == (5 + 7 + 3 * 6, 9)
-    np.testing.assert_array_equal(found[:5], beta_m)
-    for k, guess in enumerate([*reader.guesses]):
-        size = 7 if k == 0 else 6
-        at = 5 if k == 0 else 12 + 6 * (k - 1)
-        assert guess.shape == (size, 9)
-        np.testing.assert_allclose(found[at : at + size], guess + 0.5 * (TRUTH - guess), rtol=1e-12)
-    assert reader.images == 7 + 3 * 6
-
-
-def test_the_most_similar_estimates_are_fed_back():
-    reader = Reader(0.5)
-    found = refined(reader, start(), keep=4, passes=2)
-    for k, known in ((1, found[:12]), (2, found[:16])):
-        best = known[np.argsort(-similarity(known), kind="stable")[:4]]
-        np.testing.assert_allclose(reader.guesses[k], best, atol=1e-10)
-
-
-def test_guesses_are_spread_by_the_size_asked_for():
+def test_moves_shrink_as_the_set_closes_in():
+    """Between equal candidates there is no difference: what moves them is the jitter."""
     reader = Reader(0.0)
-    beta_m = np.tile(TRUTH, (4000, 1)) + 1.0  # far from the floor of the range
-    refined(reader, beta_m, restarts=0, passes=1, keep=4000, spread_low=0.01, spread_high=0.04)
-    spread = (reader.guesses[1] - beta_m).std(1, ddof=1)
-    assert 0.001 < spread.min() < spread.max() < 0.1
-    # Log-uniform from 0.01 to 0.04: the median is 0.02.
-    assert np.median(np.abs(reader.guesses[1] - beta_m)) == pytest.approx(0.02 * 0.6745, rel=0.1)
+    refined(reader, np.tile(TRUTH, (4000, 1)) + 1.0, restarts=0, passes=1, keep=4000, jitter=0.01)
+    moved = reader.guesses[1] - TRUTH - 1.0
+    assert moved.std() == pytest.approx(0.01, rel=0.02)
+    assert abs(moved.mean()) < 1e-3
+
+
+def test_moves_keep_the_correlation_of_the_set():
+    """Candidates on a line are moved along it alone."""
+    direction = np.linspace(-1.0, 1.0, 9)
+    along = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 1))
+    reader = Reader(0.0)
+    refined(reader, TRUTH + 1.0 + along * direction, restarts=0, passes=1, keep=500, jitter=0.0, reach=0.8)
+    moved = reader.guesses[1] - TRUTH - 1.0
+    length = moved @ direction / (direction @ direction)
+    np.testing.assert_allclose(moved, length[:, None] * direction, atol=1e-12)
+    assert 0.3 < np.abs(length).max() < 0.3 + 0.8 * 0.6
+
+
+def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_alone():
+    truth_reader, wrong_reader = Reader(1.0), Reader(move=lambda guess: np.full_like(guess, 2.9))
+    found = refined(truth_reader, near(5, size=0.9), restarts=0, passes=1, keep=1)
+    assert similarity(found)[0] >= similarity(TRUTH[None])[0] - 1e-12
+    wrong, control = (refined(wrong_reader, near(5), restarts=0, passes=5, keep=9, feed_back=f) for f in (True, False))
+    assert not (wrong == 2.9).any()
+    # Readings that are never among the best leave no trace: guesses come from the same numbers.
+    np.testing.assert_array_equal(wrong, control)
+    assert wrong_reader.images == 5 + 4 * 9
+
+
+def test_the_most_similar_come_back_best_first():
+    found = refined(Reader(0.5), start(), keep=6)
+    assert found.shape == (6, 9)
+    assert (np.diff(similarity(found)) <= 1e-12).all()
+
+
+def test_all_candidates_are_kept_while_there_are_few():
+    reader = Reader(0.5)
+    found = refined(reader, start(), restarts=2, passes=2, keep=1000)
+    assert found.shape == (3 * 3 * 7, 9)  # each pass adds a guess and a reading for every candidate
+    assert [len(guess) for guess in reader.guesses] == [2, 7, 21]
+
+
+def test_one_candidate_is_moved_by_the_jitter_alone():
+    reader = Reader(0.0)
+    found = refined(reader, TRUTH[None] + 1.0, restarts=0, passes=1, jitter=1e-3)
+    assert found.shape == (3, 9)
+    assert 0 < np.abs(reader.guesses[1] - TRUTH - 1.0).max() < 1e-2
+    still = refined(Reader(0.0), TRUTH[None], restarts=0, passes=2, keep=1, jitter=0.0)
+    np.testing.assert_array_equal(still, TRUTH[None])
 
 
 def test_drift_after_a_good_pass_costs_nothing():
     """A network that is right once and wrong afterwards: the good pass must still be among the candidates."""
-    answers = iter([np.tile(TRUTH, (5, 1)), start(10, 1), start(15, 2)])
+    answers = iter([np.tile(TRUTH, (5, 1)), start(10, 1), start(10, 2)])
     reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
-    found = refined(reader, start(), restarts=0)
-    assert (np.abs(found - TRUTH).max(1) < 1e-12).sum() == 5
+    found = refined(reader, start(), restarts=0, keep=10)
     assert select(found, PREPARED, SEARCH).similarity >= select(TRUTH[None], PREPARED, SEARCH).similarity - 1e-12
 
 
@@ -120,34 +182,38 @@ def test_similarity_never_falls(seed):
     assert select(refined(wander, beta_m), PREPARED, SEARCH).similarity >= before - 1e-12
 
 
-def test_similarity_rises_with_a_network_that_helps():
-    beta_m = TRUTH * np.random.default_rng(0).uniform(0.6, 1.5, (4, 9))
-    before = select(beta_m, PREPARED, SEARCH).similarity
-    assert select(refined(Reader(0.5), beta_m), PREPARED, SEARCH).similarity > before + 0.05
+@pytest.mark.parametrize("feed_back", [True, False])
+def test_similarity_rises_with_a_network_that_helps_and_without(feed_back):
+    before = select(near(12), PREPARED, SEARCH).similarity
+    found = refined(Reader(0.5), near(12), restarts=0, passes=10, feed_back=feed_back)
+    assert select(found, PREPARED, SEARCH).similarity > before + 0.01
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
-def test_infeasible_estimates_are_not_kept(feasibility):
-    bad = TRUTH.copy()
-    if feasibility == "positive":
-        bad[1] = -0.1
-    else:
-        bad[0] = 0.5 * bad[2]  # all positive, but I1 must exceed I3
-    answers = iter([np.tile(bad, (2, 1)), np.tile(TRUTH, (2, 1))])
-    reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
-    found = refined(reader, start(2), restarts=0, passes=2, search=replace(SEARCH, feasibility=feasibility))
-    assert found.shape == (4, 9)
-    np.testing.assert_array_equal(found[2:], np.tile(TRUTH, (2, 1)))
+@pytest.mark.parametrize("feed_back", [True, False])
+def test_infeasible_candidates_are_not_kept(feasibility, feed_back):
+    possible = CHECKS[feasibility]
+    beta_m = near(40, size=0.9)
+    beta_m = beta_m[possible(beta_m)]
+    reader = Reader(move=lambda guess: guess - [0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    search = replace(SEARCH, feasibility=feasibility)
+    found = refined(reader, beta_m, restarts=0, passes=4, keep=10_000, search=search, feed_back=feed_back, jitter=0.05)
+    assert possible(found).all()
+    # There is room for all, so only the impossible are missing; a guess is never below `low`.
+    every = len(beta_m) * (3 if feed_back else 2) ** 4
+    assert len(beta_m) < len(found) <= every
+    assert (len(found) == every) == (feasibility == "positive" and not feed_back)
 
 
 def test_fresh_estimates_that_are_infeasible_are_not_kept():
-    found = refined(Reader(move=lambda guess: -np.ones_like(guess)), start(), passes=1)
-    np.testing.assert_array_equal(found, start())
+    found = refined(Reader(move=lambda guess: -np.ones_like(guess)), near(5), passes=1, reach=1e-12, jitter=0.0)
+    assert found.shape == (10, 9)  # each candidate and its guess, no reading
+    np.testing.assert_allclose(np.sort(found, 0), np.sort(np.repeat(near(5), 2, 0), 0), atol=1e-9)
 
 
-def test_guesses_fed_back_stay_in_the_range_seen_in_training():
-    reader = Reader(move=lambda guess: guess - 0.4)
-    refined(reader, start(), search=replace(SEARCH, low=0.01), spread_low=0.2, spread_high=2.0)
+def test_guesses_stay_in_the_range_seen_in_training():
+    reader = Reader(0.0)
+    refined(reader, start(), search=replace(SEARCH, low=0.01), jitter=1.0)
     for guess in reader.guesses:
         assert guess.min() >= 0.01
     assert reader.guesses[-1].min() == 0.01
@@ -163,8 +229,11 @@ def test_fresh_guesses_fill_the_range_of_line_17():
 
 
 def test_no_candidates_to_start_from():
-    found = refined(Reader(1.0), np.empty((0, 9)), restarts=3, passes=2)
-    np.testing.assert_allclose(found, np.tile(TRUTH, (3 + 3 + 6, 1)), rtol=1e-12)
+    found = refined(Reader(1.0), np.empty((0, 9)), restarts=3, passes=2, keep=4)
+    np.testing.assert_allclose(found[0], TRUTH, atol=1e-3)
+    hopeless = Reader(move=lambda guess: -np.ones_like(guess))
+    assert refined(hopeless, np.empty((0, 9)), restarts=3).shape == (0, 9)
+    assert hopeless.images == 3
     assert refined(Reader(), np.empty((0, 9)), restarts=0).shape == (0, 9)
 
 
@@ -180,7 +249,16 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"restarts": -1}, {"keep": 0}, {"passes": 0}, {"spread_low": 0.0}, {"spread_low": 0.1, "spread_high": 0.1}],
+    [
+        {"restarts": -1},
+        {"keep": 0},
+        {"passes": 0},
+        {"reach": 0.0},
+        {"reach": np.inf},
+        {"reach": np.nan},
+        {"jitter": -1e-9},
+        {"jitter": np.nan},
+    ],
 )
 def test_wrong_budgets_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):

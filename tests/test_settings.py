@@ -1,5 +1,7 @@
 """Every key of the configuration arrives where it is meant, and each room reads its own sections only."""
 
+import contextlib
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,8 @@ from repro.cnn.image import ImageSettings
 from repro.cnn.network import NetworkSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.recipe import PaperSchedule, TrainingSettings
+from repro.config import check_config
+from repro.errors import InputError
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.signals.metric import MetricSettings
@@ -36,7 +40,7 @@ training:
            gradient_gain: 50.0}}
 algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
              feasibility: positive-definite}
-refinement: {restarts: 41, keep: 7, passes: 5, spread_low: 0.01, spread_high: 0.04}
+refinement: {restarts: 41, keep: 7, passes: 5, reach: 1.3, jitter: 2.0e-3}
 numeric:
   seeds: [4, 8]
   margin_samples: 43
@@ -78,7 +82,7 @@ def test_data_of_a_variant_differ_in_the_image_alone(variant, image):
     assert settings.data_settings(sections("data", "images"), variant) == DataSettings("links", guess, image)
 
 
-@pytest.mark.parametrize("variant", settings.VARIANTS)
+@pytest.mark.parametrize("variant", ["published", "scale-aware", "paper-recipe"])
 def test_training_of_a_variant(variant):
     schedule = PaperSchedule(
         images=500, train_share=0.7, learning_rate=0.05, learning_rate_slope=1e-6, gradient_gain=50.0
@@ -114,7 +118,7 @@ def test_search_scores_with_the_metric_of_the_configuration():
 
 def test_refinement():
     assert settings.refinement_settings(sections("refinement")) == RefinementSettings(
-        restarts=41, keep=7, passes=5, spread_low=0.01, spread_high=0.04
+        restarts=41, keep=7, passes=5, reach=1.3, jitter=2e-3
     )
 
 
@@ -126,10 +130,50 @@ def test_numeric_experiment():
     assert numeric.arms["N1"].dtype == np.float64  # whole numbers in the file
 
 
+def every_setting(config):
+    for variant in ("published", "scale-aware", "paper-recipe"):
+        settings.data_settings(config, variant)
+        settings.training_settings(config, variant)
+    for name in ("signal", "metric", "network", "search", "refinement", "numeric"):
+        getattr(settings, f"{name}_settings")(config)
+
+
 def test_reading_a_configuration_leaves_it_as_it_was():
     before = yaml.safe_dump(CONFIG)
-    settings.check_together(CONFIG)
+    every_setting(CONFIG)
     assert yaml.safe_dump(CONFIG) == before
+
+
+def test_defaults_agree_with_the_default_configuration():
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+    assert settings.refinement_settings(config) == RefinementSettings()
+    assert settings.search_settings(config) == SearchSettings()
+
+
+def leaves(node, place=()):
+    """Places of all values that are no sections."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from leaves(value, (*place, key))
+    else:
+        yield place
+
+
+def test_whatever_the_check_accepts_can_be_built():
+    """One value at a time at the edges of what is allowed: each is refused by the check, or all settings take it."""
+    whole = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+    accepted = 0
+    for place in leaves({name: whole[name] for name in CONFIG}):
+        for value in (0, 1, 1e-300, 1e9):
+            node = config = copy.deepcopy(whole)
+            for key in place[:-1]:
+                node = node[key]
+            node[place[-1]] = [value] * len(node[place[-1]]) if isinstance(node[place[-1]], list) else value
+            with contextlib.suppress(InputError):
+                check_config(config, ROOT / "workflow" / "schemas" / "config.schema.yaml")
+                accepted += 1
+                every_setting(config)
+    assert accepted > 50
 
 
 def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_value():
@@ -147,6 +191,6 @@ def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_
 
 
 def test_the_image_size_must_suit_the_network():
-    config = {**CONFIG, "signals": {**CONFIG["signals"], "image_samples": 99}}
+    signals = {**CONFIG["signals"], "image_samples": 99}
     with pytest.raises(ValueError, match="pool"):
-        settings.check_together(config)
+        _ = settings.network_settings({**CONFIG, "signals": signals}).pooled

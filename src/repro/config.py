@@ -123,7 +123,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
         (("data", "guess_low"), ("data", "guess_high")),
         (("data", "near_low"), ("data", "near_high")),
         (("algorithm1", "guess_low"), ("algorithm1", "guess_high")),
-        (("refinement", "spread_low"), ("refinement", "spread_high")),
     ):
         a, b = config[low[0]][low[1]], config[high[0]][high[1]]
         if not a < b:

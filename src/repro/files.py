@@ -14,7 +14,7 @@ from repro.errors import InputError
 CSV_FLOAT_FORMAT = "%.10g"
 
 
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file beside `path`, then rename it to `path`.
 
     Parameters

@@ -22,9 +22,6 @@ from repro.signals.metric import MetricSettings
 
 Config = Mapping[str, Any]
 
-#: Networks that can be trained: the published image, the scale-aware one, and the published training recipe.
-VARIANTS = ("published", "scale-aware", "paper-recipe")
-
 
 @dataclass(frozen=True)
 class NumericSettings:
@@ -118,27 +115,3 @@ def numeric_settings(config: Config) -> NumericSettings:
         validation_reading=n["validation_frequency_reading"],
         arms={name: np.array(beta, dtype=np.float64) for name, beta in n["arms"].items()},
     )
-
-
-def check_together(config: Config) -> None:
-    """Build every setting once, so that values that do not go together are found before any rule runs.
-
-    Parameters
-    ----------
-    config : mapping
-        Configuration that `repro.config.check_config` accepted.
-
-    Raises
-    ------
-    ValueError
-        If two values contradict each other.
-    """
-    signal_settings(config)
-    metric_settings(config)
-    _ = network_settings(config).pooled
-    for variant in VARIANTS:
-        data_settings(config, variant)
-        training_settings(config, variant)
-    search_settings(config)
-    refinement_settings(config)
-    numeric_settings(config)

@@ -3,6 +3,8 @@ def sections(*names):
     parts = {name: config[name] for name in names}
     if "numeric" in parts:  # each seed is a job of its own, so one more seed changes nothing for the others
         parts["numeric"] = {key: value for key, value in config["numeric"].items() if key != "seeds"}
+    if "experiment" in parts:  # likewise
+        parts["experiment"] = {key: value for key, value in config["experiment"].items() if key != "search_seeds"}
     return parts
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
-from repro.model.dynamics import regressor
+from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 from repro.signals.dct import FrequencyReading, dct2low, dct2sub
 from repro.signals.trajectories import Motion
@@ -64,7 +64,9 @@ class SampledMotion:
     model: Array
 
 
-def image_regressor(q: Array, dq: Array, ddq: Array, settings: SignalSettings) -> Array:
+def image_regressor(
+    q: Array, dq: Array, ddq: Array, settings: SignalSettings, friction_steepness: float = LAMBDA
+) -> Array:
     """Regressor of the subsampled motion, as f of Eq. 9 uses it.
 
     Parameters
@@ -73,6 +75,8 @@ def image_regressor(q: Array, dq: Array, ddq: Array, settings: SignalSettings) -
         Motion at full rate.
     settings : SignalSettings
         Length of the subsampled signals and reading of Eq. 8.
+    friction_steepness : float
+        lambda of Eq. 1, s/rad.
 
     Returns
     -------
@@ -82,7 +86,7 @@ def image_regressor(q: Array, dq: Array, ddq: Array, settings: SignalSettings) -
     motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
     if settings.normalise_motion:
         motion = motion / np.abs(motion).max(-1, keepdims=True)
-    return regressor(motion[0], motion[1], motion[2])
+    return regressor(motion[0], motion[1], motion[2], friction_steepness)
 
 
 def sample_motion(motion: Motion, settings: SignalSettings) -> SampledMotion:

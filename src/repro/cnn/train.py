@@ -20,9 +20,7 @@ from repro.cnn.dataset import DataSettings, SampledMotion, Samples, draw_samples
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.network import NetworkSettings, sigmoid_loss
 from repro.cnn.recipe import TrainingSettings, learning_rate, make_optimisers
-
-# Streams of random numbers drawn from one seed.
-_TRAIN, _TEST, _FIXED = 0, 1, 2
+from repro.streams import Stream, stream
 
 
 @dataclass(frozen=True)
@@ -57,13 +55,13 @@ def _tensors(samples: Samples) -> tuple[Tensor, Tensor, Tensor]:
 def _streamed(s: TrainingSettings, motion: SampledMotion, data: DataSettings, start: int) -> Iterator[Samples]:
     """A fresh batch for every step from `start`."""
     for step in range(start, s.steps):
-        yield draw_samples(np.random.default_rng((s.seed, _TRAIN, step)), s.batch, motion, data)
+        yield draw_samples(stream(s.seed, Stream.TRAIN_STEP, step), s.batch, motion, data)
 
 
 def _fixed(s: TrainingSettings, pool: Samples, start: int) -> Iterator[Samples]:
     """Batches drawn with replacement from the fixed training set."""
     for step in range(start, s.steps):
-        pick = np.random.default_rng((s.seed, _TRAIN, step)).integers(len(pool.residual), size=s.batch)
+        pick = stream(s.seed, Stream.TRAIN_STEP, step).integers(len(pool.residual), size=s.batch)
         yield Samples(pool.u[pick], pool.v[pick], pool.residual[pick])
 
 
@@ -72,9 +70,9 @@ def _batches(
 ) -> tuple[Iterator[Samples], Samples]:
     """Training batches from `start`, and the test set."""
     if s.recipe == "streamed":
-        test = draw_samples(np.random.default_rng((s.seed, _TEST)), s.test_samples, motion, data)
+        test = draw_samples(stream(s.seed, Stream.TEST_SET), s.test_samples, motion, data)
         return _streamed(s, motion, data, start), test
-    fixed = draw_samples(np.random.default_rng((s.seed, _FIXED)), s.paper.images, motion, data)
+    fixed = draw_samples(stream(s.seed, Stream.FIXED_SET), s.paper.images, motion, data)
     cut = round(s.paper.train_share * s.paper.images)
     train = Samples(fixed.u[:cut], fixed.v[:cut], fixed.residual[:cut])
     return _fixed(s, train, start), Samples(fixed.u[cut:], fixed.v[cut:], fixed.residual[cut:])

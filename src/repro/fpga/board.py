@@ -51,6 +51,11 @@ class Board:
         self.refusals: list[str] = []
 
     @property
+    def identity(self) -> dict[str, Any]:
+        """What the board says of itself."""
+        return dict(self._identity)
+
+    @property
     def running(self) -> bool:
         """Whether the arm is under way."""
         return self._loop is not None

@@ -1,8 +1,7 @@
 """Capture files: the raw bytes of a recording, never changed once written, and a JSON sidecar that vouches for them."""
 
 import hashlib
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -133,27 +132,21 @@ def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", ov
     """
     check_target(path, overwrite)
     capture = decode_capture(data, about, reason, str(path))
-    content = sidecar(about, data, capture.counts, reason)
     beside = path.with_suffix(".json")
-    beside.unlink(missing_ok=True)  # bytes never stand beside a sidecar of others
 
     def fill(temporary: Path) -> None:
         temporary.write_bytes(data)
 
-    with _removed_on_failure(path):
-        write_whole(path, fill)
-        path.chmod(0o444)
-        write_json(beside, content)
-    return capture
-
-
-@contextmanager
-def _removed_on_failure(path: Path) -> Iterator[None]:
+    write_whole(path, fill)
     try:
-        yield
+        path.chmod(0o444)
+        write_json(beside, sidecar(about, data, capture.counts, reason))
     except BaseException:
         path.unlink(missing_ok=True)
+        if beside.is_file():  # of the capture that was to be replaced
+            beside.unlink()
         raise
+    return capture
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -169,10 +162,13 @@ def check_target(path: Path, overwrite: bool) -> None:
     Raises
     ------
     InputError
-        If the name does not end in ``.bin``, or a file is there and may not be replaced.
+        If the name does not end in ``.bin``, its folder cannot be written, or a file is there and may not be replaced.
     """
     if path.suffix != ".bin":
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
+    folder = next(parent for parent in path.absolute().parents if parent.exists())
+    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+        raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
     for each in (path, path.with_suffix(".json")):
         if each.exists() and not overwrite:
             raise InputError.at(str(each), "a file", "a new name, or leave to overwrite")

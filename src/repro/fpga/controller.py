@@ -97,4 +97,5 @@ class PDController:
         self._previous = q
         u = self._kp * (desired - q) - self._kv * (q - before)
         # Saturating before the conversion gives the same integer and cannot overflow it.
-        return np.rint(u).clip(-PWM_LIMIT, PWM_LIMIT).astype(np.int32)
+        pwm: Counts = np.rint(u).clip(-PWM_LIMIT, PWM_LIMIT).astype(np.int32)
+        return pwm

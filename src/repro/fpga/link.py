@@ -157,7 +157,8 @@ def _open(port: str, baud: int) -> serial.SerialBase:
         return serial.serial_for_url(port, baudrate=baud, timeout=0, write_timeout=5.0, exclusive=True)
     except (OSError, ValueError) as error:
         expected = "a serial device, a pseudo-terminal or socket://HOST:PORT of a board"
-        raise InputError.at(f"port {port}", f"one that cannot be opened ({error})", expected) from error
+        why = " ".join(str(error).split())
+        raise InputError.at(f"port {port}", f"one that cannot be opened ({why})", expected) from error
 
 
 def _send(line: serial.SerialBase, data: bytes, progress: Progress | None = None) -> None:

@@ -4,7 +4,8 @@ What is left out is Stribeck friction, a torque ripple that turns with the joint
 unless asked for.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,6 +53,10 @@ class Unmodelled:
             raise ValueError(f"stribeck_velocity: must be positive and finite, got {self.stribeck_velocity}.")
 
 
+#: No such effects: Eq. 1 alone.
+NOTHING = Unmodelled()
+
+
 class Plant:
     r"""One arm or a batch of arms under a torque that is held over each sampling period.
 
@@ -67,8 +72,8 @@ class Plant:
         Parameters of each arm; the inertia matrix must be positive definite.
     h : float
         Sampling period, s.
-    unmodelled : Unmodelled
-        Effects beyond Eq. 1.
+    unmodelled : Unmodelled, or B of them
+        Effects beyond Eq. 1. Arms of one batch may differ in their levels `stribeck` and `ripple` alone.
     ripple_phase : array of shape (2,) or (B, 2)
         Phase of the ripple of each joint, rad.
     refine : int
@@ -77,7 +82,8 @@ class Plant:
     Raises
     ------
     ValueError
-        If an arm's inertia matrix is not positive definite or shapes do not fit.
+        If an arm's inertia matrix is not positive definite, shapes do not fit, or effects of one batch differ in
+        more than their levels.
 
     Notes
     -----
@@ -89,7 +95,7 @@ class Plant:
         self,
         beta: ArrayLike,
         h: float,
-        unmodelled: Unmodelled | None = None,
+        unmodelled: Unmodelled | Sequence[Unmodelled] = NOTHING,
         ripple_phase: ArrayLike = (0.0, 0.0),
         refine: int = 1,
     ) -> None:
@@ -99,16 +105,24 @@ class Plant:
         if not 0 < h < np.inf or refine < 1:
             raise ValueError(f"h, refine: must be positive, got {h} and {refine}.")
         phase = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (len(arms), 2)).T
-        effects = unmodelled or Unmodelled()
         batch = len(arms)
+        each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
+        effects = each[0]
+        if len(each) != batch or any(
+            replace(e, stribeck=0, ripple=0) != replace(effects, stribeck=0, ripple=0) for e in each
+        ):
+            raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
+        stribeck, ripple = (np.array([getattr(e, level) for e in each]) for level in ("stribeck", "ripple"))
         i1, i2, i3, g1, g2, b1, b2, k1, k2 = np.ascontiguousarray(arms.T)
         self._effects, self.state = effects, np.zeros((4, batch))
         # Arguments of sin and tanh and the velocities are linear in the state (q1, q2, dq1, dq2).
         n, slow = effects.ripple_cycles, 1.0 / effects.stribeck_velocity
         self._linear = np.array(
-            [[1, 0, 0, 0], [1, 1, 0, 0], [n, 0, 0, 0], [0, n, 0, 0], [0, 1, 0, 0]]
-            + [[0, 0, LAMBDA, 0], [0, 0, 0, LAMBDA], [0, 0, slow, 0], [0, 0, 0, slow]]
-            + [[0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 2, 1], [0, 0, -1, 0]],
+            [
+                *([1, 0, 0, 0], [1, 1, 0, 0], [n, 0, 0, 0], [0, n, 0, 0], [0, 1, 0, 0]),
+                *([0, 0, LAMBDA, 0], [0, 0, 0, LAMBDA], [0, 0, slow, 0], [0, 0, 0, slow]),
+                *([0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 2, 1], [0, 0, -1, 0]),
+            ],
             dtype=np.float64,
         )
         self._phase = np.zeros((5, batch))
@@ -116,9 +130,9 @@ class Plant:
         # Weights of those features in gravity, ripple, Coulomb and viscous friction, subtracted from the torque.
         weight = np.zeros((2, 11, batch))
         weight[0, 0], weight[:, 1] = g1, g2
-        weight[0, 2] = weight[1, 3] = effects.ripple
+        weight[0, 2] = weight[1, 3] = ripple
         for j, (b, k) in enumerate(((b1, k1), (b2, k2))):
-            weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + effects.stribeck), -k * effects.stribeck, b
+            weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + stribeck), -k * stribeck, b
         # Both rows of Eq. 1 are divided by I3.
         self._weight, self._per_i3 = -weight / i3, 1.0 / i3
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0

@@ -13,7 +13,7 @@ from repro.fpga.parser import StreamParser
 #: Seconds between two looks at a port that had nothing.
 POLL: Final = 0.002
 #: Seconds without a byte after which a line is taken to be at rest; a running board sends every 2.5 ms.
-QUIET: Final = 0.05
+QUIET: Final = 0.1
 #: Seconds between time stamps.
 _STAMP: Final = 0.05
 _READ: Final = 1 << 16

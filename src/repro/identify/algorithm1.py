@@ -33,7 +33,7 @@ class SearchSettings:
     """
 
     executions: int = 100
-    inner_limit: int = 20
+    inner_limit: int = 100
     threshold: float = 0.9282
     low: float = 1e-3
     high: float = 3.0
@@ -160,4 +160,4 @@ def select(beta_m: Array, prepared: Prepared, settings: SearchSettings) -> Selec
     # Line 32, beta_o max(tau_c) / (c_p max(tau_r)), with tau_c = c_p tau after line 6.
     tau_c = prepared.c_p * prepared.tau
     beta_o = beta_o * np.abs(tau_c).max() / (prepared.c_p * np.abs(tau_r).max())
-    return Selected(beta_o, float(similarity[best]))
+    return Selected(prepared.recorded(beta_o), float(similarity[best]))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from repro.cnn.dataset import SignalSettings, image_regressor
-from repro.model.dynamics import check_motion, regressor
+from repro.model.dynamics import LAMBDA, check_motion, regressor
 from repro.model.parameters import Array
 from repro.signals.dct import dct2dev, dct2low, dct2sub
 
@@ -32,6 +32,9 @@ class Prepared:
         Regressor of the subsampled motion (line 26).
     y : array of shape (2, N, 9)
         Regressor of the cut motion (lines 30 and 31).
+    pace : float
+        Canonical time over recorded time. Motions and regressors above are in canonical time, in which the
+        trajectory lasts as long as in training.
     """
 
     q: Array
@@ -44,6 +47,27 @@ class Prepared:
     model: Array
     y_sub: Array
     y: Array
+    pace: float = 1.0
+
+    def recorded(self, beta: Array) -> Array:
+        """Parameters in recorded time from those in canonical time.
+
+        With t' = pace t, Eq. 1 keeps its form when inertias are multiplied by pace^2 and viscous friction by
+        pace; gravity and Coulomb friction stay.
+
+        Parameters
+        ----------
+        beta : array of shape (..., 9)
+            Canonical.
+
+        Returns
+        -------
+        array of shape (..., 9)
+            As the arm has them.
+        """
+        p = self.pace
+        recorded: Array = beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0])
+        return recorded
 
 
 def fit2trt(tau: Array, tau_mean: Array) -> float:
@@ -83,6 +107,7 @@ def prepare(
     settings: SignalSettings,
     n1: int = 0,
     n2: int | None = None,
+    pace: float = 1.0,
 ) -> Prepared:
     """Lines 1 to 12 of Algorithm 1.
 
@@ -98,6 +123,8 @@ def prepare(
         Sampling period, filter and length of the subsampled signals.
     n1, n2 : int
         First sample kept and the one after the last; all by default.
+    pace : float
+        Canonical time over recorded time, for a trajectory that was run slower or faster than in training.
 
     Returns
     -------
@@ -107,8 +134,11 @@ def prepare(
     Raises
     ------
     ValueError
-        If shapes differ, values are not finite, the cut is empty, or the torque is zero throughout.
+        If shapes differ, values are not finite, the cut is empty, `pace` is not positive, or the torque is
+        zero throughout.
     """
+    if not 0 < pace < np.inf:
+        raise ValueError(f"pace: must be positive and finite, got {pace}.")
     q, tau = check_motion(q, tau)
     h, c_f, reading = settings.h, settings.c_f, settings.reading
     dq = dct2dev(q, h, c_f, reading)  # line 1
@@ -118,6 +148,8 @@ def prepare(
     if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
         raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
     q, dq, ddq, tau = (x[:, n1:n2] for x in (q, dq, ddq, tau))  # line 4
+    dq, ddq = dq / pace, ddq / pace**2  # canonical time; tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
+    steepness = LAMBDA * pace
     c_p = fit2trt(tau, tau_mean)  # line 5
     # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
     # alone; it is left out of the signals here and carried as a number.
@@ -125,7 +157,8 @@ def prepare(
     largest = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
     return Prepared(
         q, dq, ddq, tau, c_p, largest, tau_s / largest,
-        model=image_regressor(q, dq, ddq, settings),
-        y_sub=regressor(q_s, dq_s, ddq_s),
-        y=regressor(q, dq, ddq),
+        model=image_regressor(q, dq, ddq, settings, steepness),
+        y_sub=regressor(q_s, dq_s, ddq_s, steepness),
+        y=regressor(q, dq, ddq, steepness),
+        pace=pace,
     )  # fmt: skip

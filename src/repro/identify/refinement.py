@@ -1,8 +1,16 @@
-"""Refinement, an extension of ours and not the paper's: the best estimates go back in as the next guesses.
+"""Refinement, an extension of ours and not the paper's: guesses drawn from the best estimates, read by the network.
 
-An error that the network makes near a match depends on the guess it was shown, so each pass shows it guesses spread a
-little around the best estimates so far, and the similarity picks among what comes back. How much of the gain is the
-network's and how much the selection's is told by the control without feeding back.
+The moves are those of differential evolution [1]_: each of the best candidates is moved along the difference of two
+others. Such differences are large and correlated in what the similarity leaves open, small in what it has settled,
+and shrink as the set closes in, so the moves need no scale of their own even where the parameters are badly
+conditioned. Each difference has a random length, no parameters are crossed over, and the best of old and new
+together survive; [1]_ does otherwise on all three.
+
+The network reads the moved guesses, and both they and its readings become candidates. Moves and selection get about
+as far without it: the control that does not feed back tells how much is the network's.
+
+.. [1] R. Storn and K. Price, "Differential Evolution - A Simple and Efficient Heuristic for Global Optimization over
+   Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
 """
 
 from dataclasses import dataclass
@@ -19,33 +27,37 @@ from repro.signals.metric import TorqueScorer
 
 @dataclass(frozen=True)
 class RefinementSettings:
-    """Budget of the refinement.
+    """Budget and moves of the refinement.
 
     Attributes
     ----------
     restarts : int
         Fresh guesses beside the candidates of Algorithm 1.
     keep : int
-        Most similar estimates that are fed back in each pass.
+        Most similar candidates that survive a pass and are moved in the next.
     passes : int
-        Number of passes. Every estimate of every pass stays a candidate.
-    spread_low, spread_high : float
-        Range of the log-uniform standard deviation by which a fed-back guess is spread, in units of the
-        largest torque.
+        Number of passes.
+    reach : float
+        Largest multiple of a difference that a candidate is moved by.
+    jitter : float
+        Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they
+        reach where the differences do not, such as when a single candidate is left.
     """
 
     restarts: int = 2000
     keep: int = 200
-    passes: int = 40
-    spread_low: float = 3e-3
-    spread_high: float = 5e-2
+    passes: int = 100
+    reach: float = 1.2
+    jitter: float = 1e-4
 
     def __post_init__(self) -> None:
-        """Refuse budgets that cannot be."""
+        """Refuse budgets and moves that cannot be."""
         if self.restarts < 0 or self.keep < 1 or self.passes < 1:
             raise ValueError("restarts, keep, passes: must be at least 0, 1 and 1.")
-        if not 0 < self.spread_low < self.spread_high:
-            raise ValueError("spread_low, spread_high: must be positive with low below high.")
+        if not 0 < self.reach < np.inf:
+            raise ValueError(f"reach: must be positive and finite, got {self.reach}.")
+        if not 0 <= self.jitter < np.inf:
+            raise ValueError(f"jitter: must be finite and not negative, got {self.jitter}.")
 
 
 def refine(
@@ -57,44 +69,59 @@ def refine(
     rng: np.random.Generator,
     feed_back: bool = True,
 ) -> Array:
-    """Feed the best estimates back as guesses.
+    """Move the best candidates, pass by pass.
 
     Parameters
     ----------
     reader : ResidualReader
         Network and torque.
     beta_m : array of shape (n, 9)
-        Candidates of Algorithm 1.
+        Candidates of Algorithm 1, in units of the largest torque.
     prepared : Prepared
-        Signals that estimates are compared on.
+        Signals that candidates are compared on.
     search : SearchSettings
         Range of guesses, the check of line 22 and the metric.
     settings : RefinementSettings
-        Budget.
+        Budget and moves.
     rng : numpy.random.Generator
-        Source of the fresh guesses and of the spread.
+        Source of the fresh guesses and of the moves.
     feed_back : bool
-        False: the spread guesses are candidates as they are, unread by the network. The control that tells
-        what selection alone achieves.
+        False: the moved guesses are candidates, unread by the network. The control that tells what selection
+        alone achieves.
 
     Returns
     -------
-    array of shape (m, 9)
-        `beta_m` and every physically possible estimate of every pass.
+    array of shape (k, 9)
+        The ``settings.keep`` most similar of `beta_m` and of every physically possible candidate of every pass, best
+        first; fewer if there are not as many, none if there was no candidate to start from.
     """
     possible = CHECKS[search.feasibility]
     score = TorqueScorer(prepared.tau / prepared.largest, prepared.y, search.metric)
     fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
     candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
-    similarity = score(candidates).total.mean(-1)
+    if not len(candidates):
+        return candidates
+    best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
     for _ in range(settings.passes):
-        best = candidates[np.argsort(-similarity, kind="stable")[: settings.keep]]
-        low, high = np.log([settings.spread_low, settings.spread_high])
-        spread = np.exp(rng.uniform(low, high, (len(best), 1)))
-        # A guess below the published range was never seen in training.
-        guess = np.maximum(best + spread * rng.standard_normal(best.shape), search.low)
-        beta = reader.estimate(guess) if feed_back else guess
+        guess = _move(best, settings, search.low, rng)
+        beta = np.concatenate([guess, reader.estimate(guess)]) if feed_back else guess
         beta = beta[possible(beta)]
-        candidates = np.concatenate([candidates, beta])
+        candidates = np.concatenate([best, beta])
         similarity = np.concatenate([similarity, score(beta).total.mean(-1)])
-    return candidates
+        best, similarity = _most_similar(candidates, similarity, settings.keep)
+    return best
+
+
+def _most_similar(beta: Array, similarity: Array, keep: int) -> tuple[Array, Array]:
+    """The candidates that survive, best first: a pass moves these and line 30 takes one, so no other is needed."""
+    order = np.argsort(-similarity, kind="stable")[:keep]
+    return beta[order], similarity[order]
+
+
+def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.Generator) -> Array:
+    """A guess from each candidate: best_i + U(0, reach) (best_a - best_b) + jitter N(0, 1), shape (n, 9)."""
+    a, b = rng.integers(len(best), size=(2, len(best)))
+    reach = rng.uniform(0.0, settings.reach, (len(best), 1))
+    move = reach * (best[a] - best[b]) + settings.jitter * rng.standard_normal(best.shape)
+    guess: Array = np.maximum(best + move, low)  # a guess below the published range was never seen in training
+    return guess

@@ -17,6 +17,7 @@ from repro.pipeline.summary import median_seeds
 from repro.settings import NumericSettings
 from repro.signals.dct import dct2sub, spectrum
 from repro.signals.trajectories import Motion, identification_trajectory
+from repro.streams import Stream, stream
 
 Curve = tuple[str, str, Array, Array]
 
@@ -80,7 +81,7 @@ def example_images(signals: SignalSettings, data: DataSettings, seed: int, count
     DataFrame
         Columns ``kind, image, row, column, red, green, blue``.
     """
-    rng = np.random.default_rng((seed, 4))
+    rng = stream(seed, Stream.EXAMPLES)
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
     beta = sample_beta(rng, count, data.prior)
     tau = rebuild_torque(motion.torque, beta)
@@ -118,7 +119,7 @@ def torque_distribution(signals: SignalSettings, data: DataSettings, seed: int, 
     """
     reference = identification_trajectory(signals.duration, signals.h)
     motion = sample_motion(reference, signals)
-    tau = rebuild_torque(motion.torque, sample_beta(np.random.default_rng((seed, 3)), arms, data.prior))
+    tau = rebuild_torque(motion.torque, sample_beta(stream(seed, Stream.TRAINING_ARMS), arms, data.prior))
     tau = tau / np.abs(tau).max((-2, -1), keepdims=True)
     time = (np.arange(signals.samples) + 0.5) * signals.duration / signals.samples
     levels = {f"p{p:02d}": np.percentile(tau, p, axis=0) for p in (5, 25, 50, 75, 95)}

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,25 +12,22 @@ import pandas as pd
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.priors import sample_beta
-from repro.identify.algorithm1 import SearchSettings, Selected, search, select
+from repro.identify.algorithm1 import SearchSettings
 from repro.identify.prepare import prepare
-from repro.identify.refinement import RefinementSettings, refine
-from repro.identify.residual import ResidualReader
+from repro.identify.refinement import RefinementSettings
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
+from repro.pipeline.methods import Identifier
 from repro.progress import Progress
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
+from repro.streams import Stream, stream
 
 _LOG = logging.getLogger(__name__)
 
-#: Streams of random numbers drawn from one seed.
-_SEARCH, _REFINE, _VALIDATION = 0, 1, 2
 #: Arms averaged for the mean training torque of fit2trt.
 MEAN_ARMS = 10_000
-#: Method names for the estimates of each network variant.
-SUFFIX = {"published": "", "scale-aware": "+scale-aware", "paper-recipe": "+paper-recipe"}
 
 
 def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int) -> Array:
@@ -50,7 +48,7 @@ def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int)
         Torque, N m. Eq. 1 is linear in beta, so it is the torque of the mean arm.
     """
     motion = identification_trajectory(signals.duration, signals.h)
-    beta = sample_beta(np.random.default_rng((seed, 3)), MEAN_ARMS, data.prior).mean(0)
+    beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior).mean(0)
     return inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
 
 
@@ -99,38 +97,26 @@ def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> di
     margin, signals = e.numeric.margin, e.signals
     recorded = identification_trajectory(signals.duration, signals.h, margin)
     y_recorded = regressor(recorded.q, recorded.dq, recorded.ddq)
+    identifier = Identifier(e.variant, network, e.data.image, e.search, e.refinement)
     progress = Progress(f"{e.variant} image, seed {seed}")
     arms: dict[str, Any] = {}
     for index, (name, beta) in enumerate(e.numeric.arms.items()):
         tau = rebuild_torque(y_recorded, beta)
         prepared = prepare(recorded.q, tau, e.tau_mean, signals, margin, margin + e.tau_mean.shape[-1])
-        reader = ResidualReader(network, e.data.image, prepared)
-        found = search(reader, prepared, e.search, np.random.default_rng((seed, _SEARCH, index)))
-        methods = {"algorithm1": _estimate(select(found.beta, prepared, e.search), reader.images)}
-        for method, feed_back in (("local-search", False), ("refinement", True)):
-            reader.images = found.images
-            rng = np.random.default_rng((seed, _REFINE, index))
-            refined = refine(reader, found.beta, prepared, e.search, e.refinement, rng, feed_back)
-            methods[f"algorithm1+{method}"] = _estimate(select(refined, prepared, e.search), reader.images)
-        met = int((found.similarity >= e.search.threshold).sum())
-        suffix = SUFFIX[e.variant]
-        arms[name] = {
-            "true": beta.tolist(),
-            "executions_over_threshold": met,
-            "methods": {f"{method}{suffix}": estimate for method, estimate in methods.items()},
-        }
+        methods, met = identifier.methods(
+            prepared,
+            stream(seed, Stream.SEARCH, index),
+            partial(stream, seed, Stream.REFINE, index),
+        )
+        arms[name] = {"true": beta.tolist(), "executions_over_threshold": met, "methods": methods}
         _LOG.info("%s: %d of %d executions over the threshold", name, met, e.search.executions)
         progress(index + 1, len(e.numeric.arms))
     return {"variant": e.variant, "seed": seed, "arms": arms}
 
 
-def _estimate(selected: Selected, images: int) -> dict[str, Any]:
-    return {"beta": selected.beta.tolist(), "similarity": selected.similarity, "images": images}
-
-
 def validation_motion(signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:
     """Random trajectory that the estimates of a seed are validated on (Fig. 16)."""
-    rng = np.random.default_rng((seed, _VALIDATION))
+    rng = stream(seed, Stream.VALIDATION)
     return random_trajectory(rng, signals.duration, signals.h, signals.c_f, numeric.validation_reading)
 
 

@@ -16,8 +16,9 @@ from repro.errors import InputError
 from repro.files import read_csv, write_csv, write_json, write_text
 from repro.model.parameters import Array
 from repro.pipeline.description import model_card
+from repro.pipeline.identified import read_identifications
 from repro.pipeline.numeric import Experiment, identify_arms, mean_training_torque, score_estimates
-from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA, read_identifications
+from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA
 from repro.progress import Progress
 from repro.render.figures import draw
 from repro.render.tables import lay_out

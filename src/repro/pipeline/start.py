@@ -9,7 +9,6 @@ from typing import Any, TextIO
 
 from repro.config import check_config
 from repro.errors import InputError
-from repro.settings import check_together
 
 
 def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[str | Path]) -> None:
@@ -31,10 +30,6 @@ def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[str |
     """
     try:
         check_config(config, schema, [Path(file) for file in files])
-        try:
-            check_together(config)
-        except ValueError as error:
-            raise InputError(f"configuration: {error}") from error
     except InputError as error:
         print(error, file=sys.stderr)
         raise SystemExit(2) from None

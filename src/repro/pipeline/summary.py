@@ -9,10 +9,14 @@ from repro.errors import InputError
 from repro.model.parameters import NAMES, UNITS
 
 #: Order of methods in every table.
-METHODS = tuple(
-    f"algorithm1{step}{network}"
-    for network in ("", "+scale-aware", "+paper-recipe")
-    for step in ("", "+refinement", "+local-search")
+METHODS = (
+    *(
+        f"algorithm1{step}{network}"
+        for network in ("", "+scale-aware", "+paper-recipe")
+        for step in ("", "+refinement", "+local-search")
+    ),
+    "least-squares",
+    "true",
 )
 
 
@@ -65,9 +69,24 @@ def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
         whose total is the cell's median, so that its total is its time times its frequency, and the standard
         deviation of the total over the seeds. With an even number of seeds, the better of the two in the middle.
     """
+    return median_cells(scores[scores["trajectory"] == trajectory])
+
+
+def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
+    """Median seed of each case, method and joint; see `similarity_table`.
+
+    Parameters
+    ----------
+    scores : DataFrame
+        Columns ``case, method, seed, joint, time, frequency, total``.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
+    """
     rows = []
-    here = scores[scores["trajectory"] == trajectory]
-    for key, group in here.groupby(["case", "method", "joint"], sort=True):
+    for key, group in scores.groupby(["case", "method", "joint"], sort=True):
         case, method, joint = list(key)
         row = group.sort_values(["total", "seed"], kind="stable").iloc[len(group) // 2]
         sd = float(group["total"].std(ddof=1)) if len(group) > 1 else 0.0

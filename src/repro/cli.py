@@ -1,0 +1,65 @@
+"""The ``repro`` command."""
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+from repro import __version__
+from repro.commands import decode, record, simulate
+from repro.errors import InputError
+
+#: Subcommands in the order of a user's work.
+COMMANDS = {
+    "simulate": simulate,
+    "record": record,
+    "decode": decode,
+}
+
+
+def parser() -> argparse.ArgumentParser:
+    """Parser of the command line.
+
+    Returns
+    -------
+    ArgumentParser
+        With one subparser for each of `COMMANDS`.
+    """
+    top = argparse.ArgumentParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
+    top.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, module in COMMANDS.items():
+        first_line = (module.__doc__ or "").partition("\n")[0]
+        module.add_arguments(subparsers.add_parser(name, help=first_line, description=first_line))
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a subcommand.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; by default those of the process.
+
+    Returns
+    -------
+    int
+        Exit code: the subcommand's, 2 for bad input (one line tells which), 130 after Ctrl-C.
+    """
+    arguments = parser().parse_args(argv)
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
+    try:
+        code: int = COMMANDS[arguments.command].run(arguments)
+        sys.stdout.flush()
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; what is still buffered must not fail again at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return code

@@ -1,0 +1,78 @@
+"""Decode a capture file: what is in it, and its samples as a table."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from repro.fpga.capture import Capture
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro decode``."""
+    parser.add_argument("file", type=Path, help="capture NAME.bin, with NAME.json beside it")
+    parser.add_argument("-o", "--out", help="table to write, FILE.csv, or - for standard output")
+    parser.add_argument("--overwrite", action="store_true", help="replace a table that is there")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Check, decode, tell, and write the table if asked.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        As declared by `add_arguments`.
+
+    Returns
+    -------
+    int
+        Exit code 0.
+
+    Raises
+    ------
+    InputError
+        If the capture is not what its sidecar says, or the table is there.
+    """
+    from repro.files import CSV_FLOAT_FORMAT, write_csv
+    from repro.fpga.capture import read_capture
+    from repro.fpga.recorded import to_table
+
+    out = arguments.out
+    if out not in (None, "-") and Path(out).exists() and not arguments.overwrite:
+        raise InputError.at(out, "a file", "a new name, or --overwrite")
+    capture = read_capture(arguments.file)
+    if out == "-":
+        print(summary(capture), file=sys.stderr)
+        to_table(capture).to_csv(sys.stdout, index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+        return 0
+    if out is not None:
+        write_csv(Path(out), to_table(capture))
+    print(summary(capture))
+    return 0
+
+
+def summary(capture: "Capture") -> str:
+    """Lines that tell what a capture holds.
+
+    Parameters
+    ----------
+    capture : Capture
+        Recording.
+
+    Returns
+    -------
+    str
+        File, motion, source, samples, gaps.
+    """
+    about, counts = capture.about, capture.counts
+    state = "complete" if capture.complete else f"incomplete ({capture.reason})"
+    return "\n".join(
+        (
+            f"{capture.place}: {about.motion}, source {about.source}, {state}",
+            f"frames: {counts.good} good of {about.samples} expected ({about.samples * about.h:g} s)",
+            f"gaps: {counts.gaps}, about {counts.lost} frames lost, {counts.skipped} bytes skipped",
+        )
+    )

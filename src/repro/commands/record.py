@@ -1,0 +1,121 @@
+"""Record a motion from a board, real or simulated, into a capture file."""
+
+import argparse
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from repro.commands.options import add_config, positive_integer, positive_seconds
+from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from repro.signals.programs import Program
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro record``."""
+    parser.add_argument("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
+    parser.add_argument(
+        "--trajectory", required=True, help="ID, T1, T2, T3, T4, or a table FILE.csv with columns q1_rad, q2_rad"
+    )
+    parser.add_argument("--out", required=True, type=Path, help="capture NAME.bin; NAME.json is written beside it")
+    parser.add_argument("--baud", type=positive_integer, help="bits per second (default: experiment.baud)")
+    parser.add_argument(
+        "--timeout", type=positive_seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace a capture that is there")
+    add_config(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Download, start, record, write.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        As declared by `add_arguments`.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 1 if the recording is incomplete; what arrived is written all the same.
+
+    Raises
+    ------
+    InputError
+        If the output is there, the trajectory or the port cannot be used, or nothing arrives.
+    """
+    from repro.commands.decode import summary
+    from repro.fpga.capture import check_target, write_capture
+    from repro.fpga.link import LinkSettings, record
+    from repro.pipeline.experiment import control_constants, describe, download, load_config
+
+    check_target(arguments.out, arguments.overwrite)
+    config = load_config(arguments.config)
+    program = _program(config, arguments.trajectory)
+    control = control_constants(config)
+    load, start = download(program, control)
+    defaults = config["experiment"]
+    port = defaults["port"] if arguments.port is None else arguments.port
+    baud = defaults["baud"] if arguments.baud is None else arguments.baud
+    recording = record(port, load, start, program.q.shape[1], LinkSettings(baud, arguments.timeout))
+    about = describe(program, control, recording.board, recording.host)
+    capture = write_capture(arguments.out, recording.data, about, recording.reason, arguments.overwrite)
+    print(summary(capture))
+    if capture.complete:
+        return 0
+    print(f"{arguments.out}: incomplete ({capture.reason}); what arrived is kept", file=sys.stderr)
+    return 1
+
+
+def _program(config: Mapping[str, Any], trajectory: str) -> "Program":
+    """Motion of a name or of a file, within what the arm can do."""
+    from repro.pipeline.experiment import check_program, program_from_config
+    from repro.signals.programs import PROGRAMS
+
+    if trajectory in PROGRAMS:
+        return program_from_config(config, trajectory)
+    if not trajectory.endswith(".csv"):
+        raise InputError.at("--trajectory", repr(trajectory), f"one of {', '.join(PROGRAMS)} or FILE.csv")
+    program = read_program(Path(trajectory))
+    check_program(config, program)
+    return program
+
+
+def read_program(path: Path) -> "Program":
+    """Motion of a table.
+
+    Parameters
+    ----------
+    path : Path
+        CSV with the columns ``q1_rad`` and ``q2_rad``, one row every 2.5 ms.
+
+    Returns
+    -------
+    Program
+        All of it is the trajectory proper.
+
+    Raises
+    ------
+    InputError
+        If it is no such table, is empty, holds what is no finite number, or is longer than the board's memory.
+    """
+    import numpy as np
+    import pandas as pd
+
+    from repro.files import read_csv
+    from repro.fpga.frames import SAMPLING_PERIOD
+    from repro.signals.programs import Program, ProgramName
+
+    table = read_csv(path, ("q1_rad", "q2_rad"))
+    columns = []
+    for name in ("q1_rad", "q2_rad"):
+        column = np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
+        for row in np.flatnonzero(~np.isfinite(column)):
+            raise InputError.at(f"{path}: row {row + 1}, {name}", repr(table[name].iloc[row]), "a finite number")
+        columns.append(column)
+    if not len(table):
+        raise InputError.at(str(path), "no rows", "a motion of at least one")
+    # The published motions have names that a type can list; a user's has that of its file.
+    return Program(cast("ProgramName", path.stem), np.stack(columns), 0, len(table), SAMPLING_PERIOD)

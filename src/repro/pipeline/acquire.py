@@ -1,0 +1,137 @@
+"""Captures of the five motions from wherever the configuration says: stored, simulated in process, or a serial port."""
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from repro.errors import InputError
+from repro.files import write_whole
+from repro.fpga.about import trajectory_digest
+from repro.fpga.capture import Capture, read_capture, write_capture
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.link import LinkSettings, record
+from repro.fpga.recorded import samples
+from repro.model.parameters import Array
+from repro.pipeline.experiment import board_from_config, control_constants, describe, download, program_from_config
+from repro.progress import Progress
+from repro.signals.programs import Program
+
+Config = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What was measured along one motion.
+
+    Attributes
+    ----------
+    program : Program
+        Desired positions and where the trajectory proper begins and ends.
+    q, tau : arrays of shape (2, N)
+        Measured position (rad) and torque (N m).
+    """
+
+    program: Program
+    q: Array
+    tau: Array
+
+
+def acquire(motion: str, out: Path, config: Config) -> None:
+    """Put the capture of a motion at `out`.
+
+    Parameters
+    ----------
+    motion : {"ID", "T1", "T2", "T3", "T4"}
+        Which.
+    out : Path
+        ``NAME.bin``; the sidecar is written beside it.
+    config : mapping
+        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
+
+    Raises
+    ------
+    InputError
+        If a stored capture is damaged or of another motion, or a board does not answer.
+    """
+    source = config["experiment"]["source"]
+    if source == "stored":
+        _copy(Path(config["experiment"]["captures"]) / f"{motion}.bin", out, config, motion)
+    elif source == "simulated":
+        simulate_capture(out, program_from_config(config, motion), config)
+    else:
+        _record(out, program_from_config(config, motion), config)
+
+
+def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
+    """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
+    control = control_constants(config)
+    board = board_from_config(config)
+    load, start = download(program, control)
+    board.receive(load + start)
+    if not board.running:
+        raise InputError.at(f"simulated board: {program.name}", "; ".join(board.refusals), "a start")
+    progress, n = Progress(f"simulating {program.name}"), program.q.shape[1]
+    data = bytearray()
+    while board.running:
+        data += board.tick()
+        progress(len(data) // 8, n)
+    return write_capture(out, bytes(data), describe(program, control, board.identity), overwrite=True)
+
+
+def _record(out: Path, program: Program, config: Config) -> None:
+    e, control = config["experiment"], control_constants(config)
+    load, start = download(program, control)
+    recording = record(e["port"], load, start, program.q.shape[1], LinkSettings(e["baud"]))
+    about = describe(program, control, recording.board, recording.host)
+    write_capture(out, recording.data, about, recording.reason, overwrite=True)
+
+
+def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
+    _check_program(read_capture(stored), program_from_config(config, motion))
+
+    for suffix in (".json", ".bin"):
+        write_whole(out.with_suffix(suffix), partial(shutil.copyfile, stored.with_suffix(suffix)))
+
+
+def _check_program(capture: Capture, program: Program) -> None:
+    if capture.about.trajectory_sha256 != trajectory_digest(program.q):
+        raise InputError.at(
+            f"{capture.place}: trajectory",
+            f"a recording of another {program.name}",
+            "that of this configuration; record it again or set experiment.source: simulated",
+        )
+
+
+def read_recording(path: Path, config: Config) -> Recording:
+    """Measured signals of a capture.
+
+    Parameters
+    ----------
+    path : Path
+        ``NAME.bin`` of one of the five motions.
+    config : mapping
+        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
+
+    Returns
+    -------
+    Recording
+        Short gaps are filled; see `repro.fpga.recorded.samples`.
+
+    Raises
+    ------
+    InputError
+        If the capture is damaged, incomplete, of another motion, or the arm did not move.
+    """
+    capture = read_capture(path)
+    program = program_from_config(config, path.stem)
+    _check_program(capture, program)
+    measured = samples(capture)
+    still = np.ptp(measured.q, axis=1) < 10 * RADIANS_PER_COUNT
+    if still.any():
+        raise InputError.at(f"{path}: joint {int(still.argmax()) + 1}", "no motion", "a joint that moves")
+    return Recording(program, measured.q, measured.tau)

@@ -1,0 +1,214 @@
+"""The experimental set-up from the configuration: arm, board, motions, and the bytes between them (Section V-C)."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from repro.config import check_config
+from repro.errors import InputError
+from repro.fpga.about import About, Host, trajectory_digest
+from repro.fpga.board import Board
+from repro.fpga.controller import ControlConstants
+from repro.fpga.downlink import Gains, encode_program, encode_start
+from repro.fpga.plant import Plant, Unmodelled
+from repro.model.parameters import Array
+from repro.signals.kinematics import ArmGeometry
+from repro.signals.limits import check_limits, permitted_program
+from repro.signals.programs import PROGRAMS, Program, ProgramName, ProgramSettings
+from repro.streams import Stream, stream
+
+Config = Mapping[str, Any]
+
+#: Where the schema lies beside a configuration: the project's folder is the one above config/.
+SCHEMA = Path("workflow/schemas/config.schema.yaml")
+
+
+def load_config(path: Path) -> dict[str, Any]:
+    """Read and check a configuration outside the workflow.
+
+    Parameters
+    ----------
+    path : Path
+        ``config/config.yaml`` of the project, or a whole configuration of the same shape beside it.
+
+    Returns
+    -------
+    dict
+        Checked configuration.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not YAML, or holds a value that is not allowed.
+    """
+    try:
+        config = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a configuration file") from error
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), "bytes that are not text", "YAML") from error
+    except yaml.YAMLError as error:
+        raise InputError.at(str(path), f"text that is not YAML ({' '.join(str(error).split())})", "YAML") from error
+    if not isinstance(config, dict):
+        raise InputError.at(str(path), type(config).__name__, "sections, as in config/config.yaml")
+    schema = path.resolve().parent.parent / SCHEMA
+    if not schema.exists():
+        raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
+    check_config(config, schema, [path])
+    return config
+
+
+def control_constants(config: Config) -> ControlConstants:
+    """Gains and motors of the board, from section ``board``."""
+    b = config["board"]
+    kp, kv, hz, full = (tuple(b[key]) for key in ("kp_nm_per_rad", "kv_nm_per_rad", "pwm_hz", "full_torque_nm"))
+    return ControlConstants(kp, kv, hz, full)
+
+
+def true_parameters(config: Config) -> Array:
+    """Parameters of the simulated arm, shape (9,)."""
+    return np.array(config["arm"]["parameters"], dtype=np.float64)
+
+
+def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
+    """What Eq. 1 leaves out of one arm.
+
+    Parameters
+    ----------
+    config : mapping
+        Section ``arm``.
+    seed : int
+        Each seed is another specimen: phases of the ripple, and levels within ``variation`` of the nominal.
+
+    Returns
+    -------
+    Unmodelled, array of shape (2,)
+        Levels, and phase of the ripple of each joint (rad).
+    """
+    a = config["arm"]
+    rng = stream(seed, Stream.PLANT)
+    phase = rng.uniform(0.0, 2.0 * np.pi, 2)
+    factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
+    levels = Unmodelled(
+        stribeck=float(a["stribeck"] * factor[0]),
+        stribeck_velocity=a["stribeck_velocity_rad_s"],
+        ripple=float(a["ripple_nm"] * factor[1]),
+        ripple_cycles=a["ripple_cycles"],
+        dead_band=a["dead_band_counts"],
+    )
+    return levels, phase
+
+
+def board_from_config(config: Config, seed: int | None = None) -> Board:
+    """Simulated board with its arm.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``arm``, ``board``, ``signals`` and ``experiment``.
+    seed : int, optional
+        Specimen of the arm; ``experiment.seed`` by default.
+
+    Returns
+    -------
+    Board
+        At rest.
+    """
+    seed = config["experiment"]["seed"] if seed is None else seed
+    beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
+    levels, phase = disturbance(config, seed)
+    arm = {"parameters": beta.tolist(), **asdict(levels), "ripple_phase": phase.tolist(), "seed": seed}
+    return Board(
+        lambda: Plant(beta, h, levels, phase),
+        control_constants(config).torque_per_count,
+        {"board": "simulated", "arm": arm},
+    )
+
+
+def program_settings(config: Config) -> ProgramSettings:
+    """Lengths and filters of the motions, from sections ``signals``, ``arm`` and ``experiment``."""
+    s, e = config["signals"], config["experiment"]
+    return ProgramSettings(
+        geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
+        duration=s["duration_s"],
+        h=s["sampling_period_s"],
+        margin=e["margin_samples"],
+        lead_in=e["lead_in_s"],
+        validation_samples=e["validation_samples"],
+        c_f=s["filter_coefficient"],
+        t1_reading=e["random_frequency_reading"],
+        t1_limit=e["random_range_rad"],
+    )
+
+
+def _limits(config: Config) -> tuple[tuple[float, float], float]:
+    """Torque (N m) that motions may ask of the nominal arm, and speed (rad/s); friction needs the rest."""
+    first, second = config["board"]["full_torque_nm"]
+    share = config["experiment"]["torque_share"]
+    return (share * first, share * second), config["board"]["speed_limit_rad_s"]
+
+
+def check_program(config: Config, program: Program) -> None:
+    """Refuse a motion that the arm cannot follow; see `repro.signals.limits.check_limits`."""
+    check_limits(program, true_parameters(config), *_limits(config))
+
+
+def program_from_config(config: Config, name: str, seed: int | None = None, duration: float | None = None) -> Program:
+    """One of the five motions, within what the arm can do.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
+    name : {"ID", "T1", "T2", "T3", "T4"}
+        Which.
+    seed : int, optional
+        Of the random trajectory T1; ``experiment.seed`` by default.
+    duration : float, optional
+        Of the identification trajectory, s; ``signals.duration_s`` by default.
+
+    Returns
+    -------
+    Program
+        Desired positions.
+
+    Raises
+    ------
+    InputError
+        If there is no such motion, it does not fit the board's memory, or it asks too much of the arm.
+    """
+    known: dict[str, ProgramName] = {p: p for p in PROGRAMS}
+    if name not in known:
+        raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
+    settings = program_settings(config)
+    if duration is not None:
+        settings = replace(settings, duration=duration)
+    rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
+    return permitted_program(known[name], settings, rng, true_parameters(config), *_limits(config))
+
+
+def download(program: Program, control: ControlConstants) -> tuple[bytes, bytes]:
+    """Bytes that load a motion into a board, and those that start it."""
+    kp, kv = ((float(k[0]), float(k[1])) for k in (control.kp_counts, control.kv_counts))
+    return encode_program(Gains(kp, kv, control.pwm_hz), program.q), encode_start(program.q.shape[1])
+
+
+def describe(
+    program: Program, control: ControlConstants, board: Mapping[str, object] | None, host: Host | None = None
+) -> About:
+    """What a capture of a motion says of itself."""
+    return About(
+        motion=program.name,
+        samples=program.q.shape[1],
+        n1=program.n1,
+        n2=program.n2,
+        h=program.h,
+        trajectory_sha256=trajectory_digest(program.q),
+        control=control,
+        board=board,
+        host=host,
+    )

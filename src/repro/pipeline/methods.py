@@ -1,0 +1,80 @@
+"""Algorithm 1, its refinement and the refinement's control on one arm's signals."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.image import ImageSettings
+from repro.identify.algorithm1 import SearchSettings, Selected, search, select
+from repro.identify.prepare import Prepared
+from repro.identify.refinement import RefinementSettings, refine
+from repro.identify.residual import ResidualReader
+
+#: What each network adds to a method's name.
+SUFFIX = {"published": "", "scale-aware": "+scale-aware", "paper-recipe": "+paper-recipe"}
+
+
+@dataclass(frozen=True)
+class Identifier:
+    """A trained network with the settings it is used with.
+
+    Attributes
+    ----------
+    variant : str
+        Network variant, a key of `SUFFIX`.
+    network : FactoredCNN
+        Trained network.
+    image : ImageSettings
+        Divisors of Eq. 9 that it was trained with.
+    search : SearchSettings
+        Constants of Algorithm 1.
+    refinement : RefinementSettings
+        Budget of the refinement.
+    """
+
+    variant: str
+    network: FactoredCNN
+    image: ImageSettings
+    search: SearchSettings
+    refinement: RefinementSettings
+
+    def methods(
+        self,
+        prepared: Prepared,
+        search_rng: np.random.Generator,
+        refine_rng: Callable[[], np.random.Generator],
+    ) -> tuple[dict[str, dict[str, Any]], int]:
+        """Run all three.
+
+        Parameters
+        ----------
+        prepared : Prepared
+            Signals of the arm.
+        search_rng : numpy.random.Generator
+            Guesses of Algorithm 1.
+        refine_rng : callable
+            Gives the same generator to the refinement and to its control.
+
+        Returns
+        -------
+        dict, int
+            For each method its estimate, similarity and cost in images, ready for JSON; and how many
+            executions of Algorithm 1 met the threshold.
+        """
+        reader = ResidualReader(self.network, self.image, prepared)
+        found = search(reader, prepared, self.search, search_rng)
+        suffix = SUFFIX[self.variant]
+        results = {f"algorithm1{suffix}": _estimate(select(found.beta, prepared, self.search), reader.images)}
+        for method, feed_back in (("local-search", False), ("refinement", True)):
+            reader.images = found.images
+            candidates = refine(reader, found.beta, prepared, self.search, self.refinement, refine_rng(), feed_back)
+            chosen = select(candidates, prepared, self.search)
+            results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
+        return results, int((found.similarity >= self.search.threshold).sum())
+
+
+def _estimate(selected: Selected, images: int) -> dict[str, Any]:
+    return {"beta": selected.beta.tolist(), "similarity": selected.similarity, "images": images}

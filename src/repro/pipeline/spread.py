@@ -1,0 +1,146 @@
+"""The whole experiment over many specimens of the arm: does Algorithm 1 beat least squares on T1 to T4?"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save_file
+from scipy.stats import binomtest
+
+from repro.errors import InputError
+from repro.files import write_whole
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant
+from repro.model.parameters import Array
+from repro.pipeline.acquire import Recording
+from repro.pipeline.experiment import control_constants, disturbance, program_from_config, true_parameters
+from repro.progress import Progress
+from repro.signals.programs import PROGRAMS, Program
+from repro.streams import Stream, stream
+
+Config = Mapping[str, Any]
+
+#: Motions that only validate.
+VALIDATION = PROGRAMS[1:]
+#: Resamples of the bootstrap.
+RESAMPLES = 9999
+
+
+def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
+    """The five motions of one seed and one identification duration."""
+    found: dict[str, Program] = {"ID": program_from_config(config, "ID", duration=duration)}
+    return found | {name: program_from_config(config, name, seed) for name in VALIDATION}
+
+
+def simulate_spread(config: Config, out: Path) -> None:
+    """Simulate every seed and motion as batches and keep the counts.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``arm``, ``board``, ``experiment`` and ``spread``.
+    out : Path
+        safetensors file: int16 arrays of shape (seeds, 2, N) named ``{motion}/position`` and ``{motion}/pwm``;
+        the identification motions are named ``ID0``, ``ID1`` ... after the durations.
+    """
+    seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
+    counts: dict[str, np.ndarray[Any, np.dtype[np.int16]]] = {}
+    desired = {
+        f"ID{k}": [program_from_config(config, "ID", duration=d).q] * len(seeds) for k, d in enumerate(durations)
+    }
+    desired |= {name: [program_from_config(config, name, seed).q for seed in seeds] for name in VALIDATION}
+    beta, control, h = true_parameters(config), control_constants(config), config["signals"]["sampling_period_s"]
+    levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
+    for name, q in desired.items():
+        plant = Plant(np.tile(beta, (len(seeds), 1)), h, levels, np.stack(phase))
+        position, pwm = simulate(plant, control, np.stack(q), Progress(f"simulating {name}, {len(seeds)} seeds"))
+        counts |= {f"{name}/position": position.copy(), f"{name}/pwm": pwm.copy()}
+    write_whole(out, lambda temporary: save_file(counts, temporary))
+
+
+def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[str, Recording]]]:
+    """Recordings of every seed for one identification duration.
+
+    Parameters
+    ----------
+    path : Path
+        File of `simulate_spread`.
+    config : mapping
+        The configuration it was made with.
+    index : int
+        Which of the durations.
+
+    Returns
+    -------
+    list of (seed, dict)
+        Seed and its recordings by motion, ID first.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged or of another configuration.
+    """
+    seeds, duration = config["spread"]["seeds"], config["spread"]["durations_s"][index]
+    try:
+        counts = load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no safetensors file ({error})", "the recordings of the spread") from error
+    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    found = []
+    for k, seed in enumerate(seeds):
+        recordings = {}
+        for name, program in programs(config, seed, duration).items():
+            key = f"ID{index}" if name == "ID" else name
+            position, pwm = (counts.get(f"{key}/{signal}") for signal in ("position", "pwm"))
+            expected = (len(seeds), *program.q.shape)
+            if position is None or pwm is None or position.shape != expected or pwm.shape != expected:
+                raise InputError.at(f"{path}: {key}", "another shape", f"arrays of shape {expected}")
+            recordings[name] = Recording(program, position[k] * RADIANS_PER_COUNT, pwm[k] * torque)
+        found.append((seed, recordings))
+    return found
+
+
+def verdict(scores: pd.DataFrame, methods: Sequence[str], opponent: str = "least-squares") -> pd.DataFrame:
+    """Is a method better than least squares: in how many runs, and by how much?
+
+    Parameters
+    ----------
+    scores : DataFrame
+        Columns ``case, joint, method, duration, seed, total``.
+    methods : sequence of str
+        Methods to compare with `opponent`.
+    opponent : str
+        What they are compared with.
+
+    Returns
+    -------
+    DataFrame
+        For each method, motion, joint and duration: runs, wins, their share with its 95 % Wilson interval, and
+        the median of the paired difference of total similarity with its 95 % bootstrap percentile interval.
+    """
+    index = ["motion", "joint", "duration", "seed"]
+    totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
+    rows = []
+    for method in methods:
+        difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
+        for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
+            d = group["difference"].to_numpy()
+            wins = int((d > 0).sum())
+            share = binomtest(wins, len(d)).proportion_ci(0.95, method="wilson")
+            rows.append((*list(key), method, len(d), wins, wins / len(d), share.low, share.high, *_median(d, k)))
+    columns = ["motion", "joint", "duration", "method", "runs", "wins", "win_share", "win_low", "win_high"]
+    return pd.DataFrame(rows, columns=[*columns, "difference_median", "difference_low", "difference_high"])
+
+
+def _median(values: Array, index: int) -> tuple[float, float, float]:
+    """Median with its 95 % bootstrap percentile interval; a single value, or equal ones, are their own interval."""
+    middle = float(np.median(values))
+    if np.ptp(values) == 0:
+        return middle, middle, middle
+    resamples = stream(0, Stream.BOOTSTRAP, index).choice(values, (RESAMPLES, len(values)))
+    low, high = np.quantile(np.median(resamples, axis=1), [0.025, 0.975])
+    return middle, float(low), float(high)

@@ -1,0 +1,59 @@
+"""Streams of random numbers: every use of a seed draws from one of its own."""
+
+from enum import IntEnum, unique
+
+import numpy as np
+
+
+@unique
+class Stream(IntEnum):
+    """What a seed's random numbers are for. None is 0, see `stream`."""
+
+    TRAIN_STEP = 1
+    TEST_SET = 2
+    FIXED_SET = 3
+    SEARCH = 4
+    REFINE = 5
+    VALIDATION = 6
+    TRAINING_ARMS = 7  # of Figure 9, whose mean gives the mean training torque
+    EXAMPLES = 8
+    PLANT = 9  # specimen of the simulated arm
+    RANDOM_MOTION = 10  # T1
+    EXPERIMENT_SEARCH = 11
+    EXPERIMENT_REFINE = 12
+    BOOTSTRAP = 13
+
+
+# NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.
+_WORD = 2**32
+
+
+def stream(seed: int, name: Stream, *index: int) -> np.random.Generator:
+    """Generator of one use of a seed.
+
+    NumPy pads a short sequence of seeds with zeros, so that (seed, 1) and (seed, 1, 0) give the same numbers. One
+    is added to each index: no sequence ends in a zero, so none is another one padded.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the run.
+    name : Stream
+        What the numbers are for.
+    *index : int
+        Which of them: the step, the arm ...
+
+    Returns
+    -------
+    numpy.random.Generator
+        Fresh generator; no two pairs of name and index share one.
+
+    Raises
+    ------
+    ValueError
+        If the seed or an index is negative or does not fit in 32 bits.
+    """
+    words = (seed, int(name), *(k + 1 for k in index))
+    if not (0 <= seed < _WORD and all(0 < word < _WORD for word in words[1:])):
+        raise ValueError(f"seed, index: must be at least 0 and fit in 32 bits, got {seed} and {index}.")
+    return np.random.default_rng(words)

@@ -1,0 +1,266 @@
+"""The ``repro`` command: what a user types, what comes back, and one line with exit code 2 for what is wrong."""
+
+import io
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from cli_with_fake_board import DESIRED, FRAMES, stub
+from fake_board import PlayedBoard, about, served
+
+from repro.cli import COMMANDS, main
+from repro.commands.record import read_program
+from repro.commands.simulate import parse_faults
+from repro.errors import InputError
+from repro.fpga.capture import read_capture, write_capture
+from repro.fpga.endpoint import PtyEndpoint
+from repro.fpga.faults import FaultInjector, FaultSettings
+
+SCRIPT = Path(__file__).with_name("cli_with_fake_board.py")
+
+
+@pytest.fixture(autouse=True)
+def experiment(monkeypatch):
+    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
+
+
+@pytest.fixture
+def stored(tmp_path):
+    write_capture(tmp_path / "T4.bin", FRAMES, about(DESIRED))
+    return tmp_path / "T4.bin"
+
+
+def started(*options):
+    """`repro simulate` as a process, and what pyserial opens."""
+    command = [sys.executable, str(SCRIPT), "simulate", *options]
+    board = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return board, board.stdout.readline().strip()
+
+
+@pytest.mark.parametrize(("listen", "sent"), [("pty", signal.SIGTERM), ("socket", signal.SIGINT)])
+def test_simulate_in_one_shell_and_record_in_another(tmp_path, capsys, listen, sent):
+    link = tmp_path / "board"
+    options = ["--link", str(link)] if listen == "pty" else ["--listen", "socket"]
+    board, port = started("--as-fast-as-possible", *options)
+    out = tmp_path / "T1.bin"
+    try:
+        assert port == str(link) or port.startswith("socket://127.0.0.1:")
+        assert main(["record", "--port", port, "--trajectory", "T1", "--out", str(out)]) == 0
+    finally:
+        board.send_signal(sent)
+        _, log = board.communicate(timeout=10)
+    assert board.returncode == 0
+    assert not link.is_symlink()
+    assert f"listening on {port}" in log
+    assert "motion finished: 200 samples" in log
+    capture = read_capture(out)
+    assert (capture.data, capture.reason, capture.about.source) == (FRAMES, "", "simulated")
+    assert (capture.about.motion, capture.about.n1, capture.about.n2) == ("T1", 10, 190)
+    assert (capture.about.host.port, capture.about.host.baud) == (port, 115200)
+    assert f"{out}: T1, source simulated, complete" in capsys.readouterr().out
+
+
+def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
+    board, port = started("--once", "--as-fast-as-possible", "--faults", "disconnect_after=1000", "--seed", "3")
+    out = tmp_path / "ID.bin"
+    assert main(["record", "--port", port, "--trajectory", "ID", "--out", str(out)]) == 1
+    board.communicate(timeout=10)
+    assert board.returncode == 0
+    assert read_capture(out).reason == "disconnected"
+    assert read_capture(out).data == FRAMES[:1000]
+    assert f"{out}: incomplete (disconnected); what arrived is kept" in capsys.readouterr().err
+
+
+def test_a_table_can_be_recorded(tmp_path):
+    table = tmp_path / "wave.csv"
+    pd.DataFrame({"q1_rad": DESIRED[0], "q2_rad": DESIRED[1]}).to_csv(table, index=False)
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
+        assert main(["record", "--port", port, "--trajectory", str(table), "--out", str(tmp_path / "wave.bin")]) == 0
+    told = read_capture(tmp_path / "wave.bin").about
+    assert (told.motion, told.samples, told.n1, told.n2) == ("wave", 200, 0, 200)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
+        ("q1_rad,q2_rad\n", "found no rows"),
+        ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
+        ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
+        ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
+        ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "found 8193 samples, expected at most the memory's 8192"),
+    ],
+)
+def test_a_table_that_is_no_motion_is_refused(tmp_path, text, told):
+    path = tmp_path / "wave.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=told) as caught:
+        read_program(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_decode_tells_and_writes_a_table(stored, capsys):
+    table = stored.with_suffix(".csv")
+    assert main(["decode", str(stored)]) == 0
+    told = capsys.readouterr().out
+    assert told.splitlines() == [
+        f"{stored}: T4, source simulated, complete",
+        "frames: 200 good of 200 expected (0.5 s)",
+        "gaps: 0, about 0 frames lost, 0 bytes skipped",
+    ]
+    assert not table.exists()
+    assert main(["decode", str(stored), "-o", str(table)]) == 0
+    assert capsys.readouterr().out == told
+    assert main(["decode", str(stored), "-o", "-"]) == 0
+    printed, summary = capsys.readouterr()
+    assert printed == table.read_text()
+    assert summary == told
+    frame = pd.read_csv(io.StringIO(printed))
+    np.testing.assert_array_equal(frame[["q1_counts", "q2_counts"]].T, read_capture(stored).position)
+
+
+def refused(capsys, *argv):
+    """The one line of a refusal."""
+    assert main([str(each) for each in argv]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    line = captured.err.removesuffix("\n")
+    assert line
+    assert "\n" not in line
+    assert "found" in line
+    assert "expected" in line
+    return line
+
+
+def test_nothing_is_overwritten(stored, capsys):
+    table = stored.with_suffix(".csv")
+    table.write_text("mine")
+    before = stored.read_bytes()
+    assert "T4.csv: found a file" in refused(capsys, "decode", stored, "-o", table)
+    assert table.read_text() == "mine"
+    record = ["record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored]
+    assert "T4.bin: found a file" in refused(capsys, *record)
+    assert stored.read_bytes() == before
+    assert main(["decode", str(stored), "-o", str(table), "--overwrite"]) == 0
+    assert table.read_text().startswith("time_s,")
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
+        options = ["--port", port, "--trajectory", "ID", "--out", str(stored), "--overwrite"]
+        assert main(["record", *options]) == 0
+    assert read_capture(stored).about.motion == "ID"
+
+
+def test_what_is_wrong_is_told_and_writes_nothing(tmp_path, stored, capsys):
+    new = tmp_path / "new.bin"
+    record = ("record", "--trajectory", "T4", "--out")
+    assert "new.dat: found the suffix '.dat'" in refused(capsys, *record, tmp_path / "new.dat")
+    assert "port /nowhere: found one that cannot be opened" in refused(capsys, *record, new)
+    assert "--trajectory: found 'T5'" in refused(capsys, "record", "--trajectory", "T5", "--out", new)
+    assert "gone.csv: found No such file" in refused(capsys, "record", "--trajectory", "gone.csv", "--out", new)
+    assert "--link: found --listen socket" in refused(capsys, "simulate", "--listen", "socket", "--link", new)
+    assert "--faults: found 'crop=1'" in refused(capsys, "simulate", "--faults", "crop=1")
+    assert "new.bin: found No such file" in refused(capsys, "decode", new)
+    table = tmp_path / "table.csv"
+    stored.chmod(0o644)
+    stored.write_bytes(FRAMES[:-3])
+    assert "T4.bin: size: found 1597 bytes" in refused(capsys, "decode", stored, "-o", table)
+    stored.write_bytes(FRAMES[:-1] + b"\x55")
+    assert "T4.bin: SHA-256: found" in refused(capsys, "decode", stored, "-o", table)
+    stored.with_suffix(".json").write_text("{")
+    assert "T4.json: found text that is not JSON" in refused(capsys, "decode", stored, "-o", table)
+    stored.with_suffix(".json").write_text("{}")
+    assert "T4.json: format: found nothing" in refused(capsys, "decode", stored, "-o", table)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["T4.bin", "T4.json"]
+
+
+def test_no_board_writes_nothing(tmp_path, capsys):
+    with served(PlayedBoard(b""), PtyEndpoint(), real_time=False) as port:
+        options = ["--port", port, "--trajectory", "T4", "--out", str(tmp_path / "T4.bin"), "--timeout", "0.2"]
+        assert main(["record", *options]) == 2
+    assert "found nothing in the 0.2 s after the start" in capsys.readouterr().err.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("drop", "--faults: drop: found '', expected a number"),
+        ("drop=x", "--faults: drop: found 'x', expected a number"),
+        ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
+        ("drop=2", "--faults: drop: a probability"),
+        ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
+    ],
+)
+def test_faults_that_make_no_sense_are_refused(text, told):
+    with pytest.raises(InputError, match=told) as caught:
+        parse_faults(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_faults_are_read():
+    assert parse_faults("") == FaultSettings()
+    assert parse_faults("drop=1e-4,flip=0.5,stall_s=2,disconnect_after=7") == FaultSettings(
+        drop=1e-4, flip=0.5, stall_s=2.0, disconnect_after=7
+    )
+    damaged = FaultInjector(parse_faults("drop=1"), np.random.default_rng(0)).apply(FRAMES)
+    assert damaged == b""
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        [],
+        ["fly"],
+        ["record", "--out", "x.bin"],
+        ["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "0"],
+        ["record", "--trajectory", "ID", "--out", "x.bin", "--baud", "0"],
+        ["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "soon"],
+        ["simulate", "--seed", "-1"],
+        ["simulate", "--listen", "radio"],
+    ],
+)
+def test_options_that_make_no_sense_are_refused(argv, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(argv)
+    assert caught.value.code == 2
+    assert "repro" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("error", "code"), [(InputError("a: found b, expected c"), 2), (KeyboardInterrupt(), 130)])
+def test_exit_codes(monkeypatch, stored, error, code):
+    def fail(arguments):
+        raise error
+
+    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    assert main(["decode", str(stored)]) == code
+
+
+def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
+    def fail(arguments):
+        raise RuntimeError("a fault of ours")
+
+    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    with pytest.raises(RuntimeError, match="a fault of ours"):
+        main(["decode", str(stored)])
+
+
+def test_python_m_repro_and_a_reader_that_has_seen_enough(stored):
+    module = [sys.executable, "-m", "repro"]
+    run = subprocess.run([*module, "--help"], capture_output=True, text=True, check=True)
+    assert all(name in run.stdout for name in COMMANDS)
+    pipe = f"{sys.executable} -m repro decode {stored} -o - | head -n 1"
+    run = subprocess.run(pipe, shell=True, capture_output=True, text=True, check=True)
+    assert run.stdout.startswith("time_s,")
+    assert "Traceback" not in run.stderr
+
+
+def test_help_needs_nothing_heavy():
+    code = (
+        "import sys, repro.cli; repro.cli.parser(); "
+        "print([m for m in ('torch', 'pandas', 'scipy', 'serial') if m in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,158 @@
+"""The host's end of the link: whatever the port does, what arrived is kept or one line tells why nothing did."""
+
+import _thread
+import threading
+import time
+
+import numpy as np
+import pytest
+import serial
+from fake_board import IDENTITY, PlayedBoard, download, frames_of, served
+
+from repro.errors import InputError
+from repro.fpga.downlink import encode_start
+from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
+from repro.fpga.faults import FaultInjector, FaultSettings
+from repro.fpga.link import LinkSettings, record
+from repro.fpga.messages import MessageKind
+
+DESIRED, FRAMES = frames_of(200)
+QUICK = LinkSettings(silence=0.2)
+
+
+def pty():
+    return PtyEndpoint()
+
+
+def tcp():
+    return SocketEndpoint("127.0.0.1", 0)
+
+
+def recorded(port, settings=QUICK):
+    return record(port, download(DESIRED), encode_start(200), 200, settings)
+
+
+@pytest.mark.parametrize(("make", "real_time"), [(pty, False), (pty, True), (tcp, False)])
+def test_a_recording_has_the_very_bytes(make, real_time):
+    board = PlayedBoard(FRAMES)
+    with served(board, make(), real_time=real_time) as port:
+        recording = recorded(port)
+    assert (recording.data, recording.board, recording.reason) == (FRAMES, IDENTITY, "")
+    kinds = [message.kind for message in board.messages]
+    assert kinds == [MessageKind.IDENTIFY, MessageKind.GAINS, MessageKind.TRAJECTORY, MessageKind.START]
+    host = recording.host
+    assert (host.port, host.baud) == (port, 115200)
+    offsets, seconds = np.array(host.chunks).T
+    assert offsets[-1] == 1600
+    assert (np.diff(offsets) > 0).all()
+    assert (np.diff(seconds) >= 0).all()
+    if real_time:  # 0.5 s of motion, a stamp every 50 ms
+        assert 2 <= len(host.chunks) <= 12
+        assert seconds[-1] >= 0.49
+
+
+def test_hardware_does_not_answer():
+    with served(PlayedBoard(FRAMES, silent=True), PtyEndpoint(), real_time=False) as port:
+        recording = recorded(port)
+    assert (recording.data, recording.board, recording.reason) == (FRAMES, None, "")
+
+
+def test_loop():
+    # What is sent comes back, so the frames are sent as the start.
+    recording = record("loop://", b"", FRAMES, 200, QUICK)
+    assert (recording.data, recording.board, recording.reason) == (FRAMES, None, "")
+
+
+def test_what_an_earlier_recording_left_is_dropped():
+    board = PlayedBoard(FRAMES)
+    with served(board, PtyEndpoint(), real_time=True) as port:
+        with serial.Serial(port) as line:
+            line.write(encode_start(200))
+            line.read(16)
+        recording = recorded(port)  # while the board is still running
+    assert (recording.data, recording.reason) == (FRAMES, "")
+
+
+@pytest.mark.parametrize(("make", "after"), [(pty, 8), (pty, 805), (pty, 1599), (tcp, 805)])
+def test_an_unplugged_cable(make, after):
+    faults = lambda: FaultInjector(FaultSettings(disconnect_after=after), np.random.default_rng(0))  # noqa: E731
+    with served(PlayedBoard(FRAMES), make(), real_time=False, faults=faults) as port:
+        if after == 8:  # one frame is not enough to be sure of it
+            with pytest.raises(InputError, match="found 8 bytes without a frame"):
+                recorded(port)
+            return
+        recording = recorded(port)
+    assert (recording.data, recording.reason) == (FRAMES[:after], "disconnected")
+
+
+def test_a_board_that_stops_in_the_middle():
+    board = PlayedBoard(FRAMES[:800])
+    with served(board, PtyEndpoint(), real_time=False) as port:
+        recording = recorded(port)
+        deadline = time.monotonic() + 5.0
+        while board.messages[-1].kind != MessageKind.STOP and time.monotonic() < deadline:
+            time.sleep(0.01)
+    assert (recording.data, recording.reason) == (FRAMES[:800], "silent")
+    assert board.messages[-1].kind == MessageKind.STOP
+
+
+def test_a_stall_shorter_than_the_timeout():
+    faults = lambda: FaultInjector(FaultSettings(stall=0.002, stall_s=0.1), np.random.default_rng(1))  # noqa: E731
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False, faults=faults) as port:
+        recording = recorded(port, LinkSettings(silence=1.0))
+    assert (recording.data, recording.reason) == (FRAMES, "")
+
+
+def test_control_c_keeps_what_arrived():
+    board = PlayedBoard(FRAMES)
+    with served(board, PtyEndpoint(), real_time=True) as port:
+
+        def press():
+            while board.place < 400:
+                time.sleep(0.001)
+            _thread.interrupt_main()
+
+        presser = threading.Thread(target=press)
+        presser.start()
+        recording = recorded(port)
+        presser.join()
+        deadline = time.monotonic() + 5.0
+        while board.running and time.monotonic() < deadline:
+            time.sleep(0.001)
+        assert board.messages[-1].kind == MessageKind.STOP
+    assert recording.reason == "interrupted"
+    assert 0 < len(recording.data) < 1600
+    assert FRAMES.startswith(recording.data)
+
+
+@pytest.mark.parametrize(
+    ("frames", "told"),
+    [
+        (b"", "found nothing in the 0.2 s after the start .*refused.*, expected 200 frames"),
+        (bytes(1600), "found 1600 bytes without a frame .*baud rate 115200.*, expected 200 frames"),
+    ],
+)
+def test_no_frame_at_all_is_told_in_one_line(frames, told):
+    with served(PlayedBoard(frames), PtyEndpoint(), real_time=False) as port:
+        with pytest.raises(InputError, match=told) as caught:
+            recorded(port)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("port", ["/nowhere/at/all", "/dev/null", "socket://127.0.0.1:1", "foo://x", "socket://x", ""])
+def test_a_port_that_cannot_be_opened_is_told_in_one_line(port):
+    with pytest.raises(InputError, match=f"port {port}: found one that cannot be opened .*, expected a") as caught:
+        recorded(port)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_port_in_use_is_told():
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:  # noqa: SIM117
+        with serial.Serial(port, exclusive=True), pytest.raises(InputError, match="cannot be opened"):
+            recorded(port)
+
+
+@pytest.mark.parametrize("wrong", [{"baud": 0}, {"silence": 0.0}, {"silence": float("nan")}])
+def test_settings_that_cannot_work_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        LinkSettings(**wrong)

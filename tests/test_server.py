@@ -1,0 +1,233 @@
+"""A simulated board behind a pseudo-terminal and a socket: no byte lost, hosts may go and come, and it keeps time."""
+
+import select
+import socket
+import time
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import serial
+from fake_board import CONTROL, IDENTITY, PlayedBoard, download, frames_of, served
+
+from repro.errors import InputError
+from repro.fpga.board import Board
+from repro.fpga.controller import ControlConstants
+from repro.fpga.downlink import encode_start
+from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
+from repro.fpga.faults import FaultInjector, FaultSettings
+from repro.fpga.frames import encode
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.server import BoardServer
+
+DESIRED, FRAMES = frames_of(200)
+BETA = (0.12, 0.0026, 0.0213, 0.95, 0.078, 0.08, 0.013, 0.4538, 0.12)
+
+
+@pytest.fixture(params=["pty", "socket"])
+def endpoint(request):
+    return PtyEndpoint() if request.param == "pty" else SocketEndpoint("127.0.0.1", 0)
+
+
+def opened(port):
+    return serial.serial_for_url(port, timeout=5.0)
+
+
+def until(holds):
+    """Wait for what another thread brings about."""
+    deadline = time.monotonic() + 10.0
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def opened_again(endpoint):
+    """Open what may be a new terminal in a moment."""
+    lines = []
+
+    def tried():
+        try:
+            lines.append(opened(endpoint.port))
+        except OSError:
+            return False
+        return True
+
+    until(tried)
+    return lines[0]
+
+
+@pytest.mark.parametrize("effects", [Unmodelled(), Unmodelled(stribeck=0.3, ripple=0.05)])
+def test_a_served_board_sends_what_the_loop_computes(endpoint, effects):
+    constants = ControlConstants(CONTROL.kp, CONTROL.kv, CONTROL.pwm_hz, CONTROL.full_torque)
+    position, pwm = simulate(Plant(BETA, 0.0025, effects), constants, DESIRED)
+    expected = encode(position[0], pwm[0])
+    board = Board(lambda: Plant(BETA, 0.0025, effects), constants.torque_per_count, IDENTITY)
+    with served(board, endpoint, real_time=False) as port, opened(port) as line:
+        for _ in range(2):  # each start begins with the arm at rest
+            line.write(download(DESIRED) + encode_start(200))
+            assert line.read(1600) == expected
+    assert len(set(np.frombuffer(expected, dtype=">u8").tolist())) > 100
+
+
+def test_a_slow_reader_loses_nothing(endpoint):
+    _, frames = frames_of(8192)
+    with served(PlayedBoard(frames), endpoint, real_time=False) as port, opened(port) as line:
+        line.write(encode_start(8192))
+        time.sleep(0.3)  # far more than fits the buffers is ready by now
+        data = b""
+        while len(data) < len(frames):
+            piece = line.read(min(4000, len(frames) - len(data)))
+            assert piece
+            data += piece
+        assert data == frames
+
+
+def test_a_host_may_go_in_the_middle_and_the_next_one_is_served(endpoint):
+    board = PlayedBoard(FRAMES)
+    with served(board, endpoint, real_time=True) as port:
+        with opened(port) as line:
+            line.write(encode_start(200))
+            assert line.read(80) == FRAMES[:80]
+        until(lambda: not board.running)  # it goes on alone
+        with opened(port) as line:
+            line.timeout = 0.05
+            while line.read(4096):
+                pass
+            line.timeout = 5.0
+            line.write(encode_start(200))
+            assert line.read(1600) == FRAMES
+
+
+def test_real_time_is_kept():
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=True) as port, opened(port) as line:
+        began = time.monotonic()
+        line.write(encode_start(200))
+        assert line.read(1600) == FRAMES
+        taken = time.monotonic() - began
+    assert 199 * 0.0025 <= taken < 5.0  # drift has a test with a clock of its own
+
+
+class Still:
+    """An endpoint nobody comes to, and a clock that only the test moves."""
+
+    port = "nowhere"
+    now = 100.0
+
+    def host(self, timeout):
+        return None
+
+    def left(self):
+        raise AssertionError("nobody was there")
+
+
+def test_samples_are_caught_up_after_a_delay():
+    board = PlayedBoard(FRAMES)
+    still = Still()
+    server = BoardServer(board, still, clock=lambda: still.now)
+    server._hear(encode_start(200))
+    looks = []
+
+    def stopped():
+        still.now += [0.0, 0.001, 0.1, 0.0025, 0.00249][len(looks) % 5]
+        looks.append((still.now, board.place // 8))
+        return len(looks) > 40
+
+    server.serve(stopped)
+    # A sample at the start and every 2.5 ms since, counted by the clock as it stood when the board went on.
+    for (now, _), (_, taken) in pairwise(looks):
+        assert taken == min(200, int((now - 100.0) / 0.0025 + 1e-9) + 1)
+
+
+def test_a_link_is_made_and_removed_and_files_are_left_alone(tmp_path):
+    link = tmp_path / "board"
+    with served(PlayedBoard(FRAMES), PtyEndpoint(link), real_time=False) as port:
+        assert port == str(link)
+        assert link.is_symlink()
+        with opened(port) as line:
+            line.write(encode_start(200))
+            assert line.read(1600) == FRAMES
+    assert not list(tmp_path.iterdir())
+    link.write_text("mine")
+    with pytest.raises(InputError, match=r"link .*board: found a file"):
+        PtyEndpoint(link)
+    assert link.read_text() == "mine"
+    with pytest.raises(InputError, match="No such file"):
+        PtyEndpoint(tmp_path / "missing" / "board")
+
+
+def test_a_link_left_by_a_killed_board_is_replaced(tmp_path):
+    link = tmp_path / "board"
+    link.symlink_to("/dev/pts/99999")
+    PtyEndpoint(link).close()
+    assert not link.is_symlink()
+
+
+def test_an_address_in_use_is_told():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        number = taken.getsockname()[1]
+        with pytest.raises(InputError, match=f"socket 127.0.0.1:{number}: found an address refused"):
+            SocketEndpoint("127.0.0.1", number)
+
+
+def test_faults_are_those_of_the_injector(endpoint):
+    settings = FaultSettings(drop=0.01, flip=0.01, insert=0.01)
+    expected = FaultInjector(settings, np.random.default_rng(3)).apply(FRAMES)
+    faults = lambda: FaultInjector(settings, np.random.default_rng(3))  # noqa: E731
+    with served(PlayedBoard(FRAMES), endpoint, real_time=False, faults=faults) as port, opened(port) as line:
+        for _ in range(2):
+            line.write(encode_start(200))
+            assert line.read(len(expected)) == expected
+    assert expected != FRAMES
+
+
+def test_a_cable_pulled_out_and_in_again(endpoint):
+    settings = FaultSettings(disconnect_after=805)
+    faults = lambda: FaultInjector(settings, np.random.default_rng(3))  # noqa: E731
+    board = PlayedBoard(FRAMES)
+    with served(board, endpoint, real_time=False, faults=faults):
+        for _ in range(2):
+            line = opened_again(endpoint)
+            line.write(encode_start(200))
+            line.timeout = 0
+            data = b""
+            with pytest.raises(serial.SerialException):
+                while select.select([line.fileno()], [], [], 5.0)[0]:
+                    data += line.read(4096)
+            assert data == FRAMES[:805]
+            line.close()
+            until(lambda: not board.running)
+
+
+def test_a_stall_delays_and_loses_nothing(endpoint):
+    settings = FaultSettings(stall=0.002, stall_s=0.05)
+    injectors = []
+
+    def faults():
+        injectors.append(FaultInjector(settings, np.random.default_rng(1)))
+        return injectors[-1]
+
+    with served(PlayedBoard(FRAMES), endpoint, real_time=False, faults=faults) as port, opened(port) as line:
+        began = time.monotonic()
+        line.write(encode_start(200))
+        assert line.read(1600) == FRAMES
+        taken = time.monotonic() - began
+    stalls = injectors[0].counts()["stall"]
+    assert stalls >= 1
+    assert taken >= 0.05 * stalls
+
+
+def test_once_ends_when_the_first_host_has_its_motion(endpoint):
+    with served(PlayedBoard(FRAMES), endpoint, real_time=False, once=True) as port:
+        with opened(port) as line:
+            line.write(encode_start(200))
+            assert line.read(1600) == FRAMES
+
+        def gone():
+            try:
+                opened(port).close()
+            except OSError:
+                return True
+            return False
+
+        until(gone)

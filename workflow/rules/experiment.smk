@@ -1,0 +1,160 @@
+def stored_capture(wildcards):
+    """Files that a stored capture is read from; a simulated or real board needs none."""
+    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
+    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "json")] if stored else []
+
+
+def captures(motions):
+    """Captures of these motions with their sidecars."""
+    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "json"])
+
+
+def experiment_identifications():
+    """Identifications of the arm: both networks with every seed, and least squares."""
+    numbered = expand(
+        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+        suffix=["", "-scale-aware"],
+        seed=config["experiment"]["search_seeds"],
+    )
+    return [*numbered, f"{R}/identification/experiment-least-squares.json"]
+
+
+def spread_scores():
+    """Scores of every identification duration."""
+    return expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))
+
+
+rule acquire:
+    input:
+        stored_capture,
+    output:
+        f"{R}/experiment/{{motion}}.bin",
+        f"{R}/experiment/{{motion}}.json",
+    log:
+        f"{R}/logs/acquire-{{motion}}.log",
+    benchmark:
+        f"{R}/benchmarks/acquire-{{motion}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment"),
+    message:
+        "Capture of {wildcards.motion}"
+    script:
+        "../scripts/acquire.py"
+
+
+rule identify_experiment:
+    input:
+        captures=captures(["ID"]),
+        weights=f"{R}/model/cnn{{suffix}}.safetensors",
+        mean_torque=f"{R}/data/mean_torque.csv",
+    output:
+        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+    log:
+        f"{R}/logs/identify_experiment{{suffix}}-seed{{seed}}.log",
+    benchmark:
+        f"{R}/benchmarks/identify_experiment{{suffix}}-seed{{seed}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement"),
+    message:
+        "Identifying the arm, network{wildcards.suffix}, seed {wildcards.seed}"
+    script:
+        "../scripts/identify_experiment.py"
+
+
+rule identify_least_squares:
+    input:
+        captures=captures(["ID"]),
+    output:
+        f"{R}/identification/experiment-least-squares.json",
+    log:
+        f"{R}/logs/identify_least_squares.log",
+    benchmark:
+        f"{R}/benchmarks/identify_least_squares.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment"),
+    message:
+        "Identifying the arm by least squares"
+    script:
+        "../scripts/identify_least_squares.py"
+
+
+rule score_experiment:
+    input:
+        captures=captures(["ID", "T1", "T2", "T3", "T4"]),
+        identifications=experiment_identifications(),
+    output:
+        f"{R}/validation/experiment.csv",
+    log:
+        f"{R}/logs/score_experiment.log",
+    benchmark:
+        f"{R}/benchmarks/score_experiment.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment", "metric"),
+    message:
+        "Scoring the arm's estimates on ID and T1 to T4"
+    script:
+        "../scripts/score_experiment.py"
+
+
+rule simulate_spread:
+    output:
+        f"{R}/spread/recordings.safetensors",
+    log:
+        f"{R}/logs/simulate_spread.log",
+    benchmark:
+        f"{R}/benchmarks/simulate_spread.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment", "spread"),
+    message:
+        "Simulating many specimens of the arm"
+    script:
+        "../scripts/simulate_spread.py"
+
+
+rule score_spread:
+    input:
+        recordings=f"{R}/spread/recordings.safetensors",
+        weights=f"{R}/model/cnn.safetensors",
+        mean_torque=f"{R}/data/mean_torque.csv",
+    output:
+        f"{R}/spread/scores-{{index}}.csv",
+    log:
+        f"{R}/logs/score_spread-{{index}}.log",
+    benchmark:
+        f"{R}/benchmarks/score_spread-{{index}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement", "spread"),
+    message:
+        "Identifying and scoring many specimens, identification duration {wildcards.index}"
+    script:
+        "../scripts/score_spread.py"
