@@ -60,7 +60,11 @@ rule all:
     default_target: True
     input:
         expand(f"{F}/{{figure}}.{{ext}}", figure=[*FIGURES, "spread", "metric_search"], ext=["pdf", "png"]),
-        expand(f"{R}/tables/{{table}}.{{ext}}", table=[*TABLES, "stability", "verdict", "metric_search"], ext=["csv", "tex", "md"]),
+        expand(
+            f"{R}/tables/{{table}}.{{ext}}",
+            table=[*TABLES, "stability", "verdict", "metric_search"],
+            ext=["csv", "tex", "md"],
+        ),
     message:
         "All tables and figures are up to date"
 

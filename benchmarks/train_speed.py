@@ -14,11 +14,13 @@ if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a
 import numpy as np
 import torch
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import assemble
-from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
-from repro.cnn.recipe import TrainingSettings, learning_rate, make_optimisers
+from repro.cnn.network import SignalCNN, sigmoid_loss
+from repro.cnn.optimisers import make_optimisers
+from repro.cnn.schedule import TrainingSettings, learning_rate
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.

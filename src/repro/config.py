@@ -9,6 +9,9 @@ import numpy as np
 import yaml
 
 from repro.errors import InputError
+from repro.fpga.frames import SAMPLING_PERIOD
+from repro.model.feasibility import is_positive_definite
+from repro.signals.programs import MEMORY_SAMPLES
 
 #: Keys and list positions that lead to a value.
 Place = tuple[str | int, ...]
@@ -133,9 +136,29 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
     if round(signals["duration_s"] / signals["sampling_period_s"]) <= signals["image_samples"]:
         expected = f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
         yield (("signals", "duration_s"), ("signals", "sampling_period_s")), expected
+    yield from _experiment_contradictions(config)
     if not 1 <= round(paper["train_share"] * paper["images"]) < paper["images"]:
         places = (("training", "paper", "images"), ("training", "paper", "train_share"))
         yield places, "at least one image to train with and one to test with"
+
+
+def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+    """What the board cannot play, and an arm that cannot be."""
+    signals, experiment = config["signals"], config["experiment"]
+    h = signals["sampling_period_s"]
+    if h != SAMPLING_PERIOD:
+        yield (("signals", "sampling_period_s"),), f"{SAMPLING_PERIOD} s, the board's clock"
+    edges = round(experiment["lead_in_s"] / h) + 2 * experiment["margin_samples"]
+    durations: list[tuple[Place, float]] = [(("signals", "duration_s"), signals["duration_s"])]
+    durations += [(("spread", "durations_s", k), d) for k, d in enumerate(config["spread"]["durations_s"])]
+    for place, duration in durations:
+        if round(duration / h) + edges > MEMORY_SAMPLES:
+            longest = (MEMORY_SAMPLES - edges) * h
+            others = (("experiment", "lead_in_s"), ("experiment", "margin_samples"))
+            expected = f"a motion that the board's memory holds, {longest:g} s with this lead-in and margin"
+            yield (place, *others), expected
+    if not is_positive_definite(np.array(config["arm"]["parameters"], dtype=np.float64)):
+        yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
 
 
 def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] = ()) -> None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.image import ImageSettings
-from repro.cnn.network import NetworkSettings
 from repro.cnn.priors import GuessSettings
-from repro.cnn.recipe import PaperSchedule, TrainingSettings
+from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.model.parameters import Array
@@ -75,7 +75,7 @@ def data_settings(config: Config, variant: str) -> DataSettings:
         d["guess_low"], d["guess_high"], d["exact_share"], d["near_share"], d["near_low"], d["near_high"]
     )
     image = "scale-aware" if variant == "scale-aware" else "published"
-    return DataSettings(d["prior"], guess, ImageSettings(**config["images"][image]))
+    return DataSettings(d["prior"], guess, ImageSettings(**config["images"][image]), d["label"])
 
 
 def training_settings(config: Config, variant: str) -> TrainingSettings:

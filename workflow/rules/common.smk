@@ -24,3 +24,29 @@ def identifications(suffixes):
         suffix=suffixes,
         seed=config["numeric"]["seeds"],
     )
+
+
+def stored_capture(wildcards):
+    """Files that a stored capture is read from; a simulated or real board needs none."""
+    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
+    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "json")] if stored else []
+
+
+def captures(motions):
+    """Captures of these motions with their sidecars."""
+    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "json"])
+
+
+def experiment_identifications():
+    """Identifications of the arm: both networks with every seed, and least squares."""
+    numbered = expand(
+        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+        suffix=["", "-scale-aware"],
+        seed=config["experiment"]["search_seeds"],
+    )
+    return [*numbered, f"{R}/identification/experiment-least-squares.json"]
+
+
+def spread_scores():
+    """Scores of every identification duration."""
+    return expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))

@@ -1,29 +1,3 @@
-def stored_capture(wildcards):
-    """Files that a stored capture is read from; a simulated or real board needs none."""
-    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
-    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "json")] if stored else []
-
-
-def captures(motions):
-    """Captures of these motions with their sidecars."""
-    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "json"])
-
-
-def experiment_identifications():
-    """Identifications of the arm: both networks with every seed, and least squares."""
-    numbered = expand(
-        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
-        suffix=["", "-scale-aware"],
-        seed=config["experiment"]["search_seeds"],
-    )
-    return [*numbered, f"{R}/identification/experiment-least-squares.json"]
-
-
-def spread_scores():
-    """Scores of every identification duration."""
-    return expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))
-
-
 rule acquire:
     input:
         stored_capture,
@@ -36,7 +10,8 @@ rule acquire:
         f"{R}/benchmarks/acquire-{{motion}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
+    # A port can be opened once, so recordings from one take all cores and run one after another.
+    threads: workflow.cores if config["experiment"]["source"] == "serial" else 1
     resources:
         mem_mb=2000,
     params:
@@ -64,7 +39,9 @@ rule identify_experiment:
     resources:
         mem_mb=2000,
     params:
-        config=sections("signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement"),
+        config=sections(
+            "signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement"
+        ),
     message:
         "Identifying the arm, network{wildcards.suffix}, seed {wildcards.seed}"
     script:
@@ -153,7 +130,19 @@ rule score_spread:
     resources:
         mem_mb=2000,
     params:
-        config=sections("signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement", "spread"),
+        config=sections(
+            "signals",
+            "arm",
+            "board",
+            "experiment",
+            "network",
+            "data",
+            "images",
+            "metric",
+            "algorithm1",
+            "refinement",
+            "spread",
+        ),
     message:
         "Identifying and scoring many specimens, identification duration {wildcards.index}"
     script:

@@ -1,7 +1,7 @@
 """The arm's parameters by Algorithm 1 and its refinement, one network and one seed."""
 
-from repro.pipeline.experiment_stages import identify_experiment
 from repro.pipeline.job import job
+from repro.pipeline.network_stages import identify_experiment
 
 with job(snakemake.log[0], snakemake.threads):
     identify_experiment(

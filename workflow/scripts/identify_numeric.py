@@ -1,7 +1,7 @@
 """All numeric arms for one network and one seed."""
 
 from repro.pipeline.job import job
-from repro.pipeline.stages import identify_numeric
+from repro.pipeline.network_stages import identify_numeric
 
 with job(snakemake.log[0], snakemake.threads):
     identify_numeric(

@@ -1,7 +1,7 @@
 """Identification and validation of many specimens for one duration."""
 
-from repro.pipeline.experiment_stages import score_specimens
 from repro.pipeline.job import job
+from repro.pipeline.network_stages import score_specimens
 
 with job(snakemake.log[0], snakemake.threads):
     score_specimens(

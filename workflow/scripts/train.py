@@ -1,7 +1,7 @@
 """One network."""
 
 from repro.pipeline.job import job
-from repro.pipeline.stages import train_network
+from repro.pipeline.network_stages import train_network
 
 with job(snakemake.log[0], snakemake.threads):
     train_network(

@@ -10,8 +10,9 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import NetworkSettings
+from repro.cnn.weights import read_weights
 from repro.errors import InputError
 from repro.files import write_whole
 
@@ -86,17 +87,9 @@ def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
     InputError
         If the file is missing, damaged, or holds other sizes.
     """
-    tensors, _ = _read(path)
+    weights = read_weights(path, settings)
     network = FactoredCNN(settings)
-    wanted = {name: tuple(t.shape) for name, t in network.state_dict().items()}
-    found = {name: tuple(t.shape) for name, t in tensors.items()}
-    if wanted != found:
-        wrong = sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n))[0]
-        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {wanted.get(wrong, 'none')}")
-    for name, tensor in tensors.items():
-        if not bool(torch.isfinite(tensor).all()):
-            raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")
-    network.load_state_dict(tensors)
+    network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)
 
 

@@ -4,6 +4,7 @@ A sample is four 100-vectors (the image's factors) for each channel and nine lab
 """
 
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,6 +111,10 @@ def sample_motion(motion: Motion, settings: SignalSettings) -> SampledMotion:
     return SampledMotion(np.moveaxis(tau_s, 0, -1), model)
 
 
+Label = Literal["largest-torque", "physical"]
+LABELS: tuple[Label, ...] = get_args(Label)
+
+
 @dataclass(frozen=True)
 class DataSettings:
     """Distribution of the training samples.
@@ -122,11 +127,20 @@ class DataSettings:
         Where guesses come from.
     image : ImageSettings
         Divisors of Eq. 9.
+    label : {"largest-torque", "physical"}
+        Unit of parameters in labels and guesses: of the largest torque (default), in which a right guess makes
+        psi equal alpha as Section IV-A says, or SI as the text reads, in which it does not.
     """
 
     prior: Prior = "mixture"
     guess: GuessSettings = field(default_factory=GuessSettings)
     image: ImageSettings = field(default_factory=ImageSettings)
+    label: Label = "largest-torque"
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown unit."""
+        if self.label not in LABELS:
+            raise ValueError(f"label: must be one of {LABELS}, got {self.label!r}.")
 
 
 @dataclass(frozen=True)
@@ -170,7 +184,7 @@ def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settin
     tau = beta @ motion.torque.reshape(-1, 9).T  # (n, 2M)
     largest = np.abs(tau).max(-1, keepdims=True)
     # psi equals alpha for the right guess only if parameters are read in units of the largest torque.
-    beta_bar = beta / largest
+    beta_bar = beta / largest if settings.label == "largest-torque" else beta
     alpha = (tau / largest).reshape(n, 2, m).astype(np.float32)
     beta_n = training_guess(rng, beta_bar, settings.guess)
     psi = 2 * alpha - (beta_n @ motion.model.reshape(-1, 9).T).reshape(n, 2, m).astype(np.float32)

@@ -9,15 +9,15 @@ the four members of each 2 x 2 pool, so pooling is three elementwise maxima, and
 come after it on a quarter of the data.
 """
 
-from typing import Any, Literal
+from typing import Any
 
 import torch
 import torch.nn.functional as F  # noqa: N812
 from torch import Tensor, nn
 
-from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.cnn.architecture import NetworkSettings
+from repro.cnn.network import SignalCNN
 
-Precision = Literal["float32", "bfloat16"]
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
 
 

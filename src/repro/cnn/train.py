@@ -15,11 +15,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import Progress, load_checkpoint, save_checkpoint
 from repro.cnn.dataset import DataSettings, SampledMotion, Samples, draw_samples
 from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import NetworkSettings, sigmoid_loss
-from repro.cnn.recipe import TrainingSettings, learning_rate, make_optimisers
+from repro.cnn.network import sigmoid_loss
+from repro.cnn.optimisers import make_optimisers
+from repro.cnn.schedule import TrainingSettings, learning_rate
 from repro.streams import Stream, stream
 
 
@@ -43,9 +45,6 @@ class Trained:
     history: NDArray[np.float64]
     seconds: float
     seconds_at: NDArray[np.float64]
-
-
-HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")
 
 
 def _tensors(samples: Samples) -> tuple[Tensor, Tensor, Tensor]:
@@ -143,7 +142,7 @@ def train(
     Trained
         Network and history.
     """
-    torch.use_deterministic_algorithms(True)
+    torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)
     optimisers = make_optimisers(net, settings)

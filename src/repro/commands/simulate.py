@@ -48,7 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
     from repro.fpga.faults import FaultInjector
     from repro.fpga.server import serve
-    from repro.pipeline.experiment import board_from_config, load_config
+    from repro.pipeline.experiment import load_config
+    from repro.pipeline.specimen import board_from_config
 
     if arguments.link is not None and arguments.listen != "pty":
         raise InputError.at("--link", f"--listen {arguments.listen}", "--listen pty")

@@ -1,15 +1,18 @@
 """Algorithm 1: parametric identification, lines 8 to 32; `repro.identify.prepare` holds lines 1 to 12."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from repro.identify.prepare import Prepared
-from repro.identify.residual import ResidualReader
 from repro.model.dynamics import rebuild_torque
 from repro.model.feasibility import CHECKS
 from repro.model.parameters import Array
 from repro.signals.metric import MetricSettings, TorqueScorer
+
+if TYPE_CHECKING:
+    from repro.identify.residual import ResidualReader
 
 
 @dataclass(frozen=True)
@@ -89,7 +92,7 @@ class Selected:
 
 
 def search(
-    reader: ResidualReader, prepared: Prepared, settings: SearchSettings, rng: np.random.Generator
+    reader: "ResidualReader", prepared: Prepared, settings: SearchSettings, rng: np.random.Generator
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation.
 

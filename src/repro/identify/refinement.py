@@ -14,15 +14,18 @@ as far without it: the control that does not feed back tells how much is the net
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.prepare import Prepared
-from repro.identify.residual import ResidualReader
 from repro.model.feasibility import CHECKS
 from repro.model.parameters import Array
 from repro.signals.metric import TorqueScorer
+
+if TYPE_CHECKING:
+    from repro.identify.residual import ResidualReader
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class RefinementSettings:
 
 
 def refine(
-    reader: ResidualReader,
+    reader: "ResidualReader",
     beta_m: Array,
     prepared: Prepared,
     search: SearchSettings,

@@ -1,13 +1,14 @@
 """Tables 2 and 3, Figure 7 and the model card: what the parameters and the network are."""
 
 import hashlib
+from math import prod
 from pathlib import Path
 
 import pandas as pd
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
-from repro.cnn.network import NetworkSettings, SignalCNN
-from repro.cnn.recipe import TrainingSettings
+from repro.cnn.schedule import TrainingSettings
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 
 
@@ -29,11 +30,10 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
     DataFrame
         Columns ``layer, kind, height, width, channels, kernel, parameters``.
     """
-    net = SignalCNN(settings)
     k, maps, (p1, p2, p3) = settings.kernels, settings.maps, settings.pooled
 
     def count(name: str) -> int:
-        return sum(p.numel() for p in getattr(net, name).parameters())
+        return sum(prod(settings.weights[f"{name}.{part}"]) for part in ("weight", "bias"))
 
     rows = [
         ("input", "input", settings.image_size, settings.image_size, 2, "", 0),
@@ -103,7 +103,7 @@ def model_card(
     weights : Path
         Weight file, for its name and hash.
     history : DataFrame
-        Columns of `repro.cnn.train.HISTORY_COLUMNS`.
+        Columns of `repro.cnn.schedule.HISTORY_COLUMNS`.
     network, data, training : settings
         What it was trained with.
     seconds_at : list of float

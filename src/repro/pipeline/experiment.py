@@ -1,7 +1,7 @@
 """The experimental set-up from the configuration: arm, board, motions, and the bytes between them (Section V-C)."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +11,8 @@ import yaml
 from repro.config import check_config
 from repro.errors import InputError
 from repro.fpga.about import About, Host, trajectory_digest
-from repro.fpga.board import Board
 from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import Gains, encode_program, encode_start
-from repro.fpga.plant import Plant, Unmodelled
 from repro.model.parameters import Array
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.limits import check_limits, permitted_program
@@ -72,61 +70,6 @@ def control_constants(config: Config) -> ControlConstants:
 def true_parameters(config: Config) -> Array:
     """Parameters of the simulated arm, shape (9,)."""
     return np.array(config["arm"]["parameters"], dtype=np.float64)
-
-
-def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
-    """What Eq. 1 leaves out of one arm.
-
-    Parameters
-    ----------
-    config : mapping
-        Section ``arm``.
-    seed : int
-        Each seed is another specimen: phases of the ripple, and levels within ``variation`` of the nominal.
-
-    Returns
-    -------
-    Unmodelled, array of shape (2,)
-        Levels, and phase of the ripple of each joint (rad).
-    """
-    a = config["arm"]
-    rng = stream(seed, Stream.PLANT)
-    phase = rng.uniform(0.0, 2.0 * np.pi, 2)
-    factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
-    levels = Unmodelled(
-        stribeck=float(a["stribeck"] * factor[0]),
-        stribeck_velocity=a["stribeck_velocity_rad_s"],
-        ripple=float(a["ripple_nm"] * factor[1]),
-        ripple_cycles=a["ripple_cycles"],
-        dead_band=a["dead_band_counts"],
-    )
-    return levels, phase
-
-
-def board_from_config(config: Config, seed: int | None = None) -> Board:
-    """Simulated board with its arm.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``arm``, ``board``, ``signals`` and ``experiment``.
-    seed : int, optional
-        Specimen of the arm; ``experiment.seed`` by default.
-
-    Returns
-    -------
-    Board
-        At rest.
-    """
-    seed = config["experiment"]["seed"] if seed is None else seed
-    beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
-    levels, phase = disturbance(config, seed)
-    arm = {"parameters": beta.tolist(), **asdict(levels), "ripple_phase": phase.tolist(), "seed": seed}
-    return Board(
-        lambda: Plant(beta, h, levels, phase),
-        control_constants(config).torque_per_count,
-        {"board": "simulated", "arm": arm},
-    )
 
 
 def program_settings(config: Config) -> ProgramSettings:

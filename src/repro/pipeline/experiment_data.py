@@ -12,9 +12,9 @@ from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
-from repro.pipeline.acquire import Recording
 from repro.pipeline.experiment_runs import CASE, Filtered, filtered
 from repro.pipeline.figure_data import Curve, curves
+from repro.pipeline.recordings import Recording
 from repro.pipeline.summary import median_seeds
 from repro.signals.dct import spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
@@ -46,22 +46,20 @@ def _torque_curves(
     y, n = f.regressor, f.tau.shape[1]
     series: dict[str, Array] = {"measured": f.tau}
     series |= {method: rebuild_torque(y, estimates[method]) for method in methods}
-    if in_frequency:
-        frequency = np.linspace(0.0, (n - 1) / (2 * n * h), n)
-        kept = frequency <= HIGHEST
-        return [
-            (f"{prefix}torque{j + 1}", name, frequency[kept], spectrum(tau[j])[kept])
-            for j in (0, 1)
-            for name, tau in series.items()
-        ]
-    time = np.linspace(0.0, (n - 1) * h, n)
-    return [(f"{prefix}torque{j + 1}", name, time, tau[j]) for j in (0, 1) for name, tau in series.items()]
+    x = np.asarray(np.arange(n) / (2 * n * h) if in_frequency else np.arange(n) * h, dtype=np.float64)
+    kept = x <= HIGHEST if in_frequency else np.ones(n, dtype=np.bool_)
+    parts: list[Curve] = []
+    for j in (0, 1):
+        for name, tau in series.items():
+            y_j = spectrum(tau[j]) if in_frequency else tau[j]
+            parts.append((f"{prefix}torque{j + 1}", name, x[kept], y_j[kept]))
+    return parts
 
 
 def _motion_curves(recording: Recording, f: Filtered, h: float, prefix: str) -> list[Curve]:
     program = recording.program
     desired = program.q[:, program.n1 : program.n2]
-    time = h * np.arange(desired.shape[1])
+    time = np.asarray(h * np.arange(desired.shape[1]), dtype=np.float64)
     parts = [(f"{prefix}position", f"desired{j + 1}", time, desired[j]) for j in (0, 1)]
     for panel, x in (("position", f.q), ("velocity", f.dq), ("acceleration", f.ddq)):
         parts += [(f"{prefix}{panel}", f"joint{j + 1}", time, x[j]) for j in (0, 1)]
@@ -116,20 +114,20 @@ def setup_figure(control: ControlConstants, geometry: ArmGeometry, h: float) -> 
     """Figure 18: parts of the simulated set-up and their figures."""
     rate, (full1, full2) = f"{1 / h:g}", control.full_torque
     rows = [
-        ("pc", "program", "repro record", "-"),
-        ("pc", "captures", ".bin + .json", "-"),
-        ("pc", "identification", "repro", "-"),
-        ("serial", "opened with", "pyserial", "-"),
-        ("serial", "speed", f"{BAUD}", "Bd"),
-        ("serial", "simulated by", "pseudo-terminal", "-"),
-        ("write-ram", "messages", "CRC-32", "-"),
+        ("pc", "-", "repro record", "-"),
+        ("pc", "-", "repro decode", "-"),
+        ("pc", "-", "identification", "-"),
+        ("serial", "-", "pyserial", "-"),
+        ("serial", "-", f"{BAUD}", "Bd"),
+        ("serial", "-", "pseudo-terminal", "-"),
+        ("write-ram", "-", "CRC-32", "-"),
         ("ram", "-", f"{MEMORY_SAMPLES} x 2", "float32"),
         ("pd", "-", "float32", "-"),
         ("pd", "-", rate, "Hz"),
-        ("pwm", "-", f"+-{PWM_LIMIT}", "counts"),
+        ("pwm", "-", f"-{PWM_LIMIT} to {PWM_LIMIT}", "-"),
         ("decoder", "-", f"{COUNTS_PER_TURN}", "counts/turn"),
         ("uplink", "-", "64 bit", "frames"),
-        ("uplink", "-", rate, "1/s"),
+        ("uplink", "-", rate, "Hz"),
         ("motors", "joint 1", f"{full1:g}/{PWM_LIMIT}", "N m"),
         ("motors", "joint 2", f"{full2:g}/{PWM_LIMIT}", "N m"),
         ("arm", "l1", f"{geometry.l1:g}", "m"),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,11 +13,13 @@ from repro.identify.least_squares import least_squares
 from repro.identify.prepare import Prepared, prepare
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
-from repro.pipeline.acquire import Recording
-from repro.pipeline.methods import Identifier
+from repro.pipeline.recordings import Recording
 from repro.signals.dct import dct2dev, dct2low
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.streams import Stream, stream
+
+if TYPE_CHECKING:
+    from repro.pipeline.methods import Identifier
 
 #: The one case of the experiment's identifications: parameters come from this motion.
 CASE = "ID"
@@ -79,7 +81,7 @@ def prepare_recording(recording: Recording, tau_mean: Array, signals: SignalSett
 
 
 def identify_recording(
-    identifier: Identifier, recording: Recording, tau_mean: Array, signals: SignalSettings, seed: int, true: Array
+    identifier: "Identifier", recording: Recording, tau_mean: Array, signals: SignalSettings, seed: int, true: Array
 ) -> dict[str, Any]:
     """Algorithm 1 and its refinement on one recording.
 
@@ -101,7 +103,7 @@ def identify_recording(
     Returns
     -------
     dict
-        One arm in the form of `repro.pipeline.numeric.identify_arms`.
+        One arm in the form of `repro.pipeline.numeric_identification.identify_arms`.
     """
     prepared = prepare_recording(recording, tau_mean, signals)
     methods, met = identifier.methods(

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from repro.cnn.dataset import DataSettings, SignalSettings, sample_motion
 from repro.cnn.image import assemble, colours, image_factors
-from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta, uniform_guess
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
@@ -133,13 +133,13 @@ def loss(history: pd.DataFrame) -> pd.DataFrame:
     return curves(("loss", s, x, history[f"{s}_loss"].to_numpy(dtype=np.float64)) for s in ("train", "test"))
 
 
-def kernel_spectra(network: SignalCNN) -> pd.DataFrame:
+def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
     """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle.
 
     Parameters
     ----------
-    network : SignalCNN
-        Trained network.
+    weights : mapping
+        Trained weights, from `repro.cnn.weights.read_weights`.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def kernel_spectra(network: SignalCNN) -> pd.DataFrame:
     """
     frames = []
     for name in ("conv1", "conv2", "conv3"):
-        kernels = getattr(network, name).weight.detach().numpy().astype(np.float64)  # (output, input, k, k)
+        kernels = weights[f"{name}.weight"].astype(np.float64)  # (output, input, k, k)
         power = np.abs(np.fft.fftshift(np.fft.fft2(kernels), axes=(-2, -1))) ** 2
         power /= power.max((-2, -1), keepdims=True)
         index = np.indices(power.shape).reshape(4, -1)
@@ -172,7 +172,7 @@ def torques(
     Parameters
     ----------
     identifications : sequence of dict
-        Results of `repro.pipeline.numeric.identify_arms`.
+        Results of `repro.pipeline.numeric_identification.identify_arms`.
     scores : DataFrame
         Scores of the same runs.
     signals, numeric : settings

@@ -34,7 +34,7 @@ def _check_arms(path: Path, arms: object) -> None:
 
 
 def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
-    """Results of `repro.pipeline.numeric.identify_arms`, checked for what later stages need.
+    """Results of `repro.pipeline.numeric_identification.identify_arms`, checked for what later stages need.
 
     Raises
     ------

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import torch
-
 from repro.errors import InputError
 
 
@@ -34,7 +32,7 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     root = logging.getLogger()
     to_file, to_terminal = logging.FileHandler(path, mode="w"), logging.StreamHandler(sys.stderr)
     to_file.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
-    root.setLevel(logging.INFO)
+    logging.getLogger("repro").setLevel(logging.INFO)  # libraries tell only what is wrong
     root.addHandler(to_file)
     root.addHandler(to_terminal)
     alive = Path(".snakemake/alive")
@@ -42,8 +40,10 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     held = alive.open() if alive.exists() else None
     if held:
         fcntl.flock(held, fcntl.LOCK_SH)
-    torch.set_num_threads(threads)
-    torch.use_deterministic_algorithms(True)
+    torch = sys.modules.get("torch")  # a script imports what it uses before its job begins; most need no network
+    if torch:
+        torch.set_num_threads(threads)
+        torch.set_deterministic_debug_mode("error")  # use_deterministic_algorithms loads a compiler for a second
     try:
         yield
     except InputError as error:

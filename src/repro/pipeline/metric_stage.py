@@ -3,7 +3,7 @@
 from repro.files import write_csv
 from repro.paper.metric_checks import abstract_check, composition, pair_bounds
 from repro.paper.metric_search import search as search_metric
-from repro.pipeline.stages import Config, Named, paths
+from repro.pipeline.named import Config, Named, paths
 
 
 def search_metric_formula(named_outputs: Named, config: Config) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from repro.cnn.checkpoint import load_network
-from repro.cnn.train import HISTORY_COLUMNS
+from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.weights import read_weights
 from repro.files import read_csv
 from repro.pipeline import experiment_outputs as experiment
 from repro.pipeline import figure_data as draw
@@ -68,7 +68,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
         signal_settings(c), data_settings(c, "published"), training_settings(c, "published").seed
     ),
     "fig10": lambda i, _: draw.loss(read_csv(i["history"][0], HISTORY_COLUMNS)),
-    "fig11": lambda i, c: draw.kernel_spectra(load_network(i["weights"][0], network_settings(c))),
+    "fig11": lambda i, c: draw.kernel_spectra(read_weights(i["weights"][0], network_settings(c))),
     "fig12": lambda i, c: _torques(i, c, "ID", ("N1", "N2")),
     "fig13": lambda i, c: _torques(i, c, "ID", ("N3", "N4")),
     "fig14": lambda i, c: _torques(i, c, "ID", ALL, in_frequency=True),

@@ -1,33 +1,28 @@
-"""The whole experiment over many specimens of the arm: does Algorithm 1 beat least squares on T1 to T4?"""
+"""The whole experiment over many specimens of the arm: their recordings; `repro.pipeline.verdict` draws from them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
-from scipy.stats import binomtest
 
 from repro.errors import InputError
 from repro.files import write_whole
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
-from repro.model.parameters import Array
-from repro.pipeline.acquire import Recording
-from repro.pipeline.experiment import control_constants, disturbance, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.recordings import Recording
+from repro.pipeline.specimen import disturbance
 from repro.progress import Progress
 from repro.signals.programs import PROGRAMS, Program
-from repro.streams import Stream, stream
 
 Config = Mapping[str, Any]
 
 #: Motions that only validate.
 VALIDATION = PROGRAMS[1:]
-#: Resamples of the bootstrap.
-RESAMPLES = 9999
 
 
 def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
@@ -102,45 +97,3 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
             recordings[name] = Recording(program, position[k] * RADIANS_PER_COUNT, pwm[k] * torque)
         found.append((seed, recordings))
     return found
-
-
-def verdict(scores: pd.DataFrame, methods: Sequence[str], opponent: str = "least-squares") -> pd.DataFrame:
-    """Is a method better than least squares: in how many runs, and by how much?
-
-    Parameters
-    ----------
-    scores : DataFrame
-        Columns ``case, joint, method, duration, seed, total``.
-    methods : sequence of str
-        Methods to compare with `opponent`.
-    opponent : str
-        What they are compared with.
-
-    Returns
-    -------
-    DataFrame
-        For each method, motion, joint and duration: runs, wins, their share with its 95 % Wilson interval, and
-        the median of the paired difference of total similarity with its 95 % bootstrap percentile interval.
-    """
-    index = ["motion", "joint", "duration", "seed"]
-    totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
-    rows = []
-    for method in methods:
-        difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
-        for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
-            d = group["difference"].to_numpy()
-            wins = int((d > 0).sum())
-            share = binomtest(wins, len(d)).proportion_ci(0.95, method="wilson")
-            rows.append((*list(key), method, len(d), wins, wins / len(d), share.low, share.high, *_median(d, k)))
-    columns = ["motion", "joint", "duration", "method", "runs", "wins", "win_share", "win_low", "win_high"]
-    return pd.DataFrame(rows, columns=[*columns, "difference_median", "difference_low", "difference_high"])
-
-
-def _median(values: Array, index: int) -> tuple[float, float, float]:
-    """Median with its 95 % bootstrap percentile interval; a single value, or equal ones, are their own interval."""
-    middle = float(np.median(values))
-    if np.ptp(values) == 0:
-        return middle, middle, middle
-    resamples = stream(0, Stream.BOOTSTRAP, index).choice(values, (RESAMPLES, len(values)))
-    low, high = np.quantile(np.median(resamples, axis=1), [0.025, 0.975])
-    return middle, float(low), float(high)

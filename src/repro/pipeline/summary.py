@@ -103,7 +103,7 @@ def parameter_table(
     Parameters
     ----------
     identifications : sequence of dict
-        Results of `repro.pipeline.numeric.identify_arms`.
+        Results of `repro.pipeline.numeric_identification.identify_arms`.
     scores : DataFrame
         Scores of the same runs.
     cases : sequence of str

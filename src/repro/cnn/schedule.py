@@ -1,16 +1,16 @@
-"""Recipes of training: budgets, learning rates and optimisers."""
+"""Recipes of training: budgets and learning rates; `repro.cnn.optimisers` takes the steps."""
 
 import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-import torch
-
-from repro.cnn.factored import DTYPES, Precision
-from repro.cnn.network import SignalCNN
-
 Recipe = Literal["streamed", "paper"]
 RECIPES: tuple[Recipe, ...] = ("streamed", "paper")
+Precision = Literal["float32", "bfloat16"]
+PRECISIONS: tuple[Precision, ...] = ("float32", "bfloat16")
+
+#: What the history of a training run holds of each of its rows.
+HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class TrainingSettings:
         """Refuse budgets that are not positive and unknown choices."""
         if self.recipe not in RECIPES:
             raise ValueError(f"recipe: must be one of {RECIPES}, got {self.recipe!r}.")
-        if self.precision not in DTYPES:
-            raise ValueError(f"precision: must be one of {tuple(DTYPES)}, got {self.precision!r}.")
+        if self.precision not in PRECISIONS:
+            raise ValueError(f"precision: must be one of {PRECISIONS}, got {self.precision!r}.")
         if not self.learning_rate > 0:
             raise ValueError(f"learning_rate: must be positive, got {self.learning_rate}.")
         for name in ("steps", "batch", "test_samples", "log_every", "checkpoint_every"):
@@ -115,30 +115,3 @@ def learning_rate(step: int, s: TrainingSettings) -> float:
         return s.paper.learning_rate + s.paper.learning_rate_slope * step
     rise = min(1.0, (step + 1) / max(s.warmup, 1))
     return s.learning_rate * rise * 0.5 * (1.0 + math.cos(math.pi * step / s.steps))
-
-
-def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Optimizer]:
-    """Gradient descent for the paper's recipe; for the streamed one Muon on the two hidden matrices, Adam elsewhere.
-
-    Muon's orthogonalised steps give a lower loss than Adam alone after the same number of samples.
-
-    Parameters
-    ----------
-    net : SignalCNN
-        Network to train.
-    s : TrainingSettings
-        Recipe and learning rate.
-
-    Returns
-    -------
-    list of torch.optim.Optimizer
-        To be stepped together.
-    """
-    if s.recipe == "paper":
-        return [torch.optim.SGD(net.parameters(), lr=s.paper.learning_rate)]
-    hidden = [net.fc4.weight, net.fc5.weight]
-    rest = [p for p in net.parameters() if all(p is not w for w in hidden)]
-    return [
-        torch.optim.Adam(rest, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
-        torch.optim.Muon(hidden, lr=s.learning_rate, weight_decay=0.0, adjust_lr_fn="match_rms_adamw", ns_steps=3),
-    ]

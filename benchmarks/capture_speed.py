@@ -1,0 +1,82 @@
+"""Simulated captures: processor time of one arm behind its board, and of one arm in a batch."""
+
+import os
+import sys
+
+if os.environ.get("OMP_NUM_THREADS") != "1":  # BLAS reads it when it is loaded
+    os.environ["OMP_NUM_THREADS"] = "1"
+    os.execv(sys.executable, [sys.executable, *sys.argv])
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+
+from repro.fpga.frames import encode
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant
+from repro.pipeline.experiment import (
+    control_constants,
+    download,
+    load_config,
+    program_from_config,
+    true_parameters,
+)
+from repro.pipeline.specimen import board_from_config, disturbance
+from repro.signals.programs import Program
+
+
+def capture(config, program: Program, seed: int) -> bytes:
+    """Frames of one specimen's board, from the download to the last sample."""
+    board = board_from_config(config, seed)
+    for message in download(program, control_constants(config)):
+        board.receive(message)
+    frames = bytearray()
+    while board.running:
+        frames += board.tick()
+    return bytes(frames)
+
+
+def batch(config, program: Program, seeds: range) -> list[bytes]:
+    """Frames of many specimens, simulated side by side."""
+    levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
+    arms = np.tile(true_parameters(config), (len(seeds), 1))
+    plant = Plant(arms, program.h, levels, np.stack(phase))
+    position, pwm = simulate(plant, control_constants(config), program.q)
+    return [encode(q, u) for q, u in zip(position, pwm, strict=True)]
+
+
+def main() -> None:
+    """Run the benchmark and print its figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--config", type=Path, default=Path("config/config.yaml"))
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--arms", type=int, default=64)
+    parser.add_argument("--repeats", type=int, default=5)
+    args = parser.parse_args()
+    config = load_config(args.config)
+    e, h = config["experiment"], config["signals"]["sampling_period_s"]
+    around = e["lead_in_s"] + 2 * e["margin_samples"] * h
+    program = program_from_config(config, "ID", duration=args.seconds - around)
+    seeds = range(1, args.arms + 1)
+    alone, together = [], []
+    for _ in range(args.repeats):  # in turn, so that both meet the same load
+        began = time.process_time()
+        one = capture(config, program, seeds[0])
+        alone.append(time.process_time() - began)
+        began = time.process_time()
+        many = batch(config, program, seeds)
+        together.append(time.process_time() - began)
+    if many[0] != one:
+        raise RuntimeError("the first arm of the batch is not the one behind the board")
+    n = program.q.shape[1]
+    single, all_arms = float(np.median(alone)), float(np.median(together))
+    each = all_arms / args.arms
+    print(f"one arm behind its board: {single:.3f} s for {n} samples ({n * h:g} s), {1e6 * single / n:.0f} us a sample")
+    print(f"batch of {args.arms}: {all_arms:.3f} s, {each:.4f} s an arm, {single / each:.1f} times cheaper")
+    print(f"spread of the single captures: {min(alone):.3f} to {max(alone):.3f} s")
+
+
+if __name__ == "__main__":
+    main()

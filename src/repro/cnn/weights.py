@@ -1,0 +1,45 @@
+"""Trained weights as plain arrays: what is drawn from them needs no network."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+
+from repro.cnn.architecture import NetworkSettings
+from repro.errors import InputError
+
+
+def read_weights(path: Path, settings: NetworkSettings) -> dict[str, NDArray[np.floating]]:
+    """Read the weights of a network.
+
+    Parameters
+    ----------
+    path : Path
+        File made by `repro.cnn.checkpoint.save_network`.
+    settings : NetworkSettings
+        Sizes.
+
+    Returns
+    -------
+    dict
+        Weights by name, of the shapes ``settings.weights``.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, or holds other sizes or a value that is not finite.
+    """
+    try:
+        with safe_open(path, framework="np") as f:
+            weights: dict[str, NDArray[np.floating]] = {name: f.get_tensor(name) for name in f.keys()}  # noqa: SIM118
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
+    wanted, found = settings.weights, {name: w.shape for name, w in weights.items()}
+    if wanted != found:
+        wrong = sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n))[0]
+        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {wanted.get(wrong, 'none')}")
+    for name, weight in weights.items():
+        if not np.isfinite(weight).all():
+            raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")
+    return weights

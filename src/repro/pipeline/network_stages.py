@@ -1,0 +1,163 @@
+"""The stages that run a network, each for one workflow script: the only ones that load torch."""
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import torch
+
+from repro.cnn.checkpoint import load_network, save_network
+from repro.cnn.dataset import sample_motion
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.train import train
+from repro.errors import InputError
+from repro.files import read_csv, write_csv, write_json, write_text
+from repro.model.parameters import Array
+from repro.pipeline.description import model_card
+from repro.pipeline.experiment import true_parameters
+from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
+from repro.pipeline.methods import Identifier
+from repro.pipeline.named import Config, Named, paths
+from repro.pipeline.numeric_identification import Experiment, identify_arms
+from repro.pipeline.recordings import read_recording
+from repro.pipeline.spread import read_spread
+from repro.progress import Progress
+from repro.settings import (
+    data_settings,
+    metric_settings,
+    network_settings,
+    numeric_settings,
+    refinement_settings,
+    search_settings,
+    signal_settings,
+    training_settings,
+)
+from repro.signals.trajectories import identification_trajectory, sample_times
+
+_LOG = logging.getLogger(__name__)
+
+
+def train_network(variant: str, named_outputs: Named, checkpoint: str, config: Config) -> None:
+    """Stage train: weights, history and model card; continues from `checkpoint` if it is there."""
+    out = {name: files[0] for name, files in paths(named_outputs).items()}
+    signals, network = signal_settings(config), network_settings(config)
+    data, training = data_settings(config, variant), training_settings(config, variant)
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    able = torch.cpu.get_capabilities()
+    if training.precision == "bfloat16" and not any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16")):
+        _LOG.warning("this processor has no bfloat16 arithmetic: training.precision: float32 is faster here")
+    progress = Progress(f"training, {variant}")
+    trained = train(
+        motion,
+        data,
+        network,
+        training,
+        Path(checkpoint),
+        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
+    )
+    history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
+    save_network(out["weights"], trained.network, {"variant": variant})
+    write_csv(out["history"], history)
+    card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
+    write_text(out["card"], card)
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def read_mean_torque(path: Path, samples: int) -> Array:
+    """Mean training torque, an array of shape (2, N) with N = `samples`.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, lacks a column, has another length, or holds a value that is not finite.
+    """
+    columns = ("joint1", "joint2")
+    table = read_csv(path, columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
+    if len(table) != samples:
+        raise InputError.at(f"{path}: rows", len(table), f"{samples}, one for each sample of the trajectory")
+    wrong = ~np.isfinite(table.to_numpy())
+    if wrong.any():
+        line, column = np.argwhere(wrong)[0]
+        raise InputError.at(f"{path}: line {line + 2}: {columns[column]}", "no finite number", "a torque in N m")
+    tau: Array = table.to_numpy(dtype=np.float64).T
+    return tau
+
+
+def identify_numeric(variant: str, seed: int, named_inputs: Named, output: str, config: Config) -> None:
+    """Stage identify: all arms for one seed."""
+    inputs = paths(named_inputs)
+    network = load_network(inputs["weights"][0], network_settings(config))
+    signals = signal_settings(config)
+    experiment = Experiment(
+        variant,
+        signals,
+        data_settings(config, variant),
+        search_settings(config),
+        refinement_settings(config),
+        numeric_settings(config),
+        read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size),
+    )
+    write_json(Path(output), identify_arms(network, experiment, seed))
+
+
+def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identifier:
+    """A trained network with the experiment's settings.
+
+    Parameters
+    ----------
+    variant : str
+        Network variant.
+    network : FactoredCNN
+        Trained network.
+    config : mapping
+        Sections ``data``, ``images``, ``metric``, ``algorithm1``, ``refinement`` and ``experiment``.
+
+    Returns
+    -------
+    Identifier
+        With the threshold of the experiment.
+    """
+    return Identifier(
+        variant,
+        network,
+        data_settings(config, variant).image,
+        replace(search_settings(config), threshold=config["experiment"]["threshold"]),
+        refinement_settings(config),
+    )
+
+
+def identify_experiment(variant: str, seed: int, named_inputs: Named, output: str, config: Config) -> None:
+    """Stage identify: Algorithm 1 and its refinement on the recording of the identification trajectory."""
+    inputs = paths(named_inputs)
+    signals = signal_settings(config)
+    tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
+    recording = read_recording(inputs["captures"][0], config)
+    identifier = identifier_of(variant, load_network(inputs["weights"][0], network_settings(config)), config)
+    run = identify_recording(identifier, recording, tau_mean, signals, seed, true_parameters(config))
+    write_json(Path(output), run)
+
+
+def score_specimens(index: int, named_inputs: Named, output: str, config: Config) -> None:
+    """Stages identify and validate for every specimen of the spread and one identification duration."""
+    inputs = paths(named_inputs)
+    signals = signal_settings(config)
+    tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
+    network = load_network(inputs["weights"][0], network_settings(config))
+    identifier = identifier_of("published", network, config)
+    duration, true = config["spread"]["durations_s"][index], true_parameters(config)
+    specimens = read_spread(inputs["recordings"][0], config, index)
+    progress = Progress(f"spread, identification of {duration:.4g} s")
+    frames = []
+    for k, (seed, recordings) in enumerate(specimens):
+        runs = [
+            identify_recording(identifier, recordings["ID"], tau_mean, signals, seed, true),
+            {**least_squares_of(recordings["ID"], signals, true), "seed": seed},
+        ]
+        scores = score_runs(runs, list(recordings.values()), signals, metric_settings(config))
+        frames.append(scores.assign(duration=duration))
+        progress(k + 1, len(specimens))
+    table = pd.concat(frames, ignore_index=True)
+    write_csv(Path(output), table[["case", "joint", "method", "duration", "seed", "time", "frequency", "total"]])

@@ -1,0 +1,66 @@
+"""The simulated arm from the configuration: what its parameters leave out, and the board that drives it."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+from repro.fpga.board import Board
+from repro.fpga.plant import Plant, Unmodelled
+from repro.model.parameters import Array
+from repro.pipeline.experiment import Config, control_constants, true_parameters
+from repro.streams import Stream, stream
+
+
+def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
+    """What Eq. 1 leaves out of one arm.
+
+    Parameters
+    ----------
+    config : mapping
+        Section ``arm``.
+    seed : int
+        Each seed is another specimen: phases of the ripple, and levels within ``variation`` of the nominal.
+
+    Returns
+    -------
+    Unmodelled, array of shape (2,)
+        Levels, and phase of the ripple of each joint (rad).
+    """
+    a = config["arm"]
+    rng = stream(seed, Stream.PLANT)
+    phase = rng.uniform(0.0, 2.0 * np.pi, 2)
+    factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
+    levels = Unmodelled(
+        stribeck=float(a["stribeck"] * factor[0]),
+        stribeck_velocity=a["stribeck_velocity_rad_s"],
+        ripple=float(a["ripple_nm"] * factor[1]),
+        ripple_cycles=a["ripple_cycles"],
+        dead_band=a["dead_band_counts"],
+    )
+    return levels, phase
+
+
+def board_from_config(config: Config, seed: int | None = None) -> Board:
+    """Simulated board with its arm.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``arm``, ``board``, ``signals`` and ``experiment``.
+    seed : int, optional
+        Specimen of the arm; ``experiment.seed`` by default.
+
+    Returns
+    -------
+    Board
+        At rest.
+    """
+    seed = config["experiment"]["seed"] if seed is None else seed
+    beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
+    levels, phase = disturbance(config, seed)
+    arm = {"parameters": beta.tolist(), **asdict(levels), "ripple_phase": phase.tolist(), "seed": seed}
+    return Board(
+        lambda: Plant(beta, h, levels, phase),
+        control_constants(config).torque_per_count,
+        {"board": "simulated", "arm": arm},
+    )
