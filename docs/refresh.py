@@ -1,6 +1,6 @@
 """Copy a full run into the repository: small pictures to docs/gallery, tables, config and provenance to docs/reference.
 
-Usage, after ``snakemake --cores 2``: ``python docs/refresh.py``
+Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``
 """
 
 import shutil
@@ -8,30 +8,47 @@ from pathlib import Path
 
 from PIL import Image
 
-ROOT = Path(__file__).resolve().parent.parent
-GALLERY, REFERENCE = ROOT / "docs/gallery", ROOT / "docs/reference"
+from repro.paper.ledger.verification import write_ledger
+from repro.pipeline.experiment import load_config
+
+#: Relative to the project, as the ledger's list of files is.
+GALLERY, REFERENCE, CONFIG = Path("docs/gallery"), Path("docs/reference"), Path("config/config.yaml")
 WIDTH = 800
 
 
 def refresh_gallery() -> None:
     """Shrink every figure to the width of a page on a screen, in 64 colours."""
     GALLERY.mkdir(parents=True, exist_ok=True)
-    for figure in sorted((ROOT / "paper_figures").glob("*.png")):
+    for figure in sorted(Path("paper_figures").glob("*.png")):
         with Image.open(figure) as picture:
             height = round(picture.height * WIDTH / picture.width)
             small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(64)
             small.save(GALLERY / figure.name, optimize=True)
 
 
+#: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
+KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
+#: The ablation's table and the numbers it needs are kept from its own run if this one has none.
+OPTIONAL = ("tables/ablation.csv", "tables/ablation.md", "tables/ablation.tex")
+
+
 def refresh_reference() -> None:
-    """Copy what a reader compares their own run with."""
-    shutil.rmtree(REFERENCE / "tables", ignore_errors=True)
-    (REFERENCE / "tables").mkdir(parents=True)
-    for table in sorted((ROOT / "results/tables").glob("*.*")):
-        shutil.copy(table, REFERENCE / "tables")
-    for file in ("config/config.yaml", "results/logs/provenance.json", "results/model/training.csv"):
-        shutil.copy(ROOT / file, REFERENCE)
-    shutil.copy(ROOT / "results/model/model-card.md", REFERENCE)
+    """Copy what a reader compares their own run with, then compute the ledger of the copy."""
+    config = load_config(CONFIG)
+    results = Path(config["results"])
+    kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
+    shutil.rmtree(REFERENCE, ignore_errors=True)
+    tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
+    for name in (*KEPT, *tables):
+        (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(results / name, REFERENCE / name)
+    for name, content in kept.items():
+        if not (REFERENCE / name).exists():
+            (REFERENCE / name).write_bytes(content)
+    shutil.copy(CONFIG, REFERENCE)
+    shutil.copy(results / "logs/provenance.json", REFERENCE)
+    sources = [REFERENCE / name for name in (*KEPT, *tables)]
+    write_ledger(REFERENCE, config, [*sources, Path("data/captures/SHA256SUMS")])
 
 
 if __name__ == "__main__":

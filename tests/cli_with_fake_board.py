@@ -14,8 +14,12 @@ SAMPLES = 200
 DESIRED, FRAMES = frames_of(SAMPLES)
 
 
+#: Modules that `stub` stands for.
+STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.specimen")
+
+
 def stub():
-    """Stands for `repro.pipeline.experiment`: one motion, whatever its name."""
+    """Stands for `repro.pipeline.experiment` and `repro.pipeline.specimen`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.load_config = lambda path: {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
     module.control_constants = lambda config: CONTROL
@@ -30,7 +34,8 @@ def stub():
 
 
 if __name__ == "__main__":
-    sys.modules["repro.pipeline.experiment"] = stub()
+    for name in STOOD_FOR:
+        sys.modules[name] = stub()
     from repro.cli import main
 
     sys.exit(main(sys.argv[1:]))

@@ -9,8 +9,9 @@ import math
 import numpy as np
 import torch
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.cnn.network import SignalCNN
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.metric import metr2ev
 

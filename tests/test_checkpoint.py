@@ -6,8 +6,9 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import Progress, load_checkpoint, load_network, save_checkpoint, save_network
-from repro.cnn.network import NetworkSettings
+from repro.cnn.weights import read_weights
 from repro.errors import InputError
 
 OTHER_SIZES = NetworkSettings(image_size=44, maps=4, hidden=(16, 7))
@@ -29,6 +30,13 @@ def refusal(path, settings=literal.SMALL):
     assert ": found " in message
     assert ", expected " in message
     return message
+
+
+def test_weights_are_read_as_arrays(weights):
+    arrays = read_weights(weights, literal.SMALL)
+    for name, saved in literal.untrained().state_dict().items():
+        assert arrays[name].dtype == np.float32
+        np.testing.assert_array_equal(arrays[name], saved.numpy(), err_msg=name)
 
 
 def test_network_comes_back_as_it_was(weights):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, stub
+from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
 from fake_board import PlayedBoard, about, served
 
 from repro.cli import COMMANDS, main
@@ -25,7 +25,8 @@ SCRIPT = Path(__file__).with_name("cli_with_fake_board.py")
 
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
-    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
+    for name in STOOD_FOR:
+        monkeypatch.setitem(sys.modules, name, stub())
 
 
 @pytest.fixture

@@ -79,7 +79,8 @@ def test_every_key_is_explained():
 
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
-    budgets |= {"inner_limit", "threshold_numeric", "restarts", "keep", "passes", "results", "figures"}
+    budgets |= {"inner_limit", "threshold_numeric", "threshold", "restarts", "keep", "passes", "search_seeds"}
+    budgets |= {"paper_steps", "results", "figures", "enforce"}
     assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
 
 
@@ -131,6 +132,23 @@ BAD = {
         "most 1",
     ),
     "nothing left to test with": ("training: {paper: {train_share: 1}}", "training.paper.train_share", "1", "than 1"),
+    "arm with eight parameters": (f"arm: {{parameters: [{NINE}]}}", "arm.parameters", "0.1", "9 values"),
+    "parameter of the arm that is zero": (f"arm: {{parameters: [{NINE}, 0]}}", "arm.parameters[8]", "0", "more than 0"),
+    "one link": ("arm: {link_lengths_m: [0.2]}", "arm.link_lengths_m", "[0.2]", "2 values"),
+    "dead band in parts of a count": ("arm: {dead_band_counts: 0.5}", "arm.dead_band_counts", "0.5", "integer"),
+    "dead band that is all of the PWM": ("arm: {dead_band_counts: 1023}", "arm.dead_band_counts", "1023", "most 1022"),
+    "negative ripple": ("arm: {ripple_nm: -0.1}", "arm.ripple_nm", "-0.1", "at least 0"),
+    "variation beyond everything": ("arm: {variation: 1.1}", "arm.variation", "1.1", "at most 1"),
+    "gain of zero": ("board: {kp_nm_per_rad: [1.0, 0]}", "board.kp_nm_per_rad[1]", "0", "more than 0"),
+    "unknown source": ("experiment: {source: live}", "experiment.source", "live", "stored"),
+    "captures elsewhere": ("experiment: {captures: /tmp}", "experiment.captures", "/tmp", "text"),
+    "port without a name": ("experiment: {port: ''}", "experiment.port", "''", "minLength"),
+    "baud of zero": ("experiment: {baud: 0}", "experiment.baud", "0", "at least 1"),
+    "more than the memory": ("experiment: {validation_samples: 8193}", "experiment.validation_samples", "93", "8192"),
+    "more than full torque": ("experiment: {torque_share: 1.01}", "experiment.torque_share", "1.01", "at most 1"),
+    "threshold of 92": ("experiment: {threshold: 92.37}", "experiment.threshold", "92.37", "at most 1"),
+    "no duration": ("spread: {durations_s: []}", "spread.durations_s", "[]", "at least 1"),
+    "duration given twice": ("spread: {durations_s: [3.0, 3.0]}", "spread.durations_s", "3.0", "differ"),
     "absolute folder": ("results: /tmp/results", "results", "/tmp/results", "text"),
     "folder outside": ("results: ../x", "results", "../x", "text"),
     "folder outside by a detour": ("figures: a/../../x", "figures", "a/../../x", "text"),

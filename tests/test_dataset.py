@@ -82,6 +82,23 @@ def test_label_and_guess_together_are_the_arm_in_units_of_the_largest_torque(see
     np.testing.assert_allclose(rebuilt, alpha, rtol=0, atol=2e-5)
 
 
+@given(seeds)
+def test_with_physical_labels_a_sample_is_the_arm_itself(seed):
+    """Guess and label add up to parameters whose torque has the shape of the image's, not its size."""
+    samples = draw(seed, label="physical", image=BARE, guess=FAR)
+    beta = guesses(samples, SAMPLED.model) + samples.residual
+    rebuilt = np.einsum("jma,na->njm", SAMPLED.torque, beta)
+    alpha, _ = alpha_psi(samples)
+    largest = np.abs(rebuilt).max((1, 2), keepdims=True)
+    np.testing.assert_allclose(rebuilt / largest, alpha, rtol=0, atol=2e-3)
+    assert np.abs(np.log(largest)).max() > 0.1
+
+
+def test_an_unknown_label_is_refused():
+    with pytest.raises(ValueError, match="label"):
+        DataSettings(label="degrees")
+
+
 @given(seeds, st.sampled_from(PRIORS))
 def test_largest_torque_of_both_joints_is_one(seed, prior):
     alpha, _ = alpha_psi(draw(seed, prior=prior))

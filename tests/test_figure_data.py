@@ -9,11 +9,13 @@ import pandas as pd
 import pytest
 import torch
 import yaml
+from experiment_example import experiment_inputs, short_config
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import save_network
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import NetworkSettings, SignalCNN
+from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
@@ -33,6 +35,7 @@ from repro.streams import Stream, stream
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
+EXPERIMENT = short_config()
 SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
 N = 3770
 H = 2.5e-3
@@ -43,12 +46,14 @@ MEDIAN = 3
 
 
 def sections_of_rules():
-    """Figure or table name -> sections of the configuration that its rule hands to it, and its kind of rule."""
+    """Kind of output and name -> sections of the configuration that its rule hands to it."""
     found = {}
-    for kind in ("figures", "tables"):
-        text = (ROOT / "workflow" / "rules" / f"{kind}.smk").read_text(encoding="utf-8")
-        for name, names in re.findall(r'name="(\w+)",\n +config=sections\(([^)]*)\)', text):
-            found[kind, name] = re.findall(r'"([\w-]+)"', names)
+    for file in sorted((ROOT / "workflow" / "rules").glob("*.smk")):
+        for rule in file.read_text(encoding="utf-8").split("\nrule "):
+            drawn = re.search(r'name="(\w+)",\n +config=sections\(([^)]*)\)', rule)
+            if drawn:
+                kind = re.search(r"scripts/(figure|table)\.py", rule)[1]
+                found[kind + "s", drawn[1]] = re.findall(r'"([\w-]+)"', drawn[2])
     return found
 
 
@@ -105,24 +110,32 @@ def through_csv(frame, folder):
     return read_csv(folder / "frame.csv")
 
 
+@pytest.fixture(scope="module")
+def experiment(tmp_path_factory):
+    """Inputs of the experiment's outputs, by name."""
+    return experiment_inputs(tmp_path_factory.mktemp("experiment"), EXPERIMENT)
+
+
 def test_every_output_has_numbers_a_drawing_and_a_rule():
     assert FIGURE_DATA.keys() == FIGURES.keys() == {name for kind, name in SECTIONS if kind == "figures"}
     assert TABLE_DATA.keys() == LAYOUTS.keys() == {name for kind, name in SECTIONS if kind == "tables"}
 
 
 @pytest.mark.parametrize("name", FIGURE_DATA)
-def test_a_figure_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, tmp_path, name):
-    config = {section: CONFIG[section] for section in SECTIONS["figures", name]}
-    frame = FIGURE_DATA[name](inputs["figures"], config)
+def test_a_figure_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, experiment, tmp_path, name):
+    whole = EXPERIMENT if name in experiment else CONFIG
+    config = {section: whole[section] for section in SECTIONS["figures", name]}
+    frame = FIGURE_DATA[name](experiment.get(name, inputs["figures"]), config)
     with style.house_style():
         figure = FIGURES[name](through_csv(frame, tmp_path))
     assert figure.axes or figure.subfigs
 
 
 @pytest.mark.parametrize("name", TABLE_DATA)
-def test_a_table_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, tmp_path, name):
-    config = {section: CONFIG[section] for section in SECTIONS["tables", name]}
-    frame = TABLE_DATA[name](inputs["tables"], config)
+def test_a_table_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(inputs, experiment, tmp_path, name):
+    whole = EXPERIMENT if name in experiment else CONFIG
+    config = {section: whole[section] for section in SECTIONS["tables", name]}
+    frame = TABLE_DATA[name](experiment.get(name, inputs["tables"]), config)
     table = LAYOUTS[name](through_csv(frame, tmp_path))
     assert "\\toprule" in table.tex()
     assert "|" in table.md()
@@ -224,6 +237,11 @@ def test_loss_is_that_of_the_history():
         assert y.tolist() == history[f"{series}_loss"].tolist()
 
 
+def arrays(net):
+    """Weights of a network by name."""
+    return {name: weight.numpy() for name, weight in net.state_dict().items()}
+
+
 def kernel(frame, layer, output, given):
     here = (frame["layer"] == layer) & (frame["output"] == output) & (frame["input"] == given)
     pixels = frame[here].sort_values(["row", "column"])
@@ -242,7 +260,7 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
     with torch.no_grad():
         for (output, given), wave in waves.items():
             net.conv1.weight[output, given] = torch.from_numpy(wave)
-    frame = figure_data.kernel_spectra(net)
+    frame = figure_data.kernel_spectra(arrays(net))
     peaks = {(0, 0): {(4, 4)}, (1, 0): {(4, 1), (4, 7)}, (2, 1): {(6, 5), (2, 3)}}
     for key, expected in peaks.items():
         power = kernel(frame, "conv1", *key)
@@ -254,7 +272,7 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
 def test_every_kernel_is_there_and_its_largest_power_is_1():
     torch.manual_seed(1)
     net = SignalCNN(NetworkSettings(hidden=(4, 3)))
-    frame = figure_data.kernel_spectra(net)
+    frame = figure_data.kernel_spectra(arrays(net))
     assert list(frame.columns) == ["layer", "input", "output", "row", "column", "power"]
     assert len(frame) == 2 * 10 * 81 + 10 * 10 * 25 + 10 * 10 * 9
     largest = frame.groupby(["layer", "input", "output"])["power"].max()

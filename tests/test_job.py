@@ -16,11 +16,11 @@ MESSAGE = "results/data/mean_torque.csv: line 3: joint1: found no finite number,
 def as_before():
     """Leave torch and the root logger as they were."""
     threads, deterministic = torch.get_num_threads(), torch.are_deterministic_algorithms_enabled()
-    level = logging.getLogger().level
+    level = logging.getLogger("repro").level
     yield
     torch.set_num_threads(threads)
     torch.use_deterministic_algorithms(deterministic)
-    logging.getLogger().setLevel(level)
+    logging.getLogger("repro").setLevel(level)
 
 
 @pytest.fixture
@@ -90,6 +90,14 @@ def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
         logging.getLogger("repro.anything").info("half done")
     assert capsys.readouterr().err == "half done\n"
     assert log.read_text(encoding="utf-8").endswith("half done\n")
+
+
+def test_progress_of_libraries_is_left_out_but_not_their_warnings(log, capsys):
+    with job(str(log)):
+        logging.getLogger("fontTools.subset").info("name pruned")
+        logging.getLogger("fontTools.subset").warning("no such glyph")
+    assert capsys.readouterr().err == "no such glyph\n"
+    assert "name pruned" not in log.read_text(encoding="utf-8")
 
 
 def test_the_log_of_an_earlier_run_is_replaced(log):

@@ -8,10 +8,11 @@ from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import assemble
-from repro.cnn.network import NetworkSettings, SignalCNN, sigmoid_loss
+from repro.cnn.network import SignalCNN, sigmoid_loss
 from repro.signals.trajectories import identification_trajectory
 
 PUBLISHED = NetworkSettings()
@@ -70,6 +71,12 @@ def test_factored_network_is_the_plain_one_in_double_precision(seed):
 @pytest.mark.parametrize("sizes", [PUBLISHED, NetworkSettings(60, 3, (7, 4, 2), (5, 6))])
 def test_factored_network_is_the_plain_one_at_other_sizes(sizes):
     compare(sizes, *factors(0, 2, sizes.image_size), 1e-10, 0)
+
+
+@pytest.mark.parametrize("sizes", [PUBLISHED, literal.SMALL, NetworkSettings(60, 3, (7, 4, 2), (5, 6))])
+def test_sizes_tell_the_shape_of_every_weight(sizes):
+    network = SignalCNN(sizes)
+    assert sizes.weights == {name: tuple(weight.shape) for name, weight in network.state_dict().items()}
 
 
 def distance_to_a_tie(network, picture):

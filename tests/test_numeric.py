@@ -7,23 +7,22 @@ import numpy as np
 import pytest
 import torch
 
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, image_regressor
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
-from repro.cnn.network import NetworkSettings
 from repro.cnn.priors import sample_beta
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.numeric import (
     MEAN_ARMS,
-    Experiment,
-    identify_arms,
     mean_training_torque,
     motion_of,
     score_estimates,
     validation_motion,
 )
+from repro.pipeline.numeric_identification import Experiment, identify_arms
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory

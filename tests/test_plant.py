@@ -1,6 +1,7 @@
 """The simulated arm against Eq. 1, against SciPy's integrator, and against itself with finer steps and in a batch."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,6 +90,27 @@ def test_a_batch_is_its_arms_one_by_one() -> None:
     assert (position[0] != position[2]).any()
 
 
+def test_arms_of_a_batch_may_differ_in_their_levels() -> None:
+    desired = identification_program().q[:, :700]
+    levels = [ROUGH, Unmodelled(stribeck=0.1, ripple=0.3), Unmodelled()]
+    phase = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
+    position, pwm = simulate(Plant(np.stack([ARM] * 3), H, levels, phase), TABLE_8, desired)
+    for b in range(3):
+        alone = simulate(Plant(ARM, H, levels[b], phase[b]), TABLE_8, desired)
+        assert (position[b] == alone[0][0]).all()
+        assert (pwm[b] == alone[1][0]).all()
+    assert (pwm[0] != pwm[1]).any()
+    assert (pwm[1] != pwm[2]).any()
+
+
+@pytest.mark.parametrize("other", [{"stribeck_velocity": 0.1}, {"ripple_cycles": 3.0}, {"dead_band": 2}])
+def test_arms_of_a_batch_share_everything_but_their_levels(other: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="unmodelled: must be one for each arm, equal but for the levels"):
+        Plant(np.stack([ARM, ARM]), H, [ROUGH, replace(ROUGH, **other)])
+    with pytest.raises(ValueError, match="one for each arm"):
+        Plant(np.stack([ARM, ARM]), H, [ROUGH])
+
+
 def test_without_torque_the_arm_keeps_hanging() -> None:
     plant = Plant(ARM, H)
     for _ in range(20):
@@ -118,7 +140,13 @@ def test_the_loop_follows_and_the_encoder_rounds() -> None:
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("stribeck", -0.1), ("ripple", float("nan")), ("stribeck_velocity", 0.0), ("dead_band", -1), ("ripple_cycles", -2)],
+    [
+        ("stribeck", -0.1),
+        ("ripple", float("nan")),
+        ("stribeck_velocity", 0.0),
+        ("dead_band", -1),
+        ("ripple_cycles", -2),
+    ],
 )
 def test_wrong_levels_are_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):

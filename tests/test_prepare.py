@@ -13,6 +13,10 @@ from repro.cnn.dataset import SignalSettings
 from repro.identify.algorithm1 import SearchSettings, select
 from repro.identify.prepare import fit2trt, prepare
 from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.experiment_runs import prepare_recording
+from repro.pipeline.recordings import Recording
+from repro.signals.dct import dct2dev
+from repro.signals.programs import identification_program
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=60)
@@ -126,6 +130,81 @@ def test_whole_signal_is_kept_by_default():
     np.testing.assert_array_equal(found.q, MOTION.q)
     assert found.y.shape == (2, N, 9)
     assert found.y_sub.shape == found.model.shape == (2, 60, 9)
+
+
+def slowed(times, beta, margin=MARGIN):
+    """The trajectory run so many times slower, torques exact for the derivatives that lines 1 and 2 take."""
+    motion = identification_trajectory(times * SIGNALS.duration, SIGNALS.h, margin)
+    dq = dct2dev(motion.q, SIGNALS.h, 0.0)
+    return motion.q, inverse_dynamics(motion.q, dq, dct2dev(dq, SIGNALS.h, 0.0), beta)
+
+
+def in_canonical_time(beta, pace):
+    """Eq. 1 in t' = pace t: inertias times pace^2, viscous friction times pace, the rest as it is."""
+    i, g, b, k = beta[:3], beta[3:5], beta[5:7], beta[7:]
+    return np.concatenate([pace**2 * i, g, pace * b, k])
+
+
+@settings(max_examples=20)
+@given(st.floats(0.4, 3.0), st.sampled_from(sorted(literal.ARMS)))
+def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
+    truth = literal.ARMS[arm]
+    q, tau = slowed(times, truth)
+    n, exact = q.shape[1] - 2 * MARGIN, replace(SIGNALS, c_f=0.0)
+    pace = MEAN.shape[1] / n
+    found = prepare(q, tau, np.ones((2, n)), exact, MARGIN, MARGIN + n, pace=pace)
+    canonical = in_canonical_time(truth, pace)
+    np.testing.assert_allclose(found.y @ canonical, found.tau, rtol=0, atol=1e-10 * np.abs(found.tau).max())
+    np.testing.assert_allclose(found.recorded(canonical), truth, rtol=1e-12)
+    np.testing.assert_allclose(found.recorded(np.stack([canonical] * 3)), np.stack([truth] * 3), rtol=1e-12)
+    chosen = select(np.stack([0.7 * canonical[::-1], canonical / found.largest]), found, SearchSettings())
+    np.testing.assert_allclose(chosen.beta, truth, rtol=1e-9)
+    assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
+
+
+def test_in_canonical_time_the_motion_is_that_of_training():
+    """Twice as slow: half the recorded speed, a quarter of the acceleration, and the same after line 4."""
+    fine = replace(SIGNALS, h=2.5e-3)
+    once, twice = (identification_trajectory(k * fine.duration, fine.h, 200) for k in (1, 2))
+    n = [motion.q.shape[1] - 400 for motion in (once, twice)]
+    at_pace, slow = (
+        prepare(motion.q, np.ones_like(motion.q), np.ones((2, m)), fine, 200, 200 + m, pace=n[0] / m)
+        for motion, m in zip((once, twice), n, strict=True)
+    )
+    for name in ("dq", "ddq"):
+        usual, late = getattr(at_pace, name), getattr(slow, name)[:, ::2]
+        assert np.abs(late[:, : usual.shape[1]] - usual[:, : late.shape[1]]).max() < 0.01 * np.abs(usual).max()
+    beta = in_canonical_time(literal.ARMS["N1"], slow.pace)
+    for name in ("model", "y_sub"):
+        usual, late = getattr(at_pace, name) @ beta, getattr(slow, name) @ beta
+        # tanh(20 dq) of the recorded speed is less steep, so friction near standstill may differ.
+        assert np.linalg.norm(late - usual) < 0.1 * np.linalg.norm(usual)
+    assert slow.pace == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("pace", [0.0, -1.0, np.inf, np.nan])
+def test_a_pace_that_cannot_be_is_refused(pace):
+    with pytest.raises(ValueError, match="pace: must be positive and finite"):
+        prepare(MOTION.q, TAU, MEAN, SIGNALS, *CUT, pace=pace)
+
+
+@pytest.mark.parametrize("duration", [3.0, 9.42477796076938, 15.0])
+def test_a_recording_of_any_length_is_prepared_in_the_time_of_training(duration):
+    """The mean torque is stretched to the recording, whose truth in canonical time is found again."""
+    signals = SignalSettings(c_f=0.0)
+    program = identification_program(duration)
+    dq = dct2dev(program.q, program.h, 0.0)
+    tau = inverse_dynamics(program.q, dq, dct2dev(dq, program.h, 0.0), literal.ARMS["N1"])
+    mean = np.stack([np.linspace(1.0, 2.0, 3770), np.linspace(3.0, 1.0, 3770)])
+    found = prepare_recording(Recording(program, program.q, tau), mean, signals)
+    n = program.n2 - program.n1
+    assert found.pace == pytest.approx(3770 / n)
+    assert found.tau.shape == (2, n)
+    canonical = in_canonical_time(literal.ARMS["N1"], found.pace)
+    chosen = select(canonical[None] / found.largest, found, SearchSettings())
+    np.testing.assert_allclose(chosen.beta, literal.ARMS["N1"], rtol=1e-9)
+    stretched = np.stack([np.linspace(1.0, 2.0, n), np.linspace(3.0, 1.0, n)])
+    assert found.c_p == pytest.approx(fit2trt(found.tau, stretched), rel=1e-3)
 
 
 @pytest.mark.parametrize("cut", [(-1, 400), (0, 60), (400, 460), (300, 200), (N, None), (0, N + 200)])

@@ -57,7 +57,7 @@ def test_refinement_is_above_98_percent_everywhere(name, suffix):
 
 
 def test_loss_of_the_streamed_recipe():
-    history = pd.read_csv(REFERENCE / "training.csv")
+    history = pd.read_csv(REFERENCE / "model/training.csv")
     config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
     assert history["step"].iloc[-1] == config["training"]["steps"]
     assert history["test_loss"].iloc[-1] <= 3e-4

@@ -91,7 +91,7 @@ def test_a_host_may_go_in_the_middle_and_the_next_one_is_served(endpoint):
             assert line.read(80) == FRAMES[:80]
         until(lambda: not board.running)  # it goes on alone
         with opened(port) as line:
-            line.timeout = 0.05
+            line.timeout = 0.5
             while line.read(4096):
                 pass
             line.timeout = 5.0

@@ -9,11 +9,11 @@ import pytest
 import yaml
 
 from repro import settings
+from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.image import ImageSettings
-from repro.cnn.network import NetworkSettings
 from repro.cnn.priors import GuessSettings
-from repro.cnn.recipe import PaperSchedule, TrainingSettings
+from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.config import check_config
 from repro.errors import InputError
 from repro.identify.algorithm1 import SearchSettings
@@ -28,8 +28,8 @@ signals: {sampling_period_s: 0.004, filter_coefficient: 3.0e-4, frequency_readin
           duration_s: 7.5, normalise_motion: true}
 metric: {time_formula: mean-square, exponent: 0.7}
 network: {hidden: [31, 17], sigmoid_gain: 1.25}
-data: {prior: links, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35, near_low: 0.004,
-       near_high: 0.6}
+data: {prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
+       near_low: 0.004, near_high: 0.6}
 images:
   published: {scale: channel-max}
   scale-aware: {scale: constant, constant: 5.5}
@@ -79,7 +79,9 @@ def test_network_takes_its_input_size_from_the_signals():
 )
 def test_data_of_a_variant_differ_in_the_image_alone(variant, image):
     guess = GuessSettings(low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6)
-    assert settings.data_settings(sections("data", "images"), variant) == DataSettings("links", guess, image)
+    assert settings.data_settings(sections("data", "images"), variant) == DataSettings(
+        "links", guess, image, "physical"
+    )
 
 
 @pytest.mark.parametrize("variant", ["published", "scale-aware", "paper-recipe"])

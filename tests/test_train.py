@@ -13,7 +13,7 @@ from repro.cnn.dataset import DataSettings, Samples, SignalSettings, sample_moti
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import sigmoid_loss
-from repro.cnn.recipe import PaperSchedule, TrainingSettings
+from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.train import evaluate, train
 from repro.errors import InputError
 from repro.signals.trajectories import identification_trajectory

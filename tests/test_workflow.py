@@ -15,19 +15,24 @@ import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
 WORKFLOW = ROOT / "workflow"
-FIGURES = [f"fig{n:02d}" for n in range(5, 18)]
-TABLES = [f"table{n:02d}" for n in range(2, 8)]
-SEEDS = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))["numeric"]["seeds"]
+FIGURES = [f"fig{n:02d}" for n in range(1, 25)]
+TABLES = [f"table{n:02d}" for n in range(1, 11)]
+CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
+#: What the paper has no number for: name of its files and the rule that makes them.
+FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure"}
+FURTHER_TABLES = {"metric_search": "metric_search_table", **{name: name for name in ("stability", "verdict", "audit")}}
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 
 
 def targets(results="results", figures="paper_figures"):
     """Files of DESIGN's naming that exist so far."""
-    drawn = [f"{figures}/{name}.{e}" for name in [*FIGURES, "metric_search"] for e in ("pdf", "png")]
-    numbers = [f"{results}/figures/{name}.csv" for name in [*FIGURES, "metric_search"]]
-    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, "metric_search"] for e in ("csv", "tex", "md")]
+    drawn = [f"{figures}/{name}.{e}" for name in [*FIGURES, *FURTHER_FIGURES] for e in ("pdf", "png")]
+    numbers = [f"{results}/figures/{name}.csv" for name in [*FIGURES, *FURTHER_FIGURES]]
+    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, *FURTHER_TABLES] for e in ("csv", "tex", "md")]
     models = [f"{results}/model/{name}" for name in ("cnn.safetensors", "training.csv", "model-card.md")]
-    return {*drawn, *numbers, *tables, *models}
+    ledger = [f"{results}/{name}" for name in ("claims.csv", "claims.md", "claims.sha256", "verified.txt")]
+    return {*drawn, *numbers, *tables, *models, *ledger}
 
 
 def rules():
@@ -43,14 +48,15 @@ def rules():
 
 RULES = rules()
 #: Rules that only name other rules' files.
-COLLECTIONS = {"all", "paper_recipe", "metric_search"}
+COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search"}
 WORKING = sorted(RULES.keys() - COLLECTIONS)
 
 
 @pytest.fixture
 def folder(tmp_path):
     """A working directory of its own, so that no run in the checkout is disturbed."""
-    (tmp_path / "config").symlink_to(ROOT / "config")
+    for name in ("config", "data"):
+        (tmp_path / name).symlink_to(ROOT / name)
     return tmp_path
 
 
@@ -75,27 +81,46 @@ def test_the_default_target_makes_every_table_and_figure(folder):
     files = summary(folder)
     assert targets() <= files.keys()
     expected = {f"results/identification/numeric{s}-seed{k}.json" for s in ("", "-scale-aware") for k in SEEDS}
+    expected |= {
+        f"results/identification/experiment{s}-seed{k}.json" for s in ("", "-scale-aware") for k in SEARCH_SEEDS
+    }
+    expected.add("results/identification/experiment-least-squares.json")
     assert {name for name in files if "/identification/" in name} == expected
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
-    for name in [*FIGURES, *TABLES]:
+    for name in [*FIGURES, *TABLES, *FURTHER_FIGURES.values(), *FURTHER_TABLES.values()]:
         assert name in files.values()
+    recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ("bin", "json")}
+    assert {name for name, rule in files.items() if rule == "acquire"} == recordings
+    durations = range(len(CONFIG["spread"]["durations_s"]))
+    scores = {f"results/spread/scores-{k}.csv" for k in durations}
+    assert {name for name, rule in files.items() if rule == "score_spread"} == scores
 
 
 def test_the_smoke_run_makes_the_same_in_folders_of_its_own(folder):
     files = summary(folder, "--configfile", str(ROOT / "config" / "smoke.yaml"))
     assert targets("results/smoke", "paper_figures/smoke") <= files.keys()
     assert all(name.startswith(("results/smoke/", "paper_figures/smoke/")) for name in files)
-    assert len([name for name in files if "/identification/" in name]) == 2  # one seed, two networks
+    identified = [name for name in files if "/identification/" in name]
+    assert len(identified) == 5  # one seed and two networks for each experiment, and least squares
 
 
 def test_each_target_can_be_asked_for_by_its_rule_name(folder):
-    names = [*FIGURES, *TABLES, "metric_search", "paper_recipe"]
+    names = [*FIGURES, *TABLES, "metric_search", "spread_figure", "stability", "verdict", "paper_recipe"]
     code, said = snakemake(folder, "--dry-run", *names)
     assert code == 0, said
     counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
     assert {counts.get(name) for name in names} == {"1"}
     assert counts["train"] == "3"  # published, scale-aware and the paper's recipe
     assert counts["identify_numeric"] == str(3 * len(SEEDS))
+    assert counts["identify_experiment"] == str(2 * len(SEARCH_SEEDS))
+    assert counts["acquire"] == "5"
+
+
+def test_without_stored_captures_the_board_is_simulated_if_asked(folder):
+    (folder / "data").unlink()
+    code, said = snakemake(folder, "--dry-run", "--config", "experiment={'source': 'simulated'}", "--", "fig21")
+    assert code == 0, said
+    assert re.search(r"^acquire +4$", said, re.MULTILINE)
 
 
 def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
@@ -198,6 +223,10 @@ def test_every_figure_and_table_rule_is_named_after_what_it_makes():
         _, text = RULES[name]
         assert f'name="{name}"' in text
         assert set(re.findall(r"/((?:fig|table)\d+)\.", text)) == {name}
+    for name, rule in {*FURTHER_FIGURES.items(), *FURTHER_TABLES.items()}:
+        _, text = RULES[rule]
+        assert f'name="{name}"' in text
+        assert f"/{name}.csv" in text
 
 
 def test_no_script_is_left_over():

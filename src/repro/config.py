@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from repro.errors import InputError
-from repro.fpga.frames import SAMPLING_PERIOD
+from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.feasibility import is_positive_definite
 from repro.signals.programs import MEMORY_SAMPLES
 
@@ -17,6 +17,11 @@ from repro.signals.programs import MEMORY_SAMPLES
 Place = tuple[str | int, ...]
 
 _ABSENT = object()
+
+#: Nearest that the circle of T2 comes to joint 1, over the arm's reach.
+NEAREST = 0.7
+#: Largest number that the board's memory holds.
+LARGEST = float(np.finfo(np.float32).max)
 
 # JSON takes 60.0 for an integer; a budget written so would fail later, far from here.
 _TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
@@ -157,6 +162,19 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
             others = (("experiment", "lead_in_s"), ("experiment", "margin_samples"))
             expected = f"a motion that the board's memory holds, {longest:g} s with this lead-in and margin"
             yield (place, *others), expected
+        elif round(duration / h) <= signals["image_samples"]:
+            yield (place,), f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
+    if round(experiment["lead_in_s"] / h) < 1:
+        yield (("experiment", "lead_in_s"),), f"at least one sampling period ({h} s)"
+    first, second = config["arm"]["link_lengths_m"]
+    if abs(first - second) > NEAREST * (first + second):
+        yield (("arm", "link_lengths_m"),), "links of which the shorter one reaches the circle of T2"
+    board = config["board"]
+    for gain in ("kp_nm_per_rad", "kv_nm_per_rad"):
+        if max(g * PWM_LIMIT / t for g, t in zip(board[gain], board["full_torque_nm"], strict=True)) > LARGEST:
+            yield (("board", gain),), "gains that single precision holds"
+    if max(board["pwm_hz"]) > LARGEST:
+        yield (("board", "pwm_hz"),), "frequencies that single precision holds"
     if not is_positive_definite(np.array(config["arm"]["parameters"], dtype=np.float64)):
         yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
 

@@ -50,3 +50,45 @@ def experiment_identifications():
 def spread_scores():
     """Scores of every identification duration."""
     return expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))
+
+
+def network_of(reading):
+    """Network that a reading uses: its own, or the default reading's."""
+    return reading if READINGS[reading].trained else "default"
+
+
+def ablation_sections():
+    """What the runs of the ablation depend on, whatever the reading."""
+    return sections(
+        "signals",
+        "network",
+        "data",
+        "images",
+        "training",
+        "metric",
+        "algorithm1",
+        "refinement",
+        "numeric",
+        "arm",
+        "board",
+        "experiment",
+        "ablation",
+    )
+
+
+def ledger_sources():
+    """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
+    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
+    tables = [*TABLES, "stability", "verdict", "metric_search", "audit"]
+    return {
+        "captures": [f"{stored}/SHA256SUMS"] if stored else [],
+        "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=tables, ext=["csv", "tex", "md"]),
+        "training": f"{R}/model/training.csv",
+        "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
+        "identifications": [*identifications(["", "-scale-aware"]), *experiment_identifications()],
+    }
+
+
+def ledger_sections():
+    """Settings that are held against published ones."""
+    return sections("signals", "metric", "data", "training", "algorithm1", "numeric", "arm", "board", "experiment")

@@ -1,3 +1,115 @@
+rule fig01:
+    output:
+        csv=f"{R}/figures/fig01.csv",
+        pdf=f"{F}/fig01.pdf",
+        png=report(
+            f"{F}/fig01.png",
+            category="Method",
+            labels={"what": "Schematic of the arm (Fig. 1)"},
+            caption="../report/fig01.rst",
+        ),
+    log:
+        f"{R}/logs/fig01.log",
+    benchmark:
+        f"{R}/benchmarks/fig01.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="fig01",
+        config=sections(),
+    message:
+        "Schematic of the arm (Fig. 1)"
+    script:
+        "../scripts/figure.py"
+
+
+rule fig02:
+    output:
+        csv=f"{R}/figures/fig02.csv",
+        pdf=f"{F}/fig02.pdf",
+        png=report(
+            f"{F}/fig02.png",
+            category="Method",
+            labels={"what": "Hardware blocks of the FPGA (Fig. 2)"},
+            caption="../report/fig02.rst",
+        ),
+    log:
+        f"{R}/logs/fig02.log",
+    benchmark:
+        f"{R}/benchmarks/fig02.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="fig02",
+        config=sections(),
+    message:
+        "Hardware blocks of the FPGA (Fig. 2)"
+    script:
+        "../scripts/figure.py"
+
+
+rule fig03:
+    output:
+        csv=f"{R}/figures/fig03.csv",
+        pdf=f"{F}/fig03.pdf",
+        png=report(
+            f"{F}/fig03.png",
+            category="Method",
+            labels={"what": "Flow chart of the PD control (Fig. 3)"},
+            caption="../report/fig03.rst",
+        ),
+    log:
+        f"{R}/logs/fig03.log",
+    benchmark:
+        f"{R}/benchmarks/fig03.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="fig03",
+        config=sections(),
+    message:
+        "Flow chart of the PD control (Fig. 3)"
+    script:
+        "../scripts/figure.py"
+
+
+rule fig04:
+    output:
+        csv=f"{R}/figures/fig04.csv",
+        pdf=f"{F}/fig04.pdf",
+        png=report(
+            f"{F}/fig04.png",
+            category="Method",
+            labels={"what": "Identification method (Fig. 4)"},
+            caption="../report/fig04.rst",
+        ),
+    log:
+        f"{R}/logs/fig04.log",
+    benchmark:
+        f"{R}/benchmarks/fig04.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="fig04",
+        config=sections(),
+    message:
+        "Identification method (Fig. 4)"
+    script:
+        "../scripts/figure.py"
+
+
 rule fig05:
     output:
         csv=f"{R}/figures/fig05.csv",

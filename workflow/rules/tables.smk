@@ -1,3 +1,31 @@
+rule table01:
+    output:
+        csv=report(
+            f"{R}/tables/table01.csv",
+            category="Method",
+            labels={"what": "Related work (Table 1)"},
+            caption="../report/table01.rst",
+        ),
+        tex=f"{R}/tables/table01.tex",
+        md=f"{R}/tables/table01.md",
+    log:
+        f"{R}/logs/table01.log",
+    benchmark:
+        f"{R}/benchmarks/table01.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="table01",
+        config=sections(),
+    message:
+        "Related work (Table 1)"
+    script:
+        "../scripts/table.py"
+
+
 rule table02:
     output:
         csv=report(

@@ -26,23 +26,10 @@ from repro.model.feasibility import is_positive, is_positive_definite
 from repro.model.lyapunov import LyapunovSettings
 from repro.model.parameters import STANDARD_GRAVITY, Array, Links
 from repro.model.stability import stability_constants
-from repro.paper.published import PublishedValue
-
-
-def _printed(quantity: str, unit: str, printed: str) -> PublishedValue:
-    """One number of Appendix A."""
-    return PublishedValue(f"appendix/{quantity}", "Appendix A", quantity, "ID", "algorithm1", None, "", unit, printed)
-
+from repro.paper.published import Published, PublishedValue, load_published
 
 #: The printed numbers, by the `repro.model.stability.StabilityConstants` field that each is.
-APPENDIX_NUMBERS = {
-    "potential": _printed("potential", "N m", "0.0072"),
-    "energy": _printed("energy", "kg^2 m^4/s^2", "6.2020e-5"),
-    "dissipation": _printed("dissipation", "(N m)^2", "1.3659e-7"),
-    "coupling": _printed("coupling", "(N m)^2", "7.1236e-8"),
-    "r1_min": _printed("r1_min", "N m", "3.4422e-6"),
-    "r2_max": _printed("r2_max", "N m", "1.8986e-6"),
-}
+APPENDIX_NUMBERS = ("potential", "energy", "dissipation", "coupling", "r1_min", "r2_max")
 
 
 @dataclass(frozen=True)
@@ -70,30 +57,57 @@ class FreeChoices:
     k2: float = 0.31
 
 
-def reproduced(beta: Array) -> dict[str, bool]:
+def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:
+    """Six numbers that Appendix A prints.
+
+    Parameters
+    ----------
+    published : Published, optional
+        Where to look them up; the packaged numbers by default.
+
+    Returns
+    -------
+    dict
+        One entry for each of `APPENDIX_NUMBERS`.
+
+    Raises
+    ------
+    InputError
+        If one is missing.
+    """
+    numbers = load_published() if published is None else published
+    return {name: numbers[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
+
+
+def reproduced(beta: Array, published: Published | None = None) -> dict[str, bool]:
     """Which printed numbers a parameter set gives, each to its last printed digit.
 
     Parameters
     ----------
     beta : array of shape (9,)
         Parameter set, SI units.
+    published : Published, optional
+        Numbers to hold it against; the packaged ones by default.
 
     Returns
     -------
     dict
-        For each key of `APPENDIX_NUMBERS`, whether the number is within half a unit of the last digit.
+        For each of `APPENDIX_NUMBERS`, whether the number is within half a unit of the last digit.
     """
     ours = stability_constants(beta)
-    return {name: abs(getattr(ours, name) - p.value) <= p.half_step for name, p in APPENDIX_NUMBERS.items()}
+    printed = appendix_numbers(published)
+    return {name: abs(getattr(ours, name) - p.value) <= p.half_step for name, p in printed.items()}
 
 
-def appendix_arm(choices: FreeChoices | None = None) -> Array:
+def appendix_arm(choices: FreeChoices | None = None, published: Published | None = None) -> Array:
     """Parameter set that gives the six printed numbers of Appendix A.
 
     Parameters
     ----------
     choices : FreeChoices, optional
         Member of the family.
+    published : Published, optional
+        The numbers; the packaged ones by default.
 
     Returns
     -------
@@ -107,10 +121,12 @@ def appendix_arm(choices: FreeChoices | None = None) -> Array:
     """
     c = choices or FreeChoices()
     s = LyapunovSettings()
-    p = {name: number.value for name, number in APPENDIX_NUMBERS.items()}
+    p = {name: number.value for name, number in appendix_numbers(published).items()}
 
     # R1 = [[x, .], [., y]]: its trace is the sum of its two eigenvalues, x y is the dissipation.
     trace = p["r1_min"] + p["r2_max"] / (s.rho * s.epsilon)
+    if not (0.0 < 4.0 * p["dissipation"] <= trace**2 and p["coupling"] >= 0.0):
+        raise ValueError(f"published: no real R1 has dissipation {p['dissipation']} and trace {trace}.")
     y = 0.5 * (trace + np.sqrt(trace**2 - 4.0 * p["dissipation"]))
     lambda_q = p["dissipation"] / y / (s.rho * s.epsilon)
     friction = 2.0 * np.sqrt(p["coupling"]) / s.epsilon
@@ -136,7 +152,7 @@ def appendix_arm(choices: FreeChoices | None = None) -> Array:
     beta[6] = y + s.epsilon * lambda_m_max - s.gamma * s.friction_steepness * c.k2
     if not (is_positive(beta) and is_positive_definite(beta)):
         raise ValueError(f"choices: {c} lead to a parameter set that is not physical, {beta.tolist()}.")
-    if not all(reproduced(beta).values()):
+    if not all(reproduced(beta, published).values()):
         raise ValueError(f"choices: {c} make joint 2's friction the larger; the numbers are solved for joint 1's.")
     return beta
 

@@ -2,14 +2,13 @@
 
 Nothing that makes our results may import this module: it serves comparisons, captions and audits only.
 
-A row of the file is one printed number. Percentages stay in percent (unit ``%``), parameters keep the unit
-their table prints, and trailing zeros stay, because the number of decimals says how finely a value is known.
-Fields that do not apply are empty. A new table of the paper is a matter of new rows.
+A row of the file is one printed number (`repro.paper.published_value`): every number that is a claim, a constant or a
+result, once for each section, table, equation or figure that states it. Left out are the coefficients of a formula
+(Eq. 1, 3, 5, 15, 17-22), the numbers of sections, equations, layers and references, and the degrees of freedom of the
+robots of other works, which Table 1 lists; so is Table 8's PWM frequency of joint 2, unreadable in the text we have.
 """
 
 import csv
-import math
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -19,60 +18,14 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.model.parameters import NAMES, Array
+from repro.paper.published_value import COLUMNS, PublishedValue, parse_row
 
-COLUMNS = ("id", "place", "quantity", "case", "method", "joint", "parameter", "unit", "value")
-REQUIRED = ("id", "place", "quantity", "unit", "value")
+__all__ = ["COLUMNS", "NUMERIC_CASES", "PUBLISHED_FILE", "Published", "PublishedValue", "load_published"]
+
 PUBLISHED_FILE = Path(__file__).with_name("published.csv")
 
 #: The four numeric test arms of Tables 4 and 5.
 NUMERIC_CASES = ("N1", "N2", "N3", "N4")
-
-_NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
-
-
-@dataclass(frozen=True)
-class PublishedValue:
-    """One number of the paper.
-
-    Attributes
-    ----------
-    id : str
-        Stable name, for example ``table07/N1/total/joint1``.
-    place : str
-        Where it is printed: ``Table 7``, ``Abstract``.
-    quantity : str
-        What it is: ``parameter``, ``time``, ``frequency``, ``total``, or ``total exceeds`` for a lower bound.
-    case, method, parameter : str
-        Test case, method and dynamic parameter; empty where they do not apply.
-    joint : int or None
-        1 or 2; None where it does not apply.
-    unit : str
-        Unit as printed.
-    printed : str
-        The number as printed.
-    """
-
-    id: str
-    place: str
-    quantity: str
-    case: str
-    method: str
-    joint: int | None
-    parameter: str
-    unit: str
-    printed: str
-
-    @property
-    def value(self) -> float:
-        """The number, in `unit`."""
-        return float(self.printed)
-
-    @property
-    def half_step(self) -> float:
-        """Half a unit of the last printed digit, in `unit`: the value is known no better."""
-        mantissa, _, exponent = self.printed.lower().partition("e")
-        decimals = len(mantissa.partition(".")[2])
-        return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
 
 
 @dataclass(frozen=True)
@@ -212,7 +165,7 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
     Raises
     ------
     InputError
-        If the file is missing, or a header, field, joint, number or id is not what it must be.
+        If the file is missing, or its header, a field or an id is not what it must be.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -228,26 +181,10 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
         raise InputError.at(f"{path}: header", ",".join(rows[0]) if rows else "nothing", ",".join(COLUMNS))
     if len(rows) == 1:
         raise InputError.at(str(path), "no row below the header", "one row a published number")
-    values = tuple(_parse(row, f"{path}: line {number}") for number, row in enumerate(rows[1:], start=2))
+    values = tuple(parse_row(row, f"{path}: line {number}") for number, row in enumerate(rows[1:], start=2))
     seen: set[str] = set()
     for number, v in enumerate(values, start=2):
         if v.id in seen:
             raise InputError.at(f"{path}: line {number}: id", f"{v.id!r} a second time", "an id used once")
         seen.add(v.id)
     return Published(values, path.name)
-
-
-def _parse(row: list[str], place: str) -> PublishedValue:
-    """Check one row of the file."""
-    if len(row) != len(COLUMNS):
-        raise InputError.at(place, f"{len(row)} fields", f"{len(COLUMNS)} fields")
-    entry = dict(zip(COLUMNS, row, strict=True))
-    for name in REQUIRED:
-        if not entry[name].strip():
-            raise InputError.at(f"{place}: {name}", "nothing", "text")
-    joint, printed = entry.pop("joint"), entry.pop("value")
-    if joint not in ("", "1", "2"):
-        raise InputError.at(f"{place}: joint", repr(joint), "1, 2 or nothing")
-    if not _NUMBER.fullmatch(printed) or not math.isfinite(float(printed)):
-        raise InputError.at(f"{place}: value", repr(printed), "a finite decimal number")
-    return PublishedValue(joint=int(joint) if joint else None, printed=printed, **entry)

@@ -70,6 +70,17 @@ def _record(out: Path, program: Program, config: Config) -> None:
 
 
 def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
-    check_recorded(read_capture(stored), program_from_config(config, motion))
+    capture = read_capture(stored)
+    check_recorded(capture, program_from_config(config, motion))
+    _check_set_up(capture, config)
     for suffix in (".json", ".bin"):
         write_whole(out.with_suffix(suffix), partial(shutil.copyfile, stored.with_suffix(suffix)))
+
+
+def _check_set_up(capture: Capture, config: Config) -> None:
+    """Refuse a stored capture of other gains, motors or, if it is simulated, another arm than configured."""
+    expected = "that of this configuration; record it again or set experiment.source: simulated"
+    if capture.about.control != control_constants(config):
+        raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
+    if capture.about.board is not None and capture.about.board != board_from_config(config).identity:
+        raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)

@@ -25,13 +25,15 @@ Config = Mapping[str, Any]
 SCHEMA = Path("workflow/schemas/config.schema.yaml")
 
 
-def load_config(path: Path) -> dict[str, Any]:
+def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
     """Read and check a configuration outside the workflow.
 
     Parameters
     ----------
     path : Path
         ``config/config.yaml`` of the project, or a whole configuration of the same shape beside it.
+    *overlays : Path
+        Files that change it, in that order, as Snakemake merges them: sections are merged, lists replaced.
 
     Returns
     -------
@@ -41,8 +43,19 @@ def load_config(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file is missing, is not YAML, or holds a value that is not allowed.
+        If a file is missing, is not YAML, or holds a value that is not allowed.
     """
+    config = _read_yaml(path)
+    for overlay in overlays:
+        config = _merged(config, _read_yaml(overlay))
+    schema = path.resolve().parent.parent / SCHEMA
+    if not schema.exists():
+        raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
+    check_config(config, schema, [path, *overlays])
+    return config
+
+
+def _read_yaml(path: Path) -> dict[str, Any]:
     try:
         config = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -53,11 +66,15 @@ def load_config(path: Path) -> dict[str, Any]:
         raise InputError.at(str(path), f"text that is not YAML ({' '.join(str(error).split())})", "YAML") from error
     if not isinstance(config, dict):
         raise InputError.at(str(path), type(config).__name__, "sections, as in config/config.yaml")
-    schema = path.resolve().parent.parent / SCHEMA
-    if not schema.exists():
-        raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
-    check_config(config, schema, [path])
     return config
+
+
+def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
+    changed = dict(base)
+    for key, value in overlay.items():
+        both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
+        changed[key] = _merged(base[key], value) if both else value
+    return changed
 
 
 def control_constants(config: Config) -> ControlConstants:

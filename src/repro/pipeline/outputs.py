@@ -8,12 +8,15 @@ import pandas as pd
 
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.weights import read_weights
-from repro.files import read_csv
+from repro.errors import InputError
+from repro.files import read_csv, read_json
 from repro.pipeline import experiment_outputs as experiment
 from repro.pipeline import figure_data as draw
+from repro.pipeline import schematics_data as schematics
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.identified import read_identifications, read_scores
 from repro.pipeline.numeric import motion_of
+from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.summary import median_seeds, parameter_table, similarity_table
 from repro.settings import data_settings, network_settings, numeric_settings, signal_settings, training_settings
 from repro.signals.trajectories import identification_trajectory
@@ -55,9 +58,25 @@ def _id_trajectory(config: Config) -> pd.DataFrame:
     return draw.trajectory(identification_trajectory(s.duration, s.h))
 
 
+def _ablation(inputs: Inputs) -> pd.DataFrame:
+    results, losses = ({path.stem: _numbers(path) for path in inputs[key]} for key in ("results", "losses"))
+    return ablation_table(results, losses)
+
+
+def _numbers(path: Path) -> dict[str, Any]:
+    content = read_json(path)
+    if not isinstance(content, dict):
+        raise InputError.at(str(path), type(content).__name__, "numbers by name")
+    return content
+
+
 ALL = ("N1", "N2", "N3", "N4")
 
 FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
+    "fig01": lambda _, __: schematics.arm(),
+    "fig02": lambda _, __: schematics.hardware(),
+    "fig03": lambda _, __: schematics.control(),
+    "fig04": lambda _, __: schematics.method(),
     "fig05": lambda _, c: draw.subsampling(signal_settings(c), numeric_settings(c).arms["N1"]),
     "fig06": lambda _, c: _id_trajectory(c),
     "fig07": lambda _, c: architecture(network_settings(c)),
@@ -78,10 +97,12 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "metric_search": lambda i, _: _search_table(i).rename(columns={"rms_log_error_best": "rms_log_error"})[
         ["factor", "candidate", "rms_log_error", "chosen"]
     ],
+    "ablation": lambda i, _: ablation_figure(read_csv(i["table"][0], ("question", "reading", *HEADLINES))),
     **experiment.FIGURE_DATA,
 }
 
 TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
+    "table01": lambda _, __: schematics.related_work(),
     "table02": lambda _, __: parameter_description(),
     "table03": lambda _, c: network_features(network_settings(c), training_settings(c, "published")),
     "table04": lambda i, _: parameter_table(read_identifications(i["identifications"]), _scores(i), ("N1", "N2")),
@@ -89,5 +110,6 @@ TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "table06": lambda i, _: similarity_table(_scores(i), "ID"),
     "table07": lambda i, _: similarity_table(_scores(i), "validation"),
     "metric_search": lambda i, _: _search_table(i),
+    "ablation": lambda i, _: _ablation(i),
     **experiment.TABLE_DATA,
 }

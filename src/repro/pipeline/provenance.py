@@ -21,6 +21,11 @@ def commit(folder: Path) -> str:
         return "unknown"
 
 
+def package_versions() -> dict[str, str]:
+    """Versions of the programs that results depend on."""
+    return {"repro": __version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
+
+
 def write_provenance(path: Path, folder: Path, cores: int) -> None:
     """Write the sidecar after a run that succeeded.
 
@@ -40,7 +45,7 @@ def write_provenance(path: Path, folder: Path, cores: int) -> None:
             "cores": cores,
             "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "machine": f"{platform.machine()} {platform.system()}",
-            "packages": {"repro": __version__, **{name: importlib.metadata.version(name) for name in PACKAGES}},
+            "packages": package_versions(),
             "python": platform.python_version(),
         },
     )

@@ -128,7 +128,8 @@ def parameter_table(
                 continue
             estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in runs.values()], columns=list(NAMES))
             shown = runs[chosen[case, method]]
-            sd = estimates.std(ddof=1) if len(estimates) > 1 else estimates.iloc[0] * 0.0
+            # Equal values have no spread; rounding of their mean would leave one.
+            sd = estimates.std(ddof=1).where(estimates.nunique() > 1, 0.0)
             for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True)):
                 estimate = shown["methods"][method]["beta"][k]
                 rows.append((case, method, name, unit, shown["true"][k], estimate, sd[name]))

@@ -1,12 +1,63 @@
-"""Tables that describe: the dynamic parameters (Table 2), the network (Table 3), the metric search."""
+"""Tables that describe: related work (Table 1), dynamic parameters (2), the network (3), the metric search."""
 
 import pandas as pd
 
+from repro.errors import InputError
 from repro.render.contract import check_table, flags
 from repro.render.markup import EMPTY, Table, Text, formula, number, plain, unit
 
 #: Candidates listed of each factor; the chosen one is added if it is not among them.
 _LISTED = 10
+
+
+#: What Table 1 says of a work.
+_ANSWERS = ("yes", "no", "not stated")
+_SET_APART = Text(r"$^{\dagger}$", "\N{DAGGER}")
+
+
+def related_work(frame: pd.DataFrame) -> Table:
+    """Related work of Section I-A and the article (Table 1).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``reference, robot, dof, method, identified, optimisation, set_apart``, all text; the last two are yes, no
+        or not stated.
+
+    Returns
+    -------
+    Table
+        A row for each work.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    words = ("reference", "robot", "dof", "method", "identified")
+    answers = ("optimisation", "set_apart")
+    table = check_table(frame, text=(*words, *answers))
+    for name in answers:
+        unknown = ~table[name].isin(_ANSWERS)
+        if unknown.any():
+            row = int(unknown.to_numpy().argmax())
+            raise InputError.at(f"line {row + 2}: {name}", repr(table[name][row]), f"one of {', '.join(_ANSWERS)}")
+    rows = []
+    for reference, robot, dof, *cells, apart in table.itertuples(index=False):
+        work = plain(reference)
+        work = Text(f"{{{work.tex}}}", work.md)  # LaTeX would read a bracket at the start of a row as an option
+        freedom = plain("\N{EN DASH}" if dof == "not stated" else dof)
+        rows.append((work + _SET_APART if apart == "yes" else work, plain(robot), freedom, *map(plain, cells)))
+    caption = plain(
+        "Related work and this article, rebuilt from Section I-A (the paper's own Table 1 is an image). Optimisation: "
+        "whether an optimised trajectory is needed; Section I-A says so of works based on least squares (LS, weighted "
+        "WLS) and of some optimisation methods, without naming these. FFNN: feed-forward, RBNN: radial basis neural "
+        "network; LSTM: long short-term memory; MLP: multi-layer perceptron; KF: Kalman filter; "
+        "\N{EN DASH}: not stated."
+    )
+    caption += Text(" ", " ") + _SET_APART + Text(" ", " ") + plain("Set apart in Section I-A by its contributions.")
+    header = tuple(plain(n) for n in ("Work", "Robot", "DoF", "Method", "Identified", "Optimisation"))
+    return Table("Table 1", "tab:table01", caption, "llllll", header, [(None, rows)])
 
 
 def parameters(frame: pd.DataFrame) -> Table:

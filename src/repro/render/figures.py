@@ -9,9 +9,12 @@ from matplotlib.figure import Figure
 from repro.errors import InputError
 from repro.files import read_csv
 from repro.render import (
+    ablation,
     candidates,
     experiment,
     experiment_setup,
+    flow_charts,
+    hardware,
     images,
     lines,
     network,
@@ -19,10 +22,15 @@ from repro.render import (
     spread,
     style,
     torques,
+    two_link_arm,
 )
 
 #: Figure from the table that holds its numbers; call these inside `style.house_style`.
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
+    "fig01": two_link_arm.schematic,
+    "fig02": hardware.hardware,
+    "fig03": flow_charts.control,
+    "fig04": flow_charts.method,
     "fig05": schematics.subsampling,
     "fig06": lines.motion,
     "fig07": network.network,
@@ -45,6 +53,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "fig24": experiment.validation_spectra,
     "spread": spread.spread,
     "metric_search": candidates.metric_search,
+    "ablation": ablation.figure,
 }
 
 

@@ -197,13 +197,13 @@ class Table:
             r"\smallskip\setlength{\tabcolsep}{4.5pt}",
             f"\\begin{{tabular}}{{@{{}}{self.alignment}@{{}}}}",
             r"\toprule",
-            _tex_row(self.header),
+            tex_row(self.header),
         ]
         for heading, rows in self.blocks:
             lines.append(r"\midrule")
             if heading is not None:
                 lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
-            lines += [_tex_row(row) for row in rows]
+            lines += [tex_row(row) for row in rows]
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
 
     def md(self) -> str:
@@ -219,7 +219,8 @@ class Table:
         return "\n".join([*lines, ""])
 
 
-def _tex_row(cells: Sequence[Text]) -> str:
+def tex_row(cells: Sequence[Text]) -> str:
+    """One row in LaTeX."""
     return " & ".join(cell.tex for cell in cells) + r" \\"
 
 

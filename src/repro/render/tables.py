@@ -7,11 +7,12 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_csv, write_text
-from repro.render import description_tables, experiment_tables, result_tables
+from repro.render import ablation, audit_table, description_tables, experiment_tables, result_tables
 from repro.render.markup import Table
 
 #: Table from the tidy table that holds its numbers.
 LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
+    "table01": description_tables.related_work,
     "table02": description_tables.parameters,
     "table03": description_tables.characteristics,
     "table04": result_tables.parameters_12,
@@ -24,6 +25,8 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
     "stability": experiment_tables.stability,
     "verdict": experiment_tables.verdict,
     "metric_search": description_tables.metric_search,
+    "ablation": ablation.table,
+    "audit": audit_table.audit,
 }
 
 
@@ -37,7 +40,8 @@ def lay_out(name: str, csv_path: Path, tex_path: Path, md_path: Path) -> None:
     csv_path : Path
         The tidy table.
     tex_path, md_path : Path
-        Destinations: a LaTeX table environment to ``\input`` (it needs booktabs), and Markdown.
+        Destinations: a LaTeX table environment to ``\input`` (it needs booktabs; the audit also array and
+        longtable), and Markdown.
 
     Raises
     ------

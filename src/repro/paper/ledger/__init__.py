@@ -1,0 +1,1 @@
+"""Our side of every published number: from result files, the configuration and arithmetic."""

@@ -1,0 +1,119 @@
+"""Our side of what the paper measured or trained: parameters, similarities, the loss, and what it says of them.
+
+The arm is simulated: its real counterpart's Table 9 and recordings are not available.
+"""
+
+from repro.model.parameters import NAMES
+from repro.paper.claims import EXTENSION, Ours, higher, lower
+from repro.paper.ledger.results import Results
+from repro.paper.published import NUMERIC_CASES
+
+SIMULATED = "simulated arm"
+ALGORITHM, REFINED = "algorithm1", "algorithm1+refinement"
+EXPERIMENT_CASES = ("ID", "T1", "T2", "T3", "T4")
+VALIDATION_CASES = EXPERIMENT_CASES[1:]
+QUANTITIES = ("time", "frequency", "total")
+#: A similarity that scatters by more over the seeds, in points of per cent, is not reproduced whatever it is.
+WIDEST = 5.0
+#: What an extension's rows say of it.
+OUR_EXTENSION = "refinement, an extension of ours"
+REFINEMENT = f"{EXTENSION}refinement"
+
+
+def measured(results: Results) -> dict[str, Ours]:
+    """Everything that the workflow's results hold against the paper's.
+
+    Parameters
+    ----------
+    results : Results
+        Result files.
+
+    Returns
+    -------
+    dict
+        Our side by the id of the published number; ``@refinement`` behind the id for our extension.
+
+    Raises
+    ------
+    InputError
+        If a result is missing.
+    """
+    loss = Ours(results.loss(), "train", better=lower, strict=True, must=True, note="held-out loss, default recipe")
+    return {
+        **_parameters(results),
+        **_similarities(results, "table07", NUMERIC_CASES, (ALGORITHM,), ""),
+        **_similarities(results, "table10", EXPERIMENT_CASES, (ALGORITHM, "least-squares"), SIMULATED),
+        **_tracking(results),
+        **_statements(results),
+        "section5a/loss": loss,
+    }
+
+
+def _parameters(results: Results) -> dict[str, Ours]:
+    found = {}
+    for case in NUMERIC_CASES:
+        table = "table04" if case in NUMERIC_CASES[:2] else "table05"
+        for name in NAMES:
+            true, estimate, sd = results.parameter(table, case, ALGORITHM, name)
+
+            def nearer(published: float, ours: float, true: float = true) -> bool:
+                return abs(ours - true) < abs(published - true)
+
+            found[f"{table}/{case}/{ALGORITHM}/{name}"] = Ours(
+                estimate, table, spread=sd, better=nearer, note=f"true value {true:g}"
+            )
+    return found
+
+
+def _similarities(
+    results: Results, table: str, cases: tuple[str, ...], methods: tuple[str, ...], note: str
+) -> dict[str, Ours]:
+    found: dict[str, Ours] = {}
+    for case in cases:
+        for method in methods:
+            middle = f"/{method}" if table == "table10" else ""
+            for joint in (1, 2):
+                for quantity in QUANTITIES:
+                    value, sd = results.similarity(table, case, method, joint, quantity)
+                    notes = [note] if note else []
+                    name = f"{table}/{case}{middle}/{quantity}/joint{joint}"
+                    extended = quantity == "total" and method == ALGORITHM
+                    if extended:
+                        refined, refined_sd = results.similarity(table, case, REFINED, joint, quantity)
+                        found[name + REFINEMENT] = _score(refined, refined_sd, table, [*notes, OUR_EXTENSION])
+                        notes.append(f"with our refinement {refined:.2f}")
+                    found[name] = _score(value, sd, table, notes)
+    return found
+
+
+def _score(value: float, spread: float, table: str, notes: list[str]) -> Ours:
+    scatter = [f"scatters over the seeds by {spread:.1f}"] if 2.0 * spread > WIDEST else []
+    return Ours(value, table, spread, higher, WIDEST, note="; ".join([*notes, *scatter]))
+
+
+def _tracking(results: Results) -> dict[str, Ours]:
+    return {
+        f"table08/ID/total/joint{joint}": Ours(
+            results.similarity("table08", "tracking", "pd", joint, "total")[0], "table08", better=higher, note=SIMULATED
+        )
+        for joint in (1, 2)
+    }
+
+
+def _statements(results: Results) -> dict[str, Ours]:
+    """What abstract, discussion and conclusion say of all cases at once: the smallest total, or the largest."""
+    found: dict[str, Ours] = {}
+    for name, table, cases, pick, note in (
+        ("abstract/numeric/total", "table06", NUMERIC_CASES, min, "smallest of 8"),
+        ("section6/numeric/total", "table06", NUMERIC_CASES, min, "smallest of 8"),
+        ("abstract/experimental/total", "table10", ("ID",), min, f"{SIMULATED}; smaller joint of ID"),
+        ("section6/experimental/total", "table10", VALIDATION_CASES, max, f"{SIMULATED}; largest of T1 to T4"),
+        ("section7/experimental/total", "table10", VALIDATION_CASES, max, f"{SIMULATED}; largest of T1 to T4"),
+    ):
+        for method, suffix, what in ((ALGORITHM, "", ""), (REFINED, REFINEMENT, OUR_EXTENSION)):
+            totals = results.totals(table, method, cases)
+            value, sd = pick(totals)
+            mean = sum(total for total, _ in totals) / len(totals)
+            notes = [f"{note}, mean {mean:.2f}", *([what] if what else [])]
+            found[name + suffix] = _score(value, sd, table, notes)
+    return found

@@ -1,0 +1,135 @@
+"""What each reading of the paper does to the headline numbers."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from repro.cnn.checkpoint import load_network, save_network
+from repro.cnn.dataset import sample_motion
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.train import train
+from repro.files import write_json
+from repro.identify.algorithm1 import search, select
+from repro.identify.prepare import prepare
+from repro.identify.residual import ResidualReader
+from repro.model.dynamics import rebuild_torque, regressor
+from repro.model.parameters import Array
+from repro.pipeline.experiment import true_parameters
+from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
+from repro.pipeline.named import Config
+from repro.pipeline.network_stages import identifier_of
+from repro.pipeline.numeric import mean_training_torque, score_estimates
+from repro.pipeline.readings import READINGS, read_as
+from repro.pipeline.recordings import Recording, read_recording
+from repro.progress import Progress
+from repro.settings import (
+    data_settings,
+    metric_settings,
+    network_settings,
+    numeric_settings,
+    search_settings,
+    signal_settings,
+    training_settings,
+)
+from repro.signals.trajectories import identification_trajectory
+from repro.streams import Stream, stream
+
+
+def train_reading(name: str, weights_file: str, checkpoint: str, config: Config) -> None:
+    """Train the network of a reading and keep its held-out loss beside it.
+
+    Parameters
+    ----------
+    name : str
+        Key of `READINGS`.
+    weights_file : str
+        ``NAME.safetensors``; ``NAME.json`` with the loss is written beside it.
+    checkpoint : str
+        Where training continues from after an interruption.
+    config : mapping
+        Default configuration.
+    """
+    reading, weights = READINGS[name], Path(weights_file)
+    c = read_as(config, reading)
+    signals = signal_settings(c)
+    progress = Progress(f"training, {reading.question}: {reading.name}")
+    trained = train(
+        sample_motion(identification_trajectory(signals.duration, signals.h), signals),
+        data_settings(c, reading.variant),
+        network_settings(c),
+        training_settings(c, reading.variant),
+        Path(checkpoint),
+        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
+    )
+    save_network(weights, trained.network, {"variant": reading.variant})
+    step, _, test_loss = (float(x) for x in trained.history[-1][:3])
+    write_json(weights.with_suffix(".json"), {"steps": int(step), "held_out_loss": test_loss})
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def _identify_literally(network: FactoredCNN, variant: str, c: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
+    """Algorithm 1 alone on every test arm, in the form of `numeric_identification.identify_arms`."""
+    signals, numeric, settings = signal_settings(c), numeric_settings(c), search_settings(c)
+    motion = identification_trajectory(signals.duration, signals.h, numeric.margin)
+    y, n = regressor(motion.q, motion.dq, motion.ddq), tau_mean.shape[1]
+    arms = {}
+    for index, (case, beta) in enumerate(numeric.arms.items()):
+        prepared = prepare(motion.q, rebuild_torque(y, beta), tau_mean, signals, numeric.margin, numeric.margin + n)
+        reader = ResidualReader(network, data_settings(c, variant).image, prepared)
+        found = search(reader, prepared, settings, stream(seed, Stream.SEARCH, index))
+        estimate = {"beta": select(found.beta, prepared, settings).beta.tolist()}
+        arms[case] = {"true": beta.tolist(), "methods": {"algorithm1": estimate}}
+    return {"variant": variant, "seed": seed, "arms": arms}
+
+
+def run_reading(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
+    """Headline numbers under a reading.
+
+    Parameters
+    ----------
+    name : str
+        Key of `READINGS`.
+    weights : str
+        Network of this reading, or of the default one.
+    captures : sequence of str
+        The five recordings with their sidecars, ID first.
+    out : str
+        JSON with mean and lowest literal similarity on the numeric arms (identification and validation
+        trajectory, median of the seeds) and mean similarity on T1 to T4 of the arm.
+    config : mapping
+        Default configuration.
+    """
+    reading = READINGS[name]
+    c = read_as(config, reading)
+    signals, metric = signal_settings(c), metric_settings(c)
+    network = load_network(Path(weights), network_settings(c))
+    data, seeds = data_settings(c, reading.variant), c["ablation"]["seeds"]
+    tau_mean = mean_training_torque(signals, data, c["training"]["seed"])
+    runs = [_identify_literally(network, reading.variant, c, tau_mean, seed) for seed in seeds]
+    numeric = score_estimates(runs, signals, numeric_settings(c), metric)
+    cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
+    recordings = [read_recording(Path(name), c) for name in captures if name.endswith(".bin")]
+    arm = _arm_scores(network, reading.variant, recordings, tau_mean, c)
+    result: dict[str, Any] = {
+        "id_mean": float(cells["ID"].mean()),
+        "id_lowest": float(cells["ID"].min()),
+        "validation_mean": float(cells["validation"].mean()),
+        **{f"arm_{method}": value for method, value in arm.items()},
+    }
+    write_json(Path(out), result)
+
+
+def _arm_scores(
+    network: FactoredCNN, variant: str, recordings: Sequence[Recording], tau_mean: Array, c: Config
+) -> Mapping[str, float]:
+    """Mean total similarity on T1 to T4 for the refined Algorithm 1, least squares and the true parameters."""
+    signals, true = signal_settings(c), true_parameters(c)
+    identifier = identifier_of(variant, network, c)
+    runs = [identify_recording(identifier, recordings[0], tau_mean, signals, c["ablation"]["seeds"][0], true)]
+    runs.append(least_squares_of(recordings[0], signals, true))
+    scores = score_runs(runs, recordings[1:], signals, metric_settings(c))
+    means = scores.groupby("method")["total"].mean()
+    refined = next(str(method) for method in means.index if "+refinement" in str(method))
+    return {
+        "refined": float(means[refined]), "least_squares": float(means["least-squares"]), "true": float(means["true"])
+    }  # fmt: skip

@@ -1,0 +1,129 @@
+"""Readings of what the paper leaves open (docs/reproduction-notes.md), as changes of the configuration."""
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.pipeline.named import Config
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read the paper.
+
+    Attributes
+    ----------
+    question : str
+        What is left open.
+    name : str
+        This way.
+    change : mapping
+        Sections and keys of the configuration that differ from the default.
+    variant : str
+        Network variant.
+    trained : bool
+        Whether it needs a network of its own; otherwise the default reading's is used.
+    """
+
+    question: str
+    name: str
+    change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    variant: str = "published"
+    trained: bool = False
+
+
+#: By the name of their files; the first is what every other one is compared with.
+READINGS: dict[str, Reading] = {
+    "default": Reading("default", "as configured", trained=True),
+    "omega-hertz": Reading("omega in Eq. 6 and 14", "Hz", {"signals": {"frequency_reading": "hertz"}}, trained=True),
+    "omega-index": Reading(
+        "omega in Eq. 6 and 14", "DCT index", {"signals": {"frequency_reading": "index"}}, trained=True
+    ),
+    "motion-normalised": Reading(
+        "motion inside f", "divided by its maximum (Eq. 8)", {"signals": {"normalise_motion": True}}, trained=True
+    ),
+    "ranges-published": Reading("training ranges", "as printed", {"data": {"prior": "published"}}, trained=True),
+    "label-physical": Reading("label scale", "SI units", {"data": {"label": "physical"}}, trained=True),
+    "image-constant": Reading("divisor of Z1", "a constant (ours)", variant="scale-aware", trained=True),
+    "recipe-paper": Reading("training recipe", "the paper's schedule", variant="paper-recipe", trained=True),
+    "metric-mean-square": Reading("time factor of metr2ev", "mean square", {"metric": {"time_formula": "mean-square"}}),
+    "check-definite": Reading(
+        "physically possible", "positive-definite inertia", {"algorithm1": {"feasibility": "positive-definite"}}
+    ),
+    "limit-20": Reading("L_exe", "20 guesses", {"algorithm1": {"inner_limit": 20}}),
+    "limit-1000": Reading("L_exe", "1000 guesses", {"algorithm1": {"inner_limit": 1000}}),
+}
+
+
+def read_as(config: Config, reading: Reading) -> dict[str, Any]:
+    """Configuration under a reading, with the budgets of the ablation.
+
+    Parameters
+    ----------
+    config : mapping
+        Default configuration.
+    reading : Reading
+        What to change.
+
+    Returns
+    -------
+    dict
+        A copy.
+    """
+    changed: dict[str, Any] = copy.deepcopy(dict(config))
+    for section, keys in reading.change.items():
+        changed[section] = {**changed[section], **keys}
+    budget = changed["ablation"]
+    changed["training"] = {
+        **changed["training"],
+        "steps": budget["steps"],
+        "paper": {**changed["training"]["paper"], "steps": budget["paper_steps"]},
+    }
+    return changed
+
+
+def ablation_table(results: Mapping[str, Mapping[str, Any]], losses: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
+    """Table of all readings.
+
+    Parameters
+    ----------
+    results, losses : mapping
+        By name of the reading: what `run_reading` and `train_reading` wrote.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_refined,
+        arm_least_squares, arm_true``; fractions of 1. Losses of different labels do not compare.
+    """
+    rows = []
+    for name, reading in READINGS.items():
+        own = losses[name if reading.trained else "default"]
+        rows.append({"question": reading.question, "reading": reading.name, **own, **results[name]})
+    columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean"]
+    table = pd.DataFrame(rows)[[*columns, "arm_refined", "arm_least_squares", "arm_true"]]
+    return table.astype({"steps": np.int64})
+
+
+#: What the figure shows of each reading.
+HEADLINES = ("id_mean", "validation_mean", "arm_refined", "arm_least_squares", "arm_true")
+
+
+def ablation_figure(table: pd.DataFrame) -> pd.DataFrame:
+    """Headline numbers in tidy form.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From `ablation_table`.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``question, reading, quantity, value``; fractions of 1.
+    """
+    return table.melt(["question", "reading"], list(HEADLINES), "quantity", "value")

@@ -1,0 +1,44 @@
+"""Stage report: every result in one page."""
+
+import hashlib
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from repro.pipeline.named import Config
+from repro.pipeline.provenance import commit, package_versions
+from repro.report.inputs import ReportInputs
+from repro.report.page import write_report
+
+#: How a reader makes one output again.
+COMMAND = "snakemake --cores 2"
+
+
+def make_report(captures: str, project: str, overlays: Sequence[str], config: Config) -> None:
+    """Write ``report/index.html`` in the results folder.
+
+    Parameters
+    ----------
+    captures : str
+        Checksums of the stored captures.
+    project : str
+        Folder of the project: its captions and its commit.
+    overlays : sequence of str
+        Configuration files beside the default one.
+    config : mapping
+        The whole configuration.
+    """
+    checkout = Path(project)
+    digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+    # No times: the same commit, configuration and results give the same page.
+    provenance: Mapping[str, Any] = {
+        "commit": commit(checkout),
+        "packages": package_versions(),
+        "python": platform.python_version(),
+    }
+    names = ", ".join(Path(name).name for name in overlays)
+    notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
+    folders = (Path(config["results"]), Path(config["figures"]), checkout / "workflow/report", Path(captures))
+    write_report(ReportInputs(*folders, digest, COMMAND, provenance, notice))

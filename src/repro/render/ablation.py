@@ -1,0 +1,216 @@
+"""Readings of what the paper leaves open: what each does to the headline numbers, as table and as figure."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from repro.errors import InputError
+from repro.render import style
+from repro.render.contract import check_names, check_range, check_table
+from repro.render.markup import Table, Text, number, plain
+
+#: Question under which the reading stands that every other one is compared with.
+DEFAULT = "default"
+
+#: By panel: its title and its quantities, each with what it is called and whose look it has.
+_PANELS = {
+    "Numeric arms N1 to N4, Algorithm 1": {
+        "id_mean": ("Identification trajectory", "joint1"),
+        "validation_mean": ("Validation trajectory", "joint2"),
+    },
+    "Simulated arm, mean over T1 to T4": {
+        "arm_refined": ("Algorithm 1 + refinement", "algorithm1+refinement"),
+        "arm_least_squares": ("Least squares", "least-squares"),
+        "arm_true": ("True parameters", "true"),
+    },
+}
+_MARKS = {
+    "joint1": {"marker": "o", "markersize": 3.4, "markeredgewidth": 0.0},
+    "joint2": {"marker": "s", "markersize": 3.2, "fillstyle": "none", "markeredgewidth": 0.8},
+    **style.MARKS,
+}
+
+#: Axes reach down to this far below the default's lowest value, points of a percent; what is lower is written out.
+_REACH = 10.0
+
+#: Width of one value written out, and of its mark, as a share of the panel.
+_WRITTEN = 0.17
+_SIGN = 0.03
+
+#: Height of a row, and of what is not rows, in; gap above a question, rows.
+_GAP = 0.35
+_ROW = 0.14
+_REST = 1.0
+
+
+def _grouped(checked: pd.DataFrame, *columns: str) -> list[tuple[str, pd.DataFrame]]:
+    """Rows of each question in the order of the file, the default reading first.
+
+    Raises
+    ------
+    InputError
+        If there is not one default reading, or a row occurs twice.
+    """
+    twice = checked.duplicated(["question", "reading", *columns]).to_numpy()
+    if twice.any():
+        row = int(twice.argmax())
+        raise InputError.at(f"line {row + 2}: reading", f"{checked['reading'][row]!r} again", "each reading once")
+    readings = checked.loc[checked["question"] == DEFAULT, "reading"].nunique()
+    if readings != 1:
+        raise InputError.at(f"question {DEFAULT}", f"{readings} readings", "exactly one")
+    groups = [(str(question), rows) for question, rows in checked.groupby("question", sort=False)]
+    return sorted(groups, key=lambda group: group[0] != DEFAULT)
+
+
+def table(frame: pd.DataFrame) -> Table:
+    """Headline numbers under each reading of the paper.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_refined,
+        arm_least_squares, arm_true``; similarities as fractions of 1; the question of one row is `DEFAULT`.
+
+    Returns
+    -------
+    Table
+        A block for each question, the default reading first; similarities in percent, losses in 1e-4.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    shares = ("id_mean", "id_lowest", "validation_mean", "arm_refined", "arm_least_squares", "arm_true")
+    checked = check_table(frame, ("question", "reading"), ("steps", "held_out_loss", *shares))
+    check_range(checked, ("steps",), 1.0, float("inf"), "at least 1 step")
+    check_range(checked, ("held_out_loss",), 0.0, float("inf"), "a loss of 0 or more")
+    check_range(checked, shares, 0.0, 1.0, "a fraction of 1")
+    blocks = []
+    for question, chosen in _grouped(checked):
+        rows = []
+        for row in chosen.to_dict("records"):
+            cells = [plain(row["reading"]), number(row["steps"], 0), number(1e4 * row["held_out_loss"], 2)]
+            rows.append([*cells, *(number(100.0 * row[name], 2) for name in shares)])
+        blocks.append((plain(f"{question[:1].upper()}{question[1:]}" if question == DEFAULT else question), rows))
+    caption = plain(
+        "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median of "
+        "the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the "
+        "eight torques. Simulated arm: mean over T1 to T4 for the refined Algorithm 1 (refined), least squares (LS) "
+        "and the true parameters (true). The networks are trained with a reduced budget (steps), so the numbers do not "
+        "compare with Tables 6 and 7; a reading that needs no network of its own has the default's. Held-out losses "
+        "under different labels or images do not compare."
+    )
+    names = ("ID mean", "ID lowest", "Val. mean", "Arm refined", "Arm LS", "Arm true")
+    loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")
+    header = [plain("Reading"), plain("Steps"), loss, *(plain(name) for name in names)]
+    return Table("Ablation", "tab:ablation", caption, "l" + "r" * 8, header, blocks)
+
+
+def figure(frame: pd.DataFrame) -> Figure:
+    """Headline numbers under each reading of the paper, beside those of the default reading.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        ``question, reading, quantity, value``; quantities id_mean, validation_mean, arm_refined, arm_least_squares
+        and arm_true, values as fractions of 1; every reading holds every quantity once, and the question of one
+        reading is `DEFAULT`.
+
+    Returns
+    -------
+    Figure
+        A row for each reading under its question, a panel for the numeric arms and one for the simulated arm, page
+        wide; vertical lines at the values of the default reading. Values far below these stand as numbers in a
+        strip at the left of the panel.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described.
+    """
+    checked = check_table(frame, ("question", "reading", "quantity"), ("value",))
+    every = [name for names in _PANELS.values() for name in names]
+    check_names(checked["quantity"], every, "quantity")
+    check_range(checked, ("value",), 0.0, 1.0, "a fraction of 1")
+    labels: dict[float, str] = {}
+    headings, rows, place = [], {}, 0.0
+    for question, chosen in _grouped(checked, "quantity"):
+        wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value").reindex(columns=every)
+        if wide.isna().any(axis=None):
+            raise InputError.at(f"question {question}", "a reading without a quantity", "every quantity once")
+        if question != DEFAULT:
+            place += _GAP
+            headings.append(len(labels))
+            labels[place] = question
+            place += 1.0
+        for reading in dict.fromkeys(chosen["reading"]):
+            rows[place] = wide.loc[reading]
+            labels[place] = f"Default: {reading}" if question == DEFAULT else str(reading)
+            place += 1.0
+    values = pd.DataFrame.from_dict({row: numbers.to_dict() for row, numbers in rows.items()}, orient="index")
+    drawn = style.new_figure(style.PAGE, _REST + _ROW * place)
+    panels = drawn.subplots(1, len(_PANELS), sharey=True)
+    for axes, (title, quantities) in zip(panels, _PANELS.items(), strict=True):
+        _plot_panel(axes, values[list(quantities)], quantities)
+        axes.set_title(title)
+        axes.set_xlabel("Total similarity (%)")
+        axes.grid(visible=False, axis="y")
+        axes.tick_params(axis="y", length=0.0)
+    panels[0].set_yticks(list(labels), labels=list(labels.values()), parse_math=False)
+    panels[0].set_ylim(place - 0.4, -0.6)
+    for number_of_label in headings:
+        panels[0].get_yticklabels()[number_of_label].set_style("italic")
+    handles = [line for axes in panels for line in axes.get_legend_handles_labels()[0]]
+    (default,) = panels[0].plot([], [], color=style.INK, lw=0.8, label="Lines: the default reading")
+    drawn.legend(handles=[*handles, default], loc="outside upper center", ncols=3)
+    return drawn
+
+
+def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[str, str]]) -> None:
+    """Draw the values of each row, those of the first as lines; what lies far below them is written out.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    values : DataFrame
+        Percent; rows by height, the default first, a column for each quantity.
+    quantities : dict
+        Label and look of each.
+    """
+    shown = values >= values.iloc[0].min() - _REACH
+    low, high = float(values[shown].min().min()), float(values[shown].max().max())
+    margin = 0.06 * max(high - low, 1.0)
+    low, high = low - margin, min(high + margin, 100.0 + margin)
+    strip = _WRITTEN * int((~shown).sum(axis=1).max())
+    left = low - strip / (1.0 - strip) * (high - low)
+    axes.set_xlim(left, high)
+    ticks = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    axes.set_xticks([tick for tick in ticks if low <= tick <= min(high, 100.0)])
+    if strip > 0.0:
+        axes.axvspan(left, low, color="0.94", lw=0.0, zorder=0.0)
+        axes.set_xticks([(left + low) / 2], labels=["lower"], minor=True)
+        axes.tick_params(axis="x", which="minor", length=0.0, pad=6.0)
+    axes.hlines(values.index.to_numpy(), left, high, color="0.90", lw=0.4, zorder=0.4)
+    offsets = dict(zip(quantities, np.linspace(-0.2, 0.2, len(quantities)), strict=True))
+    for name, (label, look) in quantities.items():
+        stroke = style.STROKES[look]
+        axes.axvline(values[name].iloc[0], color=stroke["color"], linestyle=stroke["linestyle"], lw=0.8, zorder=0.5)
+        here = shown[name].to_numpy()
+        heights = values.index.to_numpy(dtype=np.float64)[here] + offsets[name]
+        axes.plot(values[name].to_numpy()[here], heights, ls="none", color=stroke["color"], label=label, **_MARKS[look])
+    across = axes.get_yaxis_transform()  # x as a share of the panel, y by row
+    for place, row, known in zip(values.index, values.to_numpy(), shown.to_numpy(), strict=True):
+        outside = [
+            (value, look)
+            for value, (_, look), inside in zip(row, quantities.values(), known, strict=True)
+            if not inside
+        ]
+        for k, (value, look) in enumerate(outside):
+            x = _WRITTEN * k + _SIGN
+            axes.plot(x, place, transform=across, ls="none", color=style.STROKES[look]["color"], **_MARKS[look])
+            words = axes.text(x + 0.8 * _SIGN, place, f"{value:.2f}", transform=across, color=style.INK)
+            words.set(fontsize=style.SMALL_SIZE, va="center_baseline")

@@ -1,0 +1,180 @@
+"""Boxes and arrows: words from a table, places from a layout (Fig. 2-4)."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
+
+from repro.errors import InputError
+from repro.render import style
+from repro.render.contract import check_names, check_table
+from repro.render.layout import INSET, Box, Layout, Route
+from repro.render.markup import formula, plain
+
+#: Columns of the table of a diagram; ``-`` stands for nothing.
+COLUMNS = ("element", "name", "start", "end", "label", "source", "basis")
+#: How far the paper's text says what is drawn.
+BASES = ("stated", "inferred")
+
+_FILLS: Mapping[str, str] = {
+    "block": style.FILL_LIGHT,
+    "outside": "white",
+    "step": style.FILL_LIGHT,
+    "decision": "#f3c77d",
+    "end": "white",
+    "frame": "0.96",
+}
+
+#: Strokes of links by flow; a link that is only inferred has `_INFERRED` instead.
+FLOWS: Mapping[str, Mapping[str, Any]] = {
+    "downlink": {"color": style.STROKES["joint1"]["color"], "lw": 1.0},
+    "uplink": {"color": style.STROKES["joint2"]["color"], "lw": 1.0, "ls": (0, (4.5, 1.5))},
+    "inner": {"color": style.INK, "lw": 1.0},
+}
+_INFERRED: Mapping[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1.2))}
+
+_LEADING = 0.0175  # from one line of words to the next, in for each point of type
+_LETTER = 0.0061  # mean width of a letter, in for each point of type
+_WORD = re.compile(r"(?:`[^`]*`|[^\s`])+")
+
+
+def _rendered(word: str) -> tuple[str, int]:
+    """A word with its formulas in maths, and how many letters wide it is."""
+    shown, letters = "", 0
+    for place, part in enumerate(word.split("`")):
+        text = formula(part) if place % 2 else plain(part)
+        shown += text.tex if place % 2 else part.replace("$", r"\$")
+        letters += len(text.md)
+    return shown, letters
+
+
+def _wrap(label: str, letters: int) -> list[str]:
+    """Break a label into lines of so many letters; a formula between backticks stays whole."""
+    lines: list[str] = []
+    width = letters + 1
+    for word in _WORD.findall(label.replace(" x ", style.TIMES)):
+        shown, size = _rendered(word)
+        if width + 1 + size > letters:
+            lines.append(shown)
+            width = size
+        else:
+            lines[-1] += f" {shown}"
+            width += 1 + size
+    return lines
+
+
+def _read(frame: pd.DataFrame, layout: Layout) -> tuple[dict[str, list[tuple[str, bool]]], dict[str, tuple[str, bool]]]:
+    """Check the table; return lines of each box and label of each link, each with whether it is only inferred."""
+    table = check_table(frame, text=COLUMNS)
+    check_names(table["element"], ("box", "link"), "element")
+    unknown = ~table["basis"].isin(BASES)
+    if unknown.any():
+        row = int(unknown.to_numpy().argmax())
+        raise InputError.at(f"line {row + 2}: basis", repr(table["basis"][row]), f"one of {', '.join(BASES)}")
+    of_boxes, of_links = (table[table["element"] == kind] for kind in ("box", "link"))
+    check_names(of_boxes["name"], list(layout.boxes), "box: name")
+    check_names(of_links["name"], list(layout.routes), "link: name")
+    lines: dict[str, list[tuple[str, bool]]] = {name: [] for name in layout.boxes}
+    for name, label, basis in of_boxes[["name", "label", "basis"]].itertuples(index=False):
+        width, height = layout.boxes[name].room
+        if label != "-":
+            wrapped = _wrap(label, int(width / (_LETTER * layout.type_size)))
+            lines[name] += [(line, basis == "inferred") for line in wrapped]
+        room = int(height / (_LEADING * layout.type_size)) - 1
+        if len(lines[name]) > room:
+            raise InputError.at(f"box {name}: label", f"{len(lines[name])} lines of words", f"at most {room}")
+    links: dict[str, tuple[str, bool]] = {}
+    for name, start, end, label, basis in of_links[["name", "start", "end", "label", "basis"]].itertuples(index=False):
+        route = layout.routes[name]
+        if (start, end) != (route.start, route.end):
+            raise InputError.at(f"link {name}: start, end", f"{start}, {end}", f"{route.start}, {route.end}")
+        if name in links:
+            raise InputError.at(f"link {name}", "two rows", "one")
+        links[name] = (" ".join(_wrap(label, len(label))), basis == "inferred")
+    return lines, links
+
+
+def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:
+    """Outline of a box."""
+    look: dict[str, Any] = {"facecolor": _FILLS[box.shape], "edgecolor": style.INK, "lw": 0.6}
+    corner, width, height = (box.left, box.bottom), box.width, box.height
+    if box.shape == "frame":
+        return Rectangle(corner, width, height, ls=(0, (3, 2)), **look)
+    if box.shape == "decision":
+        x, y = box.left + width / 2, box.bottom + height / 2
+        return Polygon([(box.left, y), (x, box.bottom), (box.left + width, y), (x, box.bottom + height)], **look)
+    radius = height / 2 if box.shape == "end" else 0.04
+    return FancyBboxPatch(corner, width, height, boxstyle=f"round,pad=0,rounding_size={radius}", **look)
+
+
+def _draw_box(axes: Axes, name: str, box: Box, lines: Sequence[tuple[str, bool]], size: float) -> None:
+    """Draw a box, its name in bold, and its lines; what is only inferred stands in italics."""
+    axes.add_patch(_patch(box))
+    step = _LEADING * size
+    x, y = box.left + box.width / 2, box.bottom + (box.height + step * len(lines)) / 2
+    if box.shape == "frame":
+        y = box.bottom + box.height - INSET - step / 2
+    text: dict[str, Any] = {"fontsize": size, "ha": "center", "va": "center"}
+    axes.text(x, y, name, weight="bold", **text)
+    for row, (line, inferred) in enumerate(lines, start=1):
+        axes.text(x, y - step * row, line, style="italic" if inferred else "normal", **text)
+
+
+def _draw_link(axes: Axes, route: Route, label: str, inferred: bool, size: float) -> None:
+    """Draw an arrow along its route with its label."""
+    stroke = _INFERRED if inferred else FLOWS[route.flow]
+    axes.plot(*zip(*route.corners, strict=True), **stroke)
+    head = {"arrowstyle": "-|>", "color": stroke["color"], "shrinkA": 0, "shrinkB": 0, "lw": 0.0, "mutation_scale": 7}
+    axes.annotate("", route.corners[-1], route.corners[-2], arrowprops=head)
+    if route.both:
+        axes.annotate("", route.corners[0], route.corners[1], arrowprops=head)
+    if route.label is not None:
+        look = "italic" if inferred else "normal"
+        axes.text(*route.label, label, fontsize=size, ha=route.side, va="center", style=look)
+
+
+def draw_diagram(frame: pd.DataFrame, layout: Layout) -> Figure:
+    """Draw a diagram.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Columns `COLUMNS`, all text. ``element`` is box or link; a box has one row or more, each with a piece of its
+        words; a link has one row and the boxes where it starts and ends. Formulas stand between backticks, in
+        ASCII. ``source`` says where the paper has it, ``basis`` how far it does (`BASES`).
+    layout : Layout
+        Places of the same boxes and links.
+
+    Returns
+    -------
+    Figure
+        As large as the layout says.
+
+    Raises
+    ------
+    InputError
+        If the table is not as described, does not hold the layout's boxes and links, or has too many words.
+    """
+    lines, links = _read(frame, layout)
+    figure = style.new_figure(layout.width, layout.height)
+    figure.set_layout_engine("none")  # everything is placed in inches
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, layout.width), ylim=(0.0, layout.height))
+    axes.set_axis_off()
+    for name, box in layout.boxes.items():
+        _draw_box(axes, name, box, lines[name], layout.type_size)
+    for name, route in layout.routes.items():
+        _draw_link(axes, route, *links[name], layout.type_size)
+    for place in layout.junctions:
+        axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
+    for key, label in layout.legend:
+        if key in _FILLS:
+            axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=_FILLS[key], edgecolor=style.INK, lw=0.6, label=label))
+        else:
+            axes.plot((), (), label=label, **FLOWS.get(key, _INFERRED))
+    if layout.legend:
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=layout.columns, fontsize=layout.type_size)
+    return figure

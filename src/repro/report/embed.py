@@ -1,0 +1,123 @@
+"""Files inside the page: pictures and downloads as data URIs."""
+
+import base64
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from PIL import Image, UnidentifiedImageError
+
+from repro.errors import InputError
+from repro.report.inputs import read_bytes
+
+#: Pictures together, in characters of base64, before they are made smaller.
+IMAGE_BUDGET = 13_000_000
+
+#: A file up to this many bytes is held in the page; a larger one is linked where it lies.
+LARGEST_DOWNLOAD = 64_000
+
+#: Pixels on the screen for one pixel of the picture: drawn at 300 dpi, shown at 1.25 times the printed size.
+_SHOWN = 1.25 * 96.0 / 300.0
+
+_TYPES = {".csv": "text/csv", ".tex": "text/plain", ".md": "text/plain", ".pdf": "application/pdf"}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in the page: its data URI and the size it is shown at, in CSS pixels."""
+
+    uri: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link to data.
+
+    Attributes
+    ----------
+    text : str
+        What the link says: the kind of file and its size.
+    href : str
+        A data URI, or the way from the page to the file.
+    download : str
+        Name to save it under; empty for a file that is only linked.
+    """
+
+    text: str
+    href: str
+    download: str
+
+
+def pictures(paths: Mapping[str, Path], budget: int = IMAGE_BUDGET) -> dict[str, Picture]:
+    """Embed PNG files as they are; if they are too large together, at two pixels a CSS pixel.
+
+    Parameters
+    ----------
+    paths : mapping of str to Path
+        PNG files.
+    budget : int
+        Characters of base64 allowed for all of them before they are made smaller.
+
+    Returns
+    -------
+    dict of str to Picture
+        By the keys of `paths`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or is not a PNG.
+    """
+    contents = {key: read_bytes(path, "a PNG image") for key, path in paths.items()}
+    smaller = sum(4 * (len(content) // 3 + 1) for content in contents.values()) > budget
+    embedded = {}
+    for key, content in contents.items():
+        try:
+            with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
+                width, height = (round(_SHOWN * pixels) for pixels in image.size)
+                png = _resized(image, (2 * width, 2 * height)) if smaller else content
+        except (UnidentifiedImageError, OSError) as error:
+            raise InputError.at(str(paths[key]), "a file that is not an image", "a PNG image") from error
+        embedded[key] = Picture(_uri(png, "image/png"), width, height)
+    return embedded
+
+
+def _resized(image: Image.Image, size: tuple[int, int]) -> bytes:
+    file = io.BytesIO()
+    image.convert("RGB").resize(size, Image.Resampling.LANCZOS).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def link(path: Path, page: Path) -> Link:
+    """Link to a data file, held in the page if it is small.
+
+    Parameters
+    ----------
+    path : Path
+        The file, with one of the suffixes .csv, .tex, .md or .pdf.
+    page : Path
+        The page that the link stands in.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    content = read_bytes(path, f"a {path.suffix[1:].upper()} file")
+    kind, size = path.suffix[1:].upper(), _size(len(content))
+    if len(content) <= LARGEST_DOWNLOAD and path.suffix != ".pdf":
+        return Link(f"{kind} ({size})", _uri(content, f"{_TYPES[path.suffix]};charset=utf-8"), path.name)
+    return Link(f"{kind} ({size}, beside this report)", quote(Path(os.path.relpath(path, page.parent)).as_posix()), "")
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 100_000 else f"{max(count / 1e3, 0.1):.1f} kB"
+
+
+def _uri(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -1,0 +1,134 @@
+"""Tables and figures of the page, each with its caption, its data and the command that remakes it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from markupsafe import Markup, escape
+
+from repro.report.catalogue import Exhibit
+from repro.report.embed import Link, Picture, link, pictures
+from repro.report.inputs import ReportInputs, read_rows, read_text
+from repro.report.text import MarkdownTable, markdown_table, paragraphs, plain
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An exhibit with what the page shows of it.
+
+    Attributes
+    ----------
+    exhibit : Exhibit
+        What it is.
+    caption : list of Markup
+        Paragraphs.
+    alt : str
+        Caption without markup.
+    links : list of Link
+        Its data.
+    missing : list of str
+        Names of its files that are not there.
+    table : MarkdownTable or None
+        Of a table that is there.
+    picture : Picture or None
+        Of a figure that is there.
+    """
+
+    exhibit: Exhibit
+    caption: list[Markup]
+    alt: str
+    links: list[Link]
+    missing: list[str]
+    table: MarkdownTable | None = None
+    picture: Picture | None = None
+
+
+def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
+    """Read every table's layout and link its CSV and LaTeX.
+
+    Raises
+    ------
+    InputError
+        If a file is missing in a whole report, or is not what it must be.
+    """
+    return [_show_table(exhibit, inputs) for exhibit in exhibits]
+
+
+def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+    layout, *data = (inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".md", ".csv", ".tex"))
+    found, missing = _present([layout, *data], inputs.partial or exhibit.optional)
+    table = markdown_table(read_text(layout, "a Markdown table"), str(layout)) if layout in found else None
+    caption, alt = _caption(exhibit, inputs, table)
+    links = [link(path, inputs.page) for path in data if path in found]
+    return Shown(exhibit, caption, alt, links, missing, table=table)
+
+
+def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
+    """Embed every figure and link the numbers drawn and the vector file.
+
+    Raises
+    ------
+    InputError
+        If a file is missing in a whole report, or is not what it must be.
+    """
+    images = {exhibit.name: inputs.figures / f"{exhibit.name}.png" for exhibit in exhibits}
+    may_miss = {exhibit.name: inputs.partial or exhibit.optional for exhibit in exhibits}
+    embedded = pictures({name: path for name, path in images.items() if path.exists() or not may_miss[name]})
+    shown = []
+    for exhibit in exhibits:
+        data = [inputs.results / "figures" / f"{exhibit.name}.csv", inputs.figures / f"{exhibit.name}.pdf"]
+        found, missing = _present([images[exhibit.name], *data], may_miss[exhibit.name])
+        caption, alt = _caption(exhibit, inputs, None)
+        links = [link(path, inputs.page) for path in data if path in found]
+        shown.append(Shown(exhibit, caption, alt, links, missing, picture=embedded.get(exhibit.name)))
+    return shown
+
+
+def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[str]]:
+    """Paths to read, and names of files that are not there; where none may miss, all are read and the reading tells."""
+    if not may_miss:
+        return list(paths), []
+    return [path for path in paths if path.exists()], [path.name for path in paths if not path.exists()]
+
+
+def _caption(exhibit: Exhibit, inputs: ReportInputs, table: MarkdownTable | None) -> tuple[list[Markup], str]:
+    """Caption from its file, by target or by name; without one a table's own, and in a partial report the title."""
+    files = [inputs.captions / f"{stem}.rst" for stem in (exhibit.target, exhibit.name)]
+    path = files[0] if files[0].exists() else files[1]
+    if not path.exists() and table:
+        return [escape(table.caption)], table.caption
+    if not path.exists() and (inputs.partial or exhibit.optional):
+        return [], exhibit.title
+    text = read_text(path, "a caption")
+    return paragraphs(text), plain(text)
+
+
+@dataclass(frozen=True)
+class Audit:
+    """The audit of the paper: a table of any columns, and its data."""
+
+    header: list[str]
+    rows: list[list[str]]
+    links: list[Link]
+
+
+def show_audit(inputs: ReportInputs) -> Audit | None:
+    """Read the audit.
+
+    Returns
+    -------
+    Audit or None
+        None if the file is missing and the report may be partial.
+
+    Raises
+    ------
+    InputError
+        If it is missing in a whole report or not a table.
+    """
+    path = inputs.results / "tables" / "audit.csv"
+    if inputs.partial and not path.exists():
+        return None
+    header, rows = read_rows(path)
+    columns = [name for name in header if name != "id"]
+    links = [link(file, inputs.page) for file in (path, path.with_suffix(".tex")) if file.exists()]
+    return Audit([name.replace("_", " ") for name in columns], [[row[name] for name in columns] for row in rows], links)

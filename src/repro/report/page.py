@@ -1,0 +1,155 @@
+"""The report as one HTML text, and writing it."""
+
+import base64
+import hashlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from repro.errors import InputError
+from repro.files import write_text
+from repro.paper.claims import CONTRADICTS, DIFFERS
+from repro.report.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
+from repro.report.embed import link
+from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
+from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text
+from repro.report.ledger import MEANINGS, counts, differences, read_claims
+from repro.report.question import answer
+
+_TEMPLATES = Path(__file__).parent
+
+
+def build_report(inputs: ReportInputs) -> str:
+    """Lay out the report.
+
+    Parameters
+    ----------
+    inputs : ReportInputs
+        What it shows. The same inputs give the same text.
+
+    Returns
+    -------
+    str
+        A complete HTML document that loads nothing: styles, script and pictures are inside, and its own policy
+        forbids the browser to fetch anything.
+
+    Raises
+    ------
+    InputError
+        If a file is missing in a whole report, a file is not what it must be, or the report would be too large.
+    """
+    claims = read_claims(inputs)
+    style, script = (_read_own(name) for name in ("report.css", "report.js"))
+    ledger_file = inputs.results / "claims.csv"
+    tables, figures, audit = show_tables(TABLES, inputs), show_figures(FIGURES, inputs), show_audit(inputs)
+    text = (
+        _environment()
+        .get_template("report.html")
+        .render(
+            inputs=inputs,
+            style=style,
+            script=script,
+            policy=_policy(style, script),
+            claims=claims,
+            claims_link=link(ledger_file, inputs.page) if claims else None,
+            counts=counts(claims),
+            promised=[claim for claim in claims if claim.must],
+            answer=answer(inputs),
+            differing=[
+                (verdict, MEANINGS[verdict], differences(claims, verdict)) for verdict in (DIFFERS, CONTRADICTS)
+            ],
+            audit=audit,
+            tables=tables,
+            figures=figures,
+            missing=_missing(tables + figures, bool(claims), audit is not None),
+            targets=TARGETS,
+            simulated=SIMULATED,
+            captures=_captures(inputs),
+            provenance=list(_flat(inputs.provenance)),
+        )
+    )
+    size = len(text.encode())
+    if size > LARGEST_REPORT:
+        expected = f"{LARGEST_REPORT / 1e6:g} MB at most; the figures are what fills it"
+        raise InputError.at(str(inputs.page), f"{size / 1e6:.1f} MB", expected)
+    return text
+
+
+def write_report(inputs: ReportInputs, path: Path | None = None) -> None:
+    """Write the report.
+
+    Parameters
+    ----------
+    inputs : ReportInputs
+        What it shows.
+    path : Path, optional
+        Destination; by default ``inputs.page``, where its links to files beside it start.
+
+    Raises
+    ------
+    InputError
+        As `build_report`.
+    """
+    write_text(path or inputs.page, build_report(inputs))
+
+
+def _read_own(name: str) -> Markup:
+    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["slug"] = lambda text: "-".join(str(text).split())
+    return environment
+
+
+def _policy(style: str, script: str) -> str:
+    """Content security policy: this style, this script, pictures in data URIs, nothing else."""
+    style_hash, script_hash = (
+        base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in (style, script)
+    )
+    return (
+        f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; script-src 'sha256-{script_hash}'; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _missing(shown: list[Shown], claims: bool, audit: bool) -> list[tuple[str, str]]:
+    """Name and anchor of everything that ought to be there and is not."""
+    lost = [] if claims else [("claims.csv", "claims")]
+    lost += [] if audit else [("audit.csv", "audit")]
+    for item in shown:
+        if not item.exhibit.optional:
+            lost += [(name, item.exhibit.target) for name in item.missing]
+    return lost
+
+
+def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
+    """Name and SHA-256 of every recorded file."""
+    if inputs.partial and not inputs.captures.exists():
+        return []
+    hashes = []
+    for number, line in enumerate(read_text(inputs.captures, "SHA-256 sums").splitlines(), start=1):
+        digest, _, name = line.partition("  ")
+        if len(digest) != 64 or not name:
+            raise InputError.at(f"{inputs.captures}: line {number}", repr(line), "a SHA-256, two blanks and a name")
+        hashes.append((name, digest))
+    return hashes
+
+
+def _flat(content: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Every value of a nested mapping with its dotted name."""
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", str(value)

@@ -1,0 +1,147 @@
+"""A short experiment without a simulation: recordings of an arm that follows its program perfectly."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from repro.files import write_csv, write_json
+from repro.fpga.capture import write_capture
+from repro.fpga.frames import RADIANS_PER_COUNT, encode
+from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.experiment import control_constants, describe, program_from_config, true_parameters
+from repro.pipeline.experiment_runs import every_seed
+from repro.pipeline.recordings import Recording
+
+ROOT = Path(__file__).resolve().parent.parent
+CAPTURES = ROOT / "data" / "captures"
+MOTIONS = ("ID", "T1", "T2", "T3", "T4")
+#: What the estimate of each seed is to the true parameters; the score of seed 2 is the median one.
+ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
+ON_ID = {1: 0.6, 2: 0.8, 3: 0.97}
+MEDIAN = 2
+LEAST_SQUARES = 1.1
+
+
+def full_config():
+    """The configuration of the repository."""
+    return yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+
+
+def short_config():
+    """Motions of a few seconds, and motors strong enough for them."""
+    config = copy.deepcopy(full_config())
+    config["signals"]["duration_s"] = 6.0
+    config["board"]["full_torque_nm"] = [8.0, 8.0]
+    config["experiment"] |= {"validation_samples": 2400, "random_range_rad": 0.1, "search_seeds": list(ERROR)}
+    config["spread"] |= {"seeds": [1, 2], "durations_s": [5.0, 6.0]}
+    return config
+
+
+def followed(program, config):
+    """Counts of a perfect run: positions rounded, torques from Eq. 1."""
+    q, h = program.q, program.h
+    dq = np.gradient(q, h, axis=1)
+    tau = inverse_dynamics(q, dq, np.gradient(dq, h, axis=1), true_parameters(config))
+    counts = np.rint(tau / control_constants(config).torque_per_count[:, None]).clip(-1023, 1023)
+    return np.rint(q / RADIANS_PER_COUNT).astype(int), counts.astype(int)
+
+
+def recording(motion, config):
+    """Recording of a perfect run."""
+    program = program_from_config(config, motion)
+    position, pwm = followed(program, config)
+    torque = control_constants(config).torque_per_count[:, None]
+    return Recording(program, position * RADIANS_PER_COUNT, pwm * torque)
+
+
+def capture(folder, motion, config):
+    """Capture of a perfect run, written to a folder."""
+    program = program_from_config(config, motion)
+    about = describe(program, control_constants(config), {"board": "simulated"})
+    path = folder / f"{motion}.bin"
+    write_capture(path, encode(*followed(program, config)), about)
+    return path
+
+
+def identification(seed, true, suffix=""):
+    """What one run of Algorithm 1 leaves."""
+    methods = {
+        f"algorithm1{suffix}": ERROR[seed] * true,
+        f"algorithm1+local-search{suffix}": 1.02 * true,
+        f"algorithm1+refinement{suffix}": (1 + 0.01 * seed) * true,
+    }
+    arm = {"true": true.tolist(), "methods": {m: {"beta": b.tolist()} for m, b in methods.items()}}
+    return {"seed": seed, "variant": "scale-aware" if suffix else "published", "arms": {"ID": arm}}
+
+
+def least_squares_run(true):
+    """What least squares leaves: no seed of its own, and the truth beside it."""
+    methods = {"least-squares": {"beta": (LEAST_SQUARES * true).tolist()}, "true": {"beta": true.tolist()}}
+    return {"seed": 0, "variant": "least-squares", "arms": {"ID": {"true": true.tolist(), "methods": methods}}}
+
+
+def score_table(runs):
+    """Scores of runs that every seed has a part in; on ID that of the literal Algorithm 1 follows `ON_ID`."""
+    rows = [
+        (motion, method, run["seed"], joint, ON_ID[run["seed"]], 1.0, ON_ID[run["seed"]])
+        for motion in MOTIONS
+        for run in runs
+        for method in run["arms"]["ID"]["methods"]
+        for joint in (1, 2)
+    ]
+    return pd.DataFrame(rows, columns=["case", "method", "seed", "joint", "time", "frequency", "total"])
+
+
+def spread_table(config, difference=0.02):
+    """Scores of the spread: Algorithm 1 above least squares by a given amount on T1 to T4, below it on ID."""
+    sign = {"algorithm1": 1.0, "algorithm1+refinement": 2.0, "algorithm1+local-search": 1.5, "least-squares": 0.0}
+    rows = [
+        (motion, joint, method, duration, seed, 0.9, 1.0, 0.9 + s * (-difference if motion == "ID" else difference))
+        for duration in config["spread"]["durations_s"]
+        for motion in MOTIONS
+        for seed in config["spread"]["seeds"]
+        for joint in (1, 2)
+        for method, s in sign.items()
+    ]
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "time", "frequency", "total"])
+
+
+def experiment_inputs(folder, config):
+    """Inputs of every figure and table of the experiment by name, as the stages before would leave them."""
+    true = true_parameters(config)
+    runs = [identification(seed, true, suffix) for suffix in ("", "+scale-aware") for seed in ERROR]
+    runs.append(least_squares_run(true))
+    for k, run in enumerate(runs):
+        write_json(folder / f"experiment{k}.json", run)
+    write_csv(folder / "experiment.csv", score_table(every_seed(runs)))
+    for k, duration in enumerate(config["spread"]["durations_s"]):
+        table = spread_table(config)
+        write_csv(folder / f"scores-{k}.csv", table[table["duration"] == duration])
+    for motion in MOTIONS:
+        capture(folder, motion, config)
+    estimates = {"identifications": sorted(folder.glob("experiment*.json")), "scores": [folder / "experiment.csv"]}
+
+    def captures(*motions):
+        return {"captures": [folder / f"{motion}.{end}" for motion in motions for end in ("bin", "json")]}
+
+    on_id = {"captures": captures("ID")["captures"], **estimates}
+    validation = {"captures": captures(*MOTIONS[1:])["captures"], **estimates}
+    spread = {"scores": sorted(folder.glob("scores-*.csv"))}
+    return {
+        "fig18": {},
+        "fig19": on_id,
+        "fig20": on_id,
+        "fig21": captures(*MOTIONS[1:]),
+        "fig22": captures(*MOTIONS[1:]),
+        "fig23": validation,
+        "fig24": validation,
+        "spread": spread,
+        "table08": captures("ID"),
+        "table09": estimates,
+        "table10": {"scores": estimates["scores"]},
+        "stability": estimates,
+        "verdict": spread,
+    }

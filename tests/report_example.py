@@ -1,0 +1,127 @@
+"""A small but whole set of results for the report: every file that it reads, with made-up numbers."""
+
+import csv
+import hashlib
+import io
+import json
+from functools import cache
+
+from PIL import Image, ImageDraw
+
+from repro.paper.claims import VERDICTS
+from repro.report.catalogue import FIGURES, TABLES
+from repro.report.inputs import ReportInputs
+
+#: What must be escaped wherever it is shown.
+TRICKY = "a < b & \"c\" > 'd' <script>alert(1)</script>"
+
+NOTES = {
+    "reproduced": "",
+    "better": "Refinement is an extension of ours.",
+    "differs": f"The published ranges cannot produce these parameters; {TRICKY}.",
+    "contradicts itself": "Time x Frequency is 88.48, the table prints 85.82.",
+    "needs the hardware": "A measurement of the real arm.",
+}
+
+
+def claim_rows(count=60):
+    """Rows of ``claims.csv``: every verdict, blank numbers where there are none, a tiny one and a negative one."""
+    rows = []
+    for n in range(count):
+        verdict = VERDICTS[n % len(VERDICTS)]
+        known = verdict != "needs the hardware"
+        rows.append(
+            {
+                "id": f"table{4 + n % 7:02d}/N{n % 4 + 1}/total/{n}{'@refinement' if n % 9 == 1 else ''}",
+                "place": f"Table {4 + n % 7}",
+                "quantity": f"total similarity {n}",
+                "unit": "%",
+                "kind": "stochastic" if known else "hardware-only",
+                "published": f"{97.38 - n:g}",
+                "ours": f"{97.38 - n + 0.123456789:.10g}" if known else "",
+                "difference": "0.123456789" if known else "",
+                "tolerance": "0.005" if known else "",
+                "tolerance_from": "print precision",
+                "verdict": verdict,
+                "must": str(n % 10 == 0),
+                "target": f"table{4 + n % 7:02d}",
+                "note": NOTES[verdict],
+            }
+        )
+    rows[0] |= {"quantity": "rate of the appendix", "unit": "kg m^2/s", "published": "7.1236e-08"}
+    rows[0] |= {"ours": "7.123612345e-08", "difference": "-1.2345e-13", "tolerance": "5e-13", "target": "stability"}
+    return rows
+
+
+def write_rows(path, rows, columns=None):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns or list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+@cache
+def picture(size):
+    """PNG of a frame, this many pixels wide and high."""
+    image = Image.new("RGB", size, "white")
+    ImageDraw.Draw(image).rectangle((10, 10, size[0] - 10, size[1] - 10), outline="black", width=4)
+    file = io.BytesIO()
+    image.save(file, "PNG")
+    return file.getvalue()
+
+
+def write_picture(path, size=(2148, 800)):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(picture(size))
+
+
+def table_markdown(label):
+    return (
+        f"**{label}.** Similarity (%) of a \\| b and c\\_d, *as printed*.\n\n"
+        "| metr2ev (%) | N1 | N2 |\n| :--- | ---: | :---: |\n"
+        "| **Algorithm 1** |  |  |\n| Time \\|τ₁\\| | 89.39 | 94.89 |\n| Freq. τ₁ | 77.26 | \\<none\\> |\n"
+        "| **Least squares** |  |  |\n| Time τ₁ | 99.00 | 98.00 |\n"
+    )
+
+
+def verdict_rows():
+    signs = {("algorithm1", 9.42): (-0.3, -0.1), ("algorithm1", 19.53): (-0.2, 0.1)}
+    signs |= {("algorithm1+refinement", 9.42): (0.01, 0.1)}
+    return [
+        {
+            "motion": motion, "joint": joint, "duration": duration, "method": method, "runs": 20, "wins": 3,
+            "win_share": 0.15, "win_low": 0.05, "win_high": 0.3,
+            "difference_median": (low + high) / 2, "difference_low": low, "difference_high": high,
+        }
+        for (method, duration), (low, high) in signs.items()
+        for motion in ("ID", "T1", "T2", "T3", "T4")
+        for joint in (1, 2)
+    ]  # fmt: skip
+
+
+def make_example(folder, **changes):
+    """Write everything a report reads and return its `ReportInputs`; nothing optional is there."""
+    results, figures, captions = folder / "results", folder / "paper_figures", folder / "captions"
+    write_rows(results / "claims.csv", claim_rows())
+    for exhibit in TABLES:
+        if not exhibit.optional:
+            path = results / "tables" / exhibit.name
+            write_rows(path.with_suffix(".csv"), [{"case": "N1", "total": 0.5}])
+            path.with_suffix(".tex").write_text("\\begin{table}\\end{table}\n", encoding="utf-8")
+            path.with_suffix(".md").write_text(table_markdown(exhibit.label), encoding="utf-8")
+    write_rows(results / "tables" / "verdict.csv", verdict_rows())
+    finding = {"id": "ls-t2", "place": "Table 10", "what": TRICKY, "arithmetic": "0.9 x 0.98", "found": "88.48"}
+    write_rows(results / "tables" / "audit.csv", [{**finding, "printed": "85.82", "verdict": "off", "note": "LS, T2"}])
+    captions.mkdir(parents=True)
+    for number, exhibit in enumerate(FIGURES):
+        if not exhibit.optional:
+            write_picture(figures / f"{exhibit.name}.png", (2148, 800) if number % 4 else (1050, 600))
+            (figures / f"{exhibit.name}.pdf").write_bytes(b"%PDF-1.4 example\n")
+            write_rows(results / "figures" / f"{exhibit.name}.csv", [{"x": 0.0, "y": 1.0}])
+            (captions / f"{exhibit.name}.rst").write_text(f"About *{exhibit.label}* & ``x < y``.\n", encoding="utf-8")
+    captures = folder / "SHA256SUMS"
+    captures.write_text(f"{hashlib.sha256(b'run').hexdigest()}  ID.bin\n", encoding="utf-8")
+    provenance = json.loads('{"commit": "0123abc", "packages": {"numpy": "2.4.6"}}')
+    given = {"config_sha256": hashlib.sha256(b"config").hexdigest(), "provenance": provenance, **changes}
+    return ReportInputs(results, figures, captions, captures, **given)

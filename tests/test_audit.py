@@ -1,0 +1,246 @@
+"""The audit of the paper: each number again with none of our code, and each finding alive to what it rests on."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from repro.errors import InputError
+from repro.paper.audit import audit, findings
+from repro.paper.checks.finding import VERDICTS, Finding, agreement, findings_frame
+from repro.paper.published import Published, load_published
+
+# Tables 4 and 5, I1 I2 I3 g1 g2 of the true sets and I1 I2 I3 of the estimates, typed again.
+TRUE = {
+    "N1": (0.6590, 0.4156, 0.5578, 0.9296, 0.1349),
+    "N2": (0.6259, 0.4901, 0.8725, 0.5148, 0.7013),
+    "N3": (0.5020, 0.9779, 0.5040, 0.4777, 0.5724),
+    "N4": (0.6944, 0.5271, 0.3408, 0.3536, 0.8523),
+}
+ESTIMATE = {
+    "N1": (0.7389, 0.2872, 0.5274),
+    "N2": (0.4084, 0.5188, 0.8712),
+    "N3": (0.4618, 1.0288, 0.4186),
+    "N4": (0.5657, 0.6752, 0.2604),
+}
+IMPOSSIBLE = {("N2", "true"), ("N3", "true"), ("N2", "algorithm1"), ("N3", "algorithm1"), ("N4", "algorithm1")}
+
+
+@pytest.fixture(scope="module")
+def published():
+    return load_published()
+
+
+@pytest.fixture(scope="module")
+def table():
+    return audit().set_index("id")
+
+
+def changed(published, **printed):
+    """Numbers of the paper with some of them printed otherwise."""
+    return Published(tuple(replace(v, printed=printed[v.id]) if v.id in printed else v for v in published))
+
+
+def finding(published, id_, **printed):
+    (only,) = [f for f in findings(changed(published, **printed)) if f.id == id_]
+    return only
+
+
+def test_table_is_tidy(table, published):
+    assert table.index.is_unique and len(table) > 60
+    assert set(table["verdict"]) == set(VERDICTS)
+    assert (table[["place", "what", "arithmetic"]].map(len) > 0).all(axis=None)
+    known = {v.id for v in published}
+    assert {i for row in table["numbers"] for i in row.split()} <= known
+    text = " ".join(table[["what", "arithmetic", "note"]].to_numpy().ravel())
+    assert text.isascii() and "nan" not in text.split()
+
+
+# Arithmetic on the print, typed again: id, found, held against.
+EXPECTED = [
+    ("composition/table07", 7, 8),
+    ("composition/table10", 18, 20),
+    ("composition/table07/N1/total/joint2", 99.68 * 0.9859, 98.25),
+    ("composition/table10/T2/algorithm1/total/joint2", 99.11 * 0.9101, 90.02),
+    ("composition/table10/T2/least-squares/total/joint2", 98.65 * 0.8969, 85.82),
+    ("abstract/experimental/total", 90.01, 93.55),
+    ("section7/experimental/total", 93.91, 93.91),
+    ("section6/experimental/total", 2, 8),
+    ("section6/experimental/threshold", (93.55 + 94.51) / 2, 92.37),
+    ("least-squares/identification", 1, 2),
+    ("least-squares/validation", 8, 8),
+    ("range/I1", 3 * 0.01 + 0.1 + 1, 0.6944),
+    ("range/I2", 2 * 0.1 * 0.1, 0.9779),
+    ("range/I3", 0.01 + 1, 0.8725),
+    ("range/g1", 2 * 0.1 * 9.80665, 0.9296),
+    ("range/g2", 0.1 * 9.80665, 0.8523),
+    ("range/I1-I3", 2 * 0.01 + 0.1, 0.6259 - 0.8725),
+    ("range/friction", 0.5721, 1),
+    ("range/l1", 0.5271 * 9.80665 / (2 * 0.8523), 0.1),
+    ("range/reach", 2.52 / 8, 0.3),
+    ("section3/sampling-rate", 1 / 0.0025, 400),
+    ("section4a/band-high", 99 / (2 * 0.0025 * 3770), 33),
+    ("section4b/train-images", 8000, 8000),
+    ("section4b/test-images", 2000, 2000),
+    ("section4b/loss-divisor", 9, 18),
+    ("section4b/learning-rate-slope", 0.03, 0.02),
+    ("section4b/sizes", ((100 - 8) / 2 - 4) / 2 - 2, 19),
+    ("section4b/labels", -1, 1),
+    ("eq16/blue", 5 / 3, 1),
+    ("section3/encoder-step", 2 * math.pi / (64 * 131.25), 0.748e-3),
+    ("section3/position-turns", 32767 / 8400, 3.9),
+    ("section3/position-low", 65536, 2**16),
+    ("section3/torque-unit", 100 / 1023, 0.0978),
+    ("section3/torque-bits", 2048, 2**11),
+    ("section3/torque-low", -102400 / 1023, -100),
+    ("section5c/full-torque/joint1", 2.7192, 3),
+    ("section5c/full-torque/joint2", 2.7314, 3),
+    ("table08/kv/joint1", 1270.7266 * 0.748e-3, 2.7192),
+    ("section3/frame", 8 + 16 + 16 + 11 + 11, 64),
+    ("section3/logic-share", 668300 / 22320, 29.94),
+    ("section3/memory-share", 100 * 8192 * 2 * 32 / 608256, 87),
+    ("section6/T2/circle", 3.15, 252 / 8),
+    ("appendix/determinant", 3.4422e-6 * 1.8986e-6 / 1e-4, 1.3659e-7 - 7.1236e-8),
+    ("appendix/condition", 1.8986e-6 / 1e-4 / 3.4422e-6, 1e4),
+    ("appendix/rate", 1.3659e-7, 7.1236e-8),
+    ("appendix/arm", 6, 6),
+    ("appendix/gain", 1e4, 1),
+]
+
+
+@pytest.mark.parametrize(("id_", "found", "printed"), EXPECTED)
+def test_numbers_recomputed(table, id_, found, printed):
+    assert table.loc[id_, "found"] == pytest.approx(found, rel=1e-9)
+    assert table.loc[id_, "printed"] == pytest.approx(printed, rel=1e-9)
+
+
+@pytest.mark.parametrize("case", TRUE)
+@pytest.mark.parametrize("method", ["true", "algorithm1"])
+def test_inertia_matrices_by_their_eigenvalues(table, case, method):
+    i1, i2, i3 = (TRUE if method == "true" else ESTIMATE)[case][:3]
+    c = np.cos(np.linspace(-np.pi, np.pi, 721))
+    m = np.moveaxis(np.array([[i1 + i2 * c, i3 + i2 * c / 2], [i3 + i2 * c / 2, i3 + 0 * c]]), -1, 0)
+    row = table.loc[f"definite/{case}/{method}"]
+    assert row["found"] == pytest.approx(np.linalg.det(m).min(), rel=1e-9)
+    assert (row["verdict"] == "not possible") == (np.linalg.eigvalsh(m).min() <= 0)
+    assert (row["verdict"] == "not possible") == ((case, method) in IMPOSSIBLE)
+
+
+def test_no_links_of_the_published_ranges_reach_the_arms(table):
+    rng = np.random.default_rng(0)
+    l1, lc1, lc2, j1 = rng.uniform(1e-3, 0.1, (4, 50_000))
+    m1, m2, j2 = rng.uniform(1e-3, 1.0, (3, 50_000))
+    i3 = m2 * lc2**2 + j2
+    i1 = m1 * lc1**2 + j1 + m2 * l1**2 + i3
+    drawn = {"I1": i1, "I2": 2 * m2 * l1 * lc2, "I3": i3, "I1-I3": i1 - i3, "g2": m2 * lc2 * 9.80665}
+    for name, values in drawn.items():
+        limit = table.loc[f"range/{name}", "found"]
+        assert 0.8 * limit < values.max() < limit
+    assert drawn["I2"].max() < min(v[1] for v in TRUE.values())
+    outside = {id_.split("/")[1] for id_ in table.index[table["verdict"] == "outside its own range"]}
+    assert outside == {"I2", "I1-I3", "l1", "reach"}
+
+
+def test_ends_of_the_inequalities(table):
+    cosine, sine, tanh = (table.loc[f"appendix/{name}", "found"] for name in ("cosine", "sine", "tanh"))
+    for step, holds in ((-1e-3, True), (1e-3, False)):
+        assert (1 - math.cos(cosine + step) > 0.1 * (cosine + step) ** 2) == holds
+        assert (math.sin(sine + step) > 0.1 * (sine + step)) == holds
+        assert (math.tanh(20 * (tanh + step)) > 0.0025 * 20 * (tanh + step)) == holds
+    assert table.loc["appendix/cosine", "printed"] == pytest.approx(math.sqrt(2) * math.pi)
+    # q = (3, 0) lies in the ball, and there q.g(q) < rho q.Qq for every arm.
+    assert 3 * math.sin(3) < 0.1 * 9 and table.loc["appendix/sine", "printed"] > 3
+
+
+def test_corner_of_r1_is_that_of_q(table):
+    roots = np.roots([1.0, -(1.8986e-2 + 3.4422e-6), 1.3659e-7])
+    assert table.loc["appendix/corner", "found"] == pytest.approx(1e3 * roots.min(), rel=1e-6)
+    assert round(1e3 * roots.min(), 4) == 0.0072
+
+
+def test_power_of_the_energy_function_needs_no_skew_matrix():
+    rng = np.random.default_rng(1)
+    for i2, q2, v1, v2 in rng.normal(size=(20, 4)):
+        s = math.sin(q2)
+        dm = -i2 * s * v2 * np.array([[1.0, 0.5], [0.5, 0.0]])
+        c = i2 * s * np.array([[-v2, -0.5 * v2], [0.5 * v1, 0.0]])
+        v = np.array([v1, v2])
+        assert v @ (dm - 2 * c) @ v == pytest.approx(0, abs=1e-12)
+        assert v @ dm @ v == pytest.approx(-i2 * s * v1 * v2 * (v1 + v2))
+
+
+def test_speed_of_the_identification_trajectory(table):
+    t = np.linspace(0, 3 * np.pi, 200_001)
+    q = np.array([np.sin(t) + 0.1 * np.cos(2.5 * t + 3), -np.cos(t) - 0.1 * np.sin(2.5 * t + 3)])
+    assert table.loc["eq10/speed", "found"] == pytest.approx(np.abs(np.gradient(q, t, axis=1)).max(), rel=1e-4)
+
+
+# One number printed otherwise: finding, what it says now.
+TAMPERED = [
+    ({"table10/T2/least-squares/total/joint2": "88.48"}, "composition/table10", "found", 19),
+    ({"table07/N2/total/joint1": "95.98"}, "composition/table07", "found", 6),
+    ({"abstract/numeric/total": "95.90"}, "abstract/numeric/total/energy", "verdict", "consistent"),
+    ({"abstract/experimental/total": "90.00"}, "abstract/experimental/total", "verdict", "consistent"),
+    ({"section7/experimental/total": "94.51"}, "section7/experimental/total", "verdict", "contradicts itself"),
+    ({"section6/experimental/threshold": "94.20"}, "section6/experimental/threshold", "verdict", "contradicts itself"),
+    ({"table10/T1/least-squares/total/joint2": "91.95"}, "least-squares/validation", "verdict", "holds in part"),
+    ({"table04/N1/true/I1": "0.5500"}, "definite/N1/true", "verdict", "not possible"),
+    ({"section4a/length-high": "1"}, "range/I2", "verdict", "consistent"),
+    ({"section4a/length-high": "1"}, "range/reach", "verdict", "consistent"),
+    ({"section4a/mass-high": "0.8"}, "range/I3", "verdict", "outside its own range"),
+    ({"section6/parameter-sets": "12e3"}, "repeated/section5a/parameter-sets", "verdict", "contradicts itself"),
+    ({"section3/sampling-rate": "450"}, "section3/sampling-rate", "verdict", "contradicts itself"),
+    ({"section4a/band-high": "5"}, "section4a/band-high", "verdict", "consistent"),
+    ({"section4b/train-images": "9e3"}, "section4b/train-images", "verdict", "contradicts itself"),
+    ({"section4b/loss-divisor": "9"}, "section4b/loss-divisor", "verdict", "consistent"),
+    ({"section4b/learning-rate-slope": "-0.2e-7"}, "section4b/learning-rate-slope", "verdict", "consistent"),
+    ({"section4b/kernel2/size": "6"}, "section4b/sizes", "verdict", "contradicts itself"),
+    ({"section3/encoder-step": "0.749e-3"}, "section3/encoder-step", "verdict", "contradicts itself"),
+    ({"section3/position-turns": "4.9"}, "section3/position-turns", "verdict", "contradicts itself"),
+    ({"section3/torque-unit": "0.0977"}, "section3/torque-unit", "verdict", "contradicts itself"),
+    ({"section3/torque-low": "-1023"}, "section3/torque-low", "verdict", "consistent"),
+    ({"section3/logic-used": "6684"}, "section3/logic-share", "found", 668400 / 22320),
+    ({"section3/logic-share": "29.95"}, "section3/logic-share", "verdict", "contradicts itself"),
+    ({"section3/torque-bits": "13"}, "section3/frame", "verdict", "contradicts itself"),
+    ({"appendix/r1_min": "3.4430e-6"}, "appendix/determinant", "verdict", "contradicts itself"),
+    ({"appendix/potential": "0.0074"}, "appendix/corner", "verdict", "contradicts itself"),
+    ({"appendix/rho": "0.05"}, "appendix/cosine", "verdict", "consistent"),
+    ({"appendix/energy": "8.2020e-5"}, "appendix/arm", "found", 6),
+    ({"appendix/energy": "8.2020e-2"}, "appendix/arm", "verdict", "contradicts itself"),
+]
+
+
+@pytest.mark.parametrize(("numbers", "id_", "field", "expected"), TAMPERED)
+def test_a_changed_number_changes_the_finding(published, numbers, id_, field, expected):
+    before, after = finding(published, id_), finding(published, id_, **numbers)
+    assert before != after
+    assert getattr(after, field) == (expected if isinstance(expected, str) else pytest.approx(expected))
+
+
+def test_no_number_that_a_finding_names_is_idle(published):
+    before = findings(published)
+    assert findings(changed(published)) == before
+    for id_ in sorted({i for f in before for i in f.numbers}):
+        value = published[id_].value
+        # Down or up: a count of cases may bear one of them.
+        ways = (f"{0.5 * value:.6g}", f"{2.0 * value:.6g}") if value else ("1",)
+        assert any(findings(changed(published, **{id_: way})) != before for way in ways), id_
+
+
+def test_a_missing_number_is_named(published):
+    kept = Published(tuple(v for v in published if v.id != "section3/gear-ratio"))
+    with pytest.raises(InputError, match="section3/gear-ratio"):
+        audit(kept)
+
+
+def test_agreement_allows_rounding_and_no_more():
+    assert agreement(1.0 + 5e-3, 1.0, 5e-3) == "consistent"
+    assert agreement(1.0051, 1.0, 5e-3) == "contradicts itself"
+    assert agreement(math.nan, 1.0, 1.0) == "contradicts itself"
+
+
+def test_an_unknown_verdict_is_refused():
+    with pytest.raises(ValueError, match="verdict"):
+        Finding("a", "b", "c", "d", 0.0, 0.0, 0.0, "1", "fine")
+    assert list(findings_frame([]).columns) == list(Finding.__dataclass_fields__)

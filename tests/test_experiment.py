@@ -1,0 +1,336 @@
+"""The experiment from its configuration: motions, boards and captures of all three sources."""
+
+import copy
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+import yaml
+from experiment_example import CAPTURES, MOTIONS, ROOT, capture, followed, full_config, short_config
+from fake_board import served
+
+from repro.errors import InputError
+from repro.fpga.capture import read_capture, write_capture
+from repro.fpga.endpoint import PtyEndpoint
+from repro.fpga.frames import RADIANS_PER_COUNT, encode
+from repro.pipeline.acquire import acquire
+from repro.pipeline.experiment import (
+    check_program,
+    control_constants,
+    describe,
+    load_config,
+    program_from_config,
+)
+from repro.pipeline.recordings import read_recording
+from repro.pipeline.specimen import board_from_config, disturbance
+
+CONFIG = full_config()
+SHORT = short_config()
+ONE_LINE = re.compile(r"[^\n]+: found [^\n]+, expected [^\n]+")
+
+
+def refused(call, *arguments):
+    """The one line that a call ends in."""
+    with pytest.raises(InputError) as error:
+        call(*arguments)
+    assert ONE_LINE.fullmatch(str(error.value)), str(error.value)
+    return str(error.value)
+
+
+def changed(config, **sections):
+    """A copy with some values of some sections replaced."""
+    config = copy.deepcopy(config)
+    for section, values in sections.items():
+        config[section] |= values
+    return config
+
+
+# --- Configuration ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A folder with a schema and a configuration that a test may spoil."""
+    schemas = tmp_path / "workflow" / "schemas"
+    schemas.mkdir(parents=True)
+    shutil.copy(ROOT / "workflow" / "schemas" / "config.schema.yaml", schemas)
+    (tmp_path / "config").mkdir()
+    path = tmp_path / "config" / "my.yaml"
+    shutil.copy(ROOT / "config" / "config.yaml", path)
+    return path
+
+
+def test_a_configuration_is_read_as_the_workflow_reads_it(project):
+    assert load_config(ROOT / "config" / "config.yaml") == load_config(project) == CONFIG
+
+
+SPOILT = {
+    "missing": lambda path: path.unlink(),
+    "a folder": lambda path: (path.unlink(), path.mkdir()),
+    "not text": lambda path: path.write_bytes(b"\xff\xfe\x00"),
+    "not YAML": lambda path: path.write_text("arm: {a: [1,\n b: 2", encoding="utf-8"),
+    "empty": lambda path: path.write_text("", encoding="utf-8"),
+    "a list": lambda path: path.write_text("- 1\n", encoding="utf-8"),
+    "a wrong value": lambda path: path.write_text(
+        yaml.safe_dump(changed(CONFIG, experiment={"baud": -1})), encoding="utf-8"
+    ),
+    "an unknown key": lambda path: path.write_text(
+        yaml.safe_dump(changed(CONFIG, arm={"colour": "red"})), encoding="utf-8"
+    ),
+    "a section less": lambda path: path.write_text(
+        yaml.safe_dump({k: v for k, v in CONFIG.items() if k != "board"}), encoding="utf-8"
+    ),
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
+def test_a_configuration_that_cannot_be_used_is_refused_in_one_line(project, spoil):
+    spoil(project)
+    assert refused(load_config, project).startswith(str(project))
+
+
+def test_a_configuration_outside_a_project_is_refused_in_one_line(tmp_path):
+    (tmp_path / "config").mkdir()
+    path = tmp_path / "config" / "config.yaml"
+    shutil.copy(ROOT / "config" / "config.yaml", path)
+    assert "workflow folder" in refused(load_config, path)
+
+
+# --- Motions and boards -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_motion_has_the_length_asked_for_and_keeps_the_limits(name):
+    program = program_from_config(CONFIG, name)
+    check_program(CONFIG, program)
+    assert program.name == name
+    assert program.q.shape == (2, 300 + 3770 + 80 if name == "ID" else 8192)
+    assert program.n2 - program.n1 == (3770 if name == "ID" else 8192)
+    assert np.abs(np.diff(program.q)).max() < 8.0 * 0.0025
+    assert (program_from_config(CONFIG, name).q == program.q).all()
+
+
+def test_only_the_random_motion_follows_the_seed_and_only_the_identification_the_duration():
+    for name in MOTIONS:
+        one, other = (program_from_config(CONFIG, name, seed=seed).q for seed in (1, 2))
+        assert (one != other).any() == (name == "T1"), name
+        long = program_from_config(CONFIG, name, duration=12.0)
+        assert (long.n2 - long.n1 == 4800) == (name == "ID"), name
+    seeded = changed(CONFIG, experiment={"seed": 2})
+    assert (program_from_config(seeded, "T1").q == program_from_config(CONFIG, "T1", seed=2).q).all()
+
+
+def test_motions_that_cannot_be_are_refused_in_one_line():
+    assert "T5" in refused(program_from_config, CONFIG, "T5")
+    assert "8192" in refused(program_from_config, CONFIG, "ID", None, 20.48)
+    assert "speed" in refused(program_from_config, changed(CONFIG, board={"speed_limit_rad_s": 0.5}), "T3")
+    assert "torque" in refused(program_from_config, changed(CONFIG, experiment={"torque_share": 0.3}), "ID")
+
+
+def test_the_gains_are_those_of_table_8():
+    control = control_constants(CONFIG)
+    assert (control.kp, control.kv) == ((180.4817, 30.6819), (1270.7266, 102.2730))
+    assert control.pwm_hz == (1000.0, 1000.0)
+    np.testing.assert_allclose(control.torque_per_count, [2.7192 / 1023, 2.7314 / 1023], rtol=1e-15)
+
+
+def test_each_seed_is_another_specimen_within_the_variation():
+    nominal = CONFIG["arm"]
+    specimens = [disturbance(CONFIG, seed) for seed in range(200)]
+    for levels, phase in specimens:
+        assert 0.7 * nominal["stribeck"] <= levels.stribeck <= 1.3 * nominal["stribeck"]
+        assert 0.7 * nominal["ripple_nm"] <= levels.ripple <= 1.3 * nominal["ripple_nm"]
+        assert (phase >= 0).all()
+        assert (phase < 2 * np.pi).all()
+    assert len({levels.stribeck for levels, _ in specimens}) == len(specimens)
+    assert np.ptp([levels.ripple for levels, _ in specimens]) > 0.5 * 0.6 * nominal["ripple_nm"]
+    assert disturbance(CONFIG, 7)[0] == disturbance(CONFIG, 7)[0]
+    fixed, _ = disturbance(changed(CONFIG, arm={"variation": 0.0}), 7)
+    assert (fixed.stribeck, fixed.ripple) == (nominal["stribeck"], nominal["ripple_nm"])
+
+
+def test_a_board_says_that_it_is_simulated_and_which_arm_it_has():
+    identity = board_from_config(CONFIG).identity
+    assert identity["board"] == "simulated"
+    assert identity["arm"]["parameters"] == CONFIG["arm"]["parameters"]
+    assert identity["arm"]["seed"] == CONFIG["experiment"]["seed"]
+    other = board_from_config(CONFIG, 5).identity["arm"]
+    assert other["seed"] == 5
+    assert other["ripple_phase"] != identity["arm"]["ripple_phase"]
+    assert json.loads(json.dumps(identity)) == identity
+
+
+# --- Acquisition --------------------------------------------------------------------------------------------------
+
+
+def sidecar(path):
+    return json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+
+
+def without_host(path):
+    return {key: value for key, value in sidecar(path).items() if key != "host"}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_stored_is_a_copy(tmp_path, monkeypatch, motion):
+    monkeypatch.chdir(ROOT)
+    out = tmp_path / "results" / f"{motion}.bin"
+    acquire(motion, out, CONFIG)
+    for end in (".bin", ".json"):
+        assert out.with_suffix(end).read_bytes() == (CAPTURES / f"{motion}{end}").read_bytes()
+    assert len(list(out.parent.iterdir())) == 2
+
+
+@pytest.fixture
+def stored(tmp_path):
+    """Settings with a folder of captures that a test may damage."""
+    folder = tmp_path / "captures"
+    shutil.copytree(CAPTURES, folder)
+    for path in folder.iterdir():
+        path.chmod(0o644)
+    return folder, changed(CONFIG, experiment={"captures": str(folder)})
+
+
+def flip(path, place):
+    data = bytearray(path.read_bytes())
+    data[place] ^= 4
+    path.write_bytes(bytes(data))
+
+
+def another_motion(folder):
+    for end in ("bin", "json"):
+        shutil.copy(folder / f"T4.{end}", folder / f"ID.{end}")
+
+
+DAMAGE = {
+    "a flipped bit": lambda folder: flip(folder / "ID.bin", 20_000),
+    "a byte less": lambda folder: (folder / "ID.bin").write_bytes((folder / "ID.bin").read_bytes()[:-1]),
+    "an empty file": lambda folder: (folder / "ID.bin").write_bytes(b""),
+    "no capture": lambda folder: (folder / "ID.bin").unlink(),
+    "no sidecar": lambda folder: (folder / "ID.json").unlink(),
+    "a sidecar that is no JSON": lambda folder: (folder / "ID.json").write_text("{", encoding="utf-8"),
+    "another motion": another_motion,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_stored_capture_is_refused_and_nothing_is_written(stored, tmp_path, damage):
+    folder, config = stored
+    damage(folder)
+    out = tmp_path / "results" / "ID.bin"
+    assert refused(acquire, "ID", out, config).startswith(str(folder / "ID."))
+    assert not out.parent.exists() or not list(out.parent.iterdir())
+
+
+OTHER_SETTINGS = {
+    "ID": {"signals": {"duration_s": 9.0}},
+    "T1": {"experiment": {"seed": 2}},
+    "T2": {"arm": {"link_lengths_m": [0.17, 0.15]}},
+}
+
+
+@pytest.mark.parametrize(("motion", "change"), OTHER_SETTINGS.items(), ids=OTHER_SETTINGS)
+def test_a_stored_capture_of_other_settings_is_refused(stored, tmp_path, motion, change):
+    folder, config = stored
+    out = tmp_path / f"{motion}.bin"
+    message = refused(acquire, motion, out, changed(config, **change))
+    assert message.startswith(str(folder / motion))
+    assert "source: simulated" in message
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_simulated_gives_the_stored_capture_byte_for_byte(tmp_path, motion):
+    out = tmp_path / f"{motion}.bin"
+    acquire(motion, out, changed(CONFIG, experiment={"source": "simulated", "captures": "nowhere"}))
+    assert out.read_bytes() == (CAPTURES / f"{motion}.bin").read_bytes()
+    assert sidecar(out) == without_host(CAPTURES / f"{motion}.bin")
+
+
+def test_serial_records_from_a_board_on_a_port_what_simulated_gives(tmp_path):
+    short = changed(CONFIG, signals={"duration_s": 1.5}, experiment={"lead_in_s": 0.5, "torque_share": 1.0})
+    short = changed(short, board={"full_torque_nm": [30.0, 30.0], "speed_limit_rad_s": 50.0})
+    with served(board_from_config(short), PtyEndpoint(), real_time=False) as port:
+        acquire("ID", tmp_path / "serial" / "ID.bin", changed(short, experiment={"source": "serial", "port": port}))
+    acquire("ID", tmp_path / "simulated" / "ID.bin", changed(short, experiment={"source": "simulated"}))
+    recorded, simulated = (tmp_path / source / "ID.bin" for source in ("serial", "simulated"))
+    assert recorded.read_bytes() == simulated.read_bytes()
+    assert without_host(recorded) == sidecar(simulated)
+    assert sidecar(recorded)["host"]["port"] == port
+    assert sidecar(recorded)["source"] == "simulated"  # for the board says so
+
+
+def test_a_port_that_is_not_there_is_one_line_and_nothing_is_written(tmp_path):
+    config = changed(CONFIG, experiment={"source": "serial", "port": str(tmp_path / "no-board")})
+    assert "no-board" in refused(acquire, "ID", tmp_path / "ID.bin", config)
+    assert not list(tmp_path.iterdir())
+
+
+# --- Recordings ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_a_recording_is_in_radians_and_newton_metres(tmp_path, motion):
+    recording = read_recording(capture(tmp_path, motion, SHORT), SHORT)
+    position, pwm = followed(recording.program, SHORT)
+    np.testing.assert_allclose(recording.q, position * (2 * np.pi / 8400), rtol=1e-15)
+    np.testing.assert_allclose(recording.tau, pwm * (8.0 / 1023), rtol=1e-14)
+    assert np.abs(recording.q - recording.program.q).max() <= 0.5001 * RADIANS_PER_COUNT
+
+
+def written(folder, frames, reason=""):
+    program = program_from_config(SHORT, "T4")
+    about = describe(program, control_constants(SHORT), {"board": "simulated"})
+    write_capture(folder / "T4.bin", frames, about, reason)
+    return folder / "T4.bin"
+
+
+def t4_frames():
+    return followed(program_from_config(SHORT, "T4"), SHORT)
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+def test_an_arm_that_does_not_move_is_refused(tmp_path, joint):
+    position, pwm = t4_frames()
+    position[joint - 1] = 3
+    message = refused(read_recording, written(tmp_path, encode(position, pwm)), SHORT)
+    assert f"joint {joint}" in message
+    assert "no motion" in message
+
+
+@pytest.mark.parametrize("reason", ["silent", "disconnected", "interrupted"])
+def test_an_incomplete_recording_is_refused(tmp_path, reason):
+    message = refused(read_recording, written(tmp_path, encode(*t4_frames())[:8000], reason), SHORT)
+    assert f"incomplete recording ({reason})" in message
+
+
+@pytest.mark.parametrize("kept", [slice(0, -80), slice(80, None), slice(0, 8 * 2400 - 3)], ids=["end", "start", "cut"])
+def test_a_recording_of_another_length_is_refused(tmp_path, kept):
+    refused(read_recording, written(tmp_path, encode(*t4_frames())[kept]), SHORT)
+
+
+def test_a_recording_with_more_frames_than_the_motion_is_refused(tmp_path):
+    frames = encode(*t4_frames())
+    assert "2401 and about 0 lost" in refused(read_recording, written(tmp_path, frames + frames[-8:]), SHORT)
+
+
+def test_a_short_gap_is_bridged_and_a_long_one_refused(tmp_path):
+    frames = encode(*t4_frames())
+    place = 8 * 1200
+    bridged = read_recording(written(tmp_path, frames[: place + 3] + frames[place + 4 :]), SHORT)
+    assert bridged.q.shape == (2, 2400)
+    assert np.abs(bridged.q - bridged.program.q).max() < 3 * RADIANS_PER_COUNT
+    shutil.rmtree(tmp_path)
+    tmp_path.mkdir()
+    spoilt = frames[:place] + bytes(80) + frames[place + 80 :]  # the frame before is no longer closed
+    assert "a gap of about 11 samples" in refused(read_recording, written(tmp_path, spoilt), SHORT)
+
+
+def test_a_capture_named_after_another_motion_is_refused(tmp_path):
+    path = capture(tmp_path, "T3", SHORT)
+    for end in (".bin", ".json"):
+        path.with_suffix(end).rename(tmp_path / f"T2{end}")
+    assert read_capture(tmp_path / "T2.bin").about.motion == "T3"
+    assert "another T2" in refused(read_recording, tmp_path / "T2.bin", SHORT)

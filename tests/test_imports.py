@@ -1,0 +1,39 @@
+"""Only what runs a network loads torch, which takes longer to load than most jobs take to run."""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+#: Scripts of the workflow that run a network.
+WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "ablation_train", "ablation_run"}
+#: What the Snakefile and the command line load.
+OUTSIDE_JOBS = ("repro.pipeline.start", "repro.pipeline.provenance", "repro.cli", "repro.pipeline.experiment")
+
+
+def modules_of(script):
+    """Modules that a script imports."""
+    body = ast.parse(script.read_text(encoding="utf-8")).body
+    return [node.module for node in body if isinstance(node, ast.ImportFrom)]
+
+
+def loads_torch(modules):
+    """Whether a process that imports these modules has torch loaded."""
+    code = f"import sys, {', '.join(modules)}; print('torch' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    return run.stdout == "True\n"
+
+
+def test_what_runs_no_network_loads_no_torch():
+    assert {script.stem for script in SCRIPTS} >= WITH_NETWORK
+    without = {module for script in SCRIPTS if script.stem not in WITH_NETWORK for module in modules_of(script)}
+    assert len(without) > 5
+    assert not loads_torch(sorted(without.union(OUTSIDE_JOBS)))
+
+
+def test_the_check_sees_torch_where_it_is_loaded():
+    assert loads_torch(modules_of(ROOT / "workflow" / "scripts" / "train.py"))

@@ -1,0 +1,400 @@
+"""The report as a text: what it holds, where it comes from, and what is refused."""
+
+import base64
+import csv
+import hashlib
+import io
+import itertools
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+from report_example import NOTES, TRICKY, claim_rows, make_example, verdict_rows, write_picture, write_rows
+
+from repro.errors import InputError
+from repro.paper.claims import VERDICTS, broken
+from repro.report import page as page_module
+from repro.report.catalogue import FIGURES, SIMULATED, TABLES
+from repro.report.embed import link, pictures
+from repro.report.ledger import read_claims
+from repro.report.page import build_report, write_report
+from repro.report.question import answer
+from repro.report.text import markdown_table, paragraphs, plain
+
+VOID = {"meta", "link", "img", "br", "input"}
+
+
+class Page(HTMLParser):
+    """Elements of a document in order, each with its attributes and all the text inside it."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self._open = [], []
+        self.feed(text)
+        self.close()
+        assert not self._open, f"never closed: {self._open}"
+
+    def handle_starttag(self, tag, attrs):
+        element = {"tag": tag, "text": "", **dict(attrs)}
+        self.elements.append(element)
+        if tag not in VOID:
+            self._open.append(element)
+
+    def handle_endtag(self, tag):
+        assert self._open[-1]["tag"] == tag, f"</{tag}> closes <{self._open[-1]['tag']}>"
+        self._open.pop()
+
+    def handle_data(self, data):
+        for element in self._open:
+            element["text"] += data
+
+    def all(self, tag):
+        return [element for element in self.elements if element["tag"] == tag]
+
+    def one(self, anchor):
+        (element,) = [element for element in self.elements if element.get("id") == anchor]
+        return element
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    return make_example(tmp_path_factory.mktemp("report"))
+
+
+@pytest.fixture(scope="module")
+def text(inputs):
+    return build_report(inputs)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
+
+
+def decode(uri):
+    return base64.b64decode(uri.partition(";base64,")[2])
+
+
+def test_the_same_inputs_give_the_same_bytes_wherever_they_lie(inputs, text, tmp_path):
+    assert build_report(inputs) == text
+    assert build_report(make_example(tmp_path / "else where")) == text
+    write_report(inputs)
+    assert inputs.page.read_bytes() == text.encode()
+
+
+def test_nothing_is_loaded_from_outside(page, text):
+    assert all(image["src"].startswith("data:image/png;base64,") for image in page.all("img"))
+    assert [item["href"] for item in page.all("link")] == ["data:,"]
+    assert not any("src" in script for script in page.all("script"))
+    for element in page.elements:
+        assert not any(name.startswith("on") or name == "style" for name in element), "the policy would block it"
+    assert not re.search(r"@import|url\(", page.all("style")[0]["text"])
+    assert "http:" not in text
+    assert "https:" not in text
+
+
+def test_the_policy_allows_the_style_and_the_script_that_are_there(page):
+    policy = next(meta["content"] for meta in page.all("meta") if "http-equiv" in meta)
+    assert policy.startswith("default-src 'none';")
+    for tag in ("style", "script"):
+        (element,) = page.all(tag)
+        digest = base64.b64encode(hashlib.sha256(element["text"].encode()).digest()).decode()
+        assert f"{tag}-src 'sha256-{digest}'" in policy
+
+
+def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):
+    for exhibit in (*TABLES, *FIGURES):
+        article = page.one(exhibit.target)
+        assert exhibit.label in article["text"]
+        assert f"snakemake --cores 2 {exhibit.target}" in article["text"]
+        assert ("simulated" in article["text"]) == (exhibit.target in SIMULATED)
+        assert ("Not part of this run" in article["text"]) == exhibit.optional
+    shown = [exhibit for exhibit in FIGURES if not exhibit.optional]
+    for image, exhibit in zip(page.all("img"), shown, strict=True):
+        assert decode(image["src"]) == (inputs.figures / f"{exhibit.name}.png").read_bytes()
+        assert image["alt"] == f"About {exhibit.label} & x < y."
+        width, height = Image.open(inputs.figures / f"{exhibit.name}.png").size
+        np.testing.assert_allclose([int(image["width"]), int(image["height"])], [0.4 * width, 0.4 * height], atol=0.5)
+
+
+def test_downloads_hold_the_files_and_links_lead_to_them(inputs, page):
+    files = {path.name: path for path in (inputs.results / "tables").iterdir()} | {
+        "claims.csv": inputs.results / "claims.csv"
+    }
+    links = page.all("a")
+    held = {item["download"]: decode(item["href"]) for item in links if "download" in item}
+    for name in files:
+        if not name.endswith(".md"):
+            assert name in held
+    for exhibit in TABLES:
+        if not exhibit.optional:
+            path = inputs.results / "tables" / f"{exhibit.name}.tex"
+            assert held[path.name] == path.read_bytes()
+    beside = [item["href"] for item in links if not item["href"].startswith(("#", "data:"))]
+    assert sorted(beside) == sorted(f"../../paper_figures/{e.name}.pdf" for e in FIGURES if not e.optional)
+    assert all((inputs.page.parent / href).resolve().is_file() for href in beside)
+
+
+def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
+    large, small = tmp_path / "figures" / "a b.csv", tmp_path / "small.csv"
+    large.parent.mkdir()
+    large.write_bytes(b"1234567\n" * 30_000)
+    small.write_bytes(b"x\n1\n")
+    found = link(large, tmp_path / "report" / "index.html")
+    assert (found.href, found.download) == ("../figures/a%20b.csv", "")
+    assert "0.2 MB" in found.text
+    found = link(small, tmp_path / "report" / "index.html")
+    assert (decode(found.href), found.download) == (b"x\n1\n", "small.csv")
+
+
+def test_pictures_too_large_together_are_made_smaller(tmp_path):
+    names = {name: tmp_path / f"{name}.png" for name in ("a", "b")}
+    for path in names.values():
+        path.parent.mkdir(exist_ok=True)
+        noise = np.random.default_rng(1).integers(0, 255, (300, 500, 3), dtype=np.uint8)
+        Image.fromarray(noise).save(path)
+    whole, smaller = pictures(names), pictures(names, budget=100_000)
+    for name, path in names.items():
+        assert decode(whole[name].uri) == path.read_bytes()
+        assert (smaller[name].width, smaller[name].height) == (whole[name].width, whole[name].height) == (200, 120)
+        with Image.open(io.BytesIO(decode(smaller[name].uri))) as image:
+            assert image.size == (400, 240)
+    assert pictures(names, budget=100_000) == smaller
+
+
+def test_anchors_occur_once_and_links_inside_lead_to_them(page):
+    anchors = [element["id"] for element in page.elements if "id" in element]
+    assert len(anchors) == len(set(anchors))
+    inside = [item["href"][1:] for item in page.all("a") if item["href"].startswith("#")]
+    assert set(inside) <= set(anchors)
+    for row in claim_rows():
+        assert f"claim-{row['id']}" in inside
+
+
+def test_headings_go_down_one_level_at_a_time(page):
+    levels = [int(element["tag"][1]) for element in page.elements if re.fullmatch(r"h[1-6]", element["tag"])]
+    assert levels.count(1) == 1
+    assert levels[0] == 1
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+
+
+def test_what_comes_from_a_file_is_escaped(text, page):
+    assert "<script>alert" not in text
+    assert len(page.all("script")) == 1
+    assert TRICKY in page.one("differences")["text"]
+    assert TRICKY in page.one("audit")["text"]
+
+
+def test_the_headline_counts_the_verdicts_and_the_promises(page, inputs):
+    claims = read_claims(inputs)
+    assert [claim.id for claim in claims] == [row["id"] for row in claim_rows()]
+    headline = " ".join(page.one("headline")["text"].split())
+    for verdict in VERDICTS:
+        assert f"{verdict} {sum(row['verdict'] == verdict for row in claim_rows())} " in headline
+    assert "All 6 promised claims hold" in headline
+
+
+def test_a_promise_holds_here_where_it_holds_in_the_check(inputs, tmp_path):
+    rows = [{**row, "must": "True"} for row in claim_rows(10)]
+    changed = make_example(tmp_path)
+    write_rows(changed.results / "claims.csv", rows)
+    claims = read_claims(changed)
+    lost = broken(pd.read_csv(changed.results / "claims.csv"))
+    assert [claim.id for claim in claims if not claim.holds] == list(lost["id"])
+    headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
+    assert f"{10 - len(lost)} of 10 promised claims hold" in headline
+
+
+def test_numbers_keep_their_unit_and_one_digit_more_than_published(inputs):
+    first, second, *_ = read_claims(inputs)
+    assert first.published.text == "7.1236×10⁻⁸\N{NO-BREAK SPACE}kg·m²/s"  # noqa: RUF001
+    assert (first.difference.text, float(first.difference.value)) == ("−1.23×10⁻¹³", -1.2345e-13)  # noqa: RUF001
+    assert second.published.text == "96.38\N{NO-BREAK SPACE}%"
+    assert (second.ours.text, second.ours.value) == ("96.503\N{NO-BREAK SPACE}%", "96.50345679")
+    assert second.difference.text == "+0.123"
+    assert second.tolerance.text == "0.005"
+    hardware = read_claims(inputs)[4]
+    assert (hardware.ours.text, hardware.ours.value) == ("", "")
+
+
+def test_a_number_never_shows_as_nought_unless_it_is(tmp_path):
+    rows = claim_rows(1)
+    rows[0] |= {"published": "0.5", "ours": "0.50001", "difference": "0.00001", "tolerance": "0"}
+    example = make_example(tmp_path)
+    write_rows(example.results / "claims.csv", rows)
+    (claim,) = read_claims(example)
+    assert claim.difference.text == "+1×10⁻⁵"  # noqa: RUF001
+    assert claim.tolerance.text == "0"
+
+
+def test_what_differs_is_told_with_its_reason(page):
+    told = " ".join(page.one("differences")["text"].split())
+    assert NOTES["contradicts itself"] in told
+    assert told.count("The published ranges") == len({r["place"] for r in claim_rows() if r["verdict"] == "differs"})
+    for row in claim_rows():
+        named = re.search(rf"total similarity {row['quantity'].split()[-1]}:", told)
+        assert bool(named) == (row["verdict"] in ("differs", "contradicts itself")), row["id"]
+
+
+def test_the_question_is_answered_from_the_table(inputs, page):
+    told = answer(inputs)
+    assert told.words.startswith("No: ")
+    assert "in 0 of 16 comparisons and worse in 8; 8 are open" in told.words
+    counted = [(tally.duration, tally.better, tally.worse, tally.open) for tally in told.tallies]
+    assert counted == [("9.42", 0, 8, 0), ("19.53", 0, 0, 8), ("9.42", 8, 0, 0)]
+    assert told.words in page.one("headline")["text"]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"), [(0.1, 0.2, "Yes"), (-0.2, -0.1, "No"), (-0.1, 0.1, "Undecided"), (None, 0.2, "Not")]
+)
+def test_the_answer_follows_the_intervals(inputs, low, high, word, tmp_path):
+    rows = [row for row in verdict_rows() if row["method"] == "algorithm1"]
+    for row in rows:
+        below = (0.1 if row["motion"] == "T1" else -0.1) if low is None else low
+        row |= {"difference_low": below, "difference_high": high}
+    write_rows(tmp_path / "tables" / "verdict.csv", rows)
+    assert answer(replace(inputs, results=tmp_path)).words.startswith(word)
+
+
+def test_a_markdown_table_loses_its_escapes_and_keeps_its_blocks():
+    table = markdown_table(
+        "**Table 6.** Of \\|a\\| and b\\_c.\n\n| n \\| m | x |\n| :--- | ---: |\n| **One** |  |\n| \\*a\\* | 1 |\n"
+        "| **b** | 2 |\n| **Two** |  |\n|  | 3 |\n",
+        "table06.md",
+    )
+    assert table.caption == "Of |a| and b_c."
+    assert (table.header, table.sides) == (["n | m", "x"], ["left", "right"])
+    assert table.blocks == [("One", [["*a*", "1"], ["**b**", "2"]]), ("Two", [["", "3"]])]
+
+
+def test_a_caption_keeps_its_emphasis_and_nothing_else():
+    assert [str(words) for words in paragraphs("The *n* of\n``a<b`` & M_p (2 * 3).\n\n**Two**.\n")] == [
+        "The <em>n</em> of <code>a&lt;b</code> &amp; M_p (2 * 3).",
+        "<strong>Two</strong>.",
+    ]
+    assert plain("The *n* of\n``a<b`` **so**") == "The n of a<b so"
+
+
+def test_a_partial_report_names_what_is_missing(tmp_path):
+    example = make_example(tmp_path, partial=True)
+    lost = [
+        example.results / "claims.csv", example.results / "tables" / "table04.tex", example.figures / "fig05.png",
+        example.results / "tables" / "verdict.csv", example.results / "tables" / "audit.csv",
+    ]  # fmt: skip
+    for path in lost:
+        path.unlink()
+    example.captures.unlink()
+    (example.captions / "fig06.rst").unlink()
+    page = Page(build_report(example))
+    notice = next(element["text"] for element in page.elements if element.get("class") == "notice")
+    assert "5 files are missing" in notice
+    assert all(path.name in notice for path in lost)
+    assert "table04.tex" in page.one("table04")["text"]
+    assert "fig05.png" in page.one("fig05")["text"]
+    with pytest.raises(InputError, match=r"claims\.csv: found No such file"):
+        build_report(replace(example, partial=False))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "results/claims.csv", "results/tables/table01.md", "results/tables/table10.csv", "results/tables/audit.csv",
+        "results/tables/verdict.csv", "results/figures/fig24.csv", "paper_figures/fig01.png",
+        "paper_figures/spread.pdf", "captions/fig03.rst", "SHA256SUMS",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("content", [None, b" \n"])
+def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, name, content):
+    example = make_example(tmp_path)
+    path = tmp_path / name
+    path.unlink()
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError) as refused:
+        build_report(example)
+    assert str(path) in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"verdict": "fine"}, "row 3: verdict: found 'fine', expected one of reproduced"),
+        ({"must": "perhaps"}, "row 3: must: found 'perhaps', expected true or false"),
+        ({"place": " "}, "row 3: place: found nothing"),
+        ({"id": "with blank"}, "row 3: id: found 'with blank'"),
+        ({"id": claim_rows()[0]["id"]}, "row 3: id: found"),
+    ],
+)
+def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, words):
+    example = make_example(tmp_path)
+    rows = claim_rows()
+    rows[2] |= change
+    write_rows(example.results / "claims.csv", rows)
+    with pytest.raises(InputError, match=re.escape(words)):
+        build_report(example)
+
+
+def test_a_ledger_that_is_no_table_is_refused(tmp_path):
+    example = make_example(tmp_path)
+    path = example.results / "claims.csv"
+    header, *rest = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    path.write_text(",".join(header[:-1]) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match="header: found no column note"):
+        build_report(example)
+    path.write_text(",".join(header) + "\n" + ",".join(rest[0][:3]) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match="row 1: found 3 fields, expected 14 fields"):
+        build_report(example)
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="not UTF-8"):
+        build_report(example)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("results/tables/table04.md", "No table.", "expected a Markdown table"),
+        ("results/tables/table04.md", "| a | b |\n| --- | --- |\n| 1 |\n", "row 2 of the table: found 1 cells"),
+        ("results/tables/verdict.csv", "motion,method\nT1,algorithm1\n", "no column duration"),
+        ("paper_figures/fig05.png", "text", "expected a PNG image"),
+        ("SHA256SUMS", "abc  ID.bin\n", "line 1: found"),
+    ],
+)
+def test_a_file_that_is_not_what_it_must_be_is_refused(tmp_path, name, content, words):
+    example = make_example(tmp_path, partial=True)
+    (tmp_path / name).write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=words) as refused:
+        build_report(example)
+    assert str(tmp_path / name) in str(refused.value)
+
+
+def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):
+    monkeypatch.setattr(page_module, "LARGEST_REPORT", 10_000)
+    with pytest.raises(InputError, match=r"index\.html: found .* MB, expected 0\.01 MB at most"):
+        build_report(inputs)
+
+
+def test_provenance_is_shown_where_it_was_given(inputs, page, text):
+    told = page.one("provenance")["text"]
+    assert inputs.config_sha256 in told
+    assert "packages.numpy" in told
+    assert hashlib.sha256(b"run").hexdigest() in told
+    assert "Not recorded" in Page(build_report(replace(inputs, provenance={}))).one("provenance")["text"]
+    assert "tiny budgets" in build_report(replace(inputs, notice="Made with tiny budgets."))
+    assert "tiny budgets" not in text
+
+
+def test_the_command_is_the_one_given(inputs):
+    text = build_report(replace(inputs, command="snakemake --cores 2 --configfile config/smoke.yaml"))
+    assert "<code>snakemake --cores 2 --configfile config/smoke.yaml fig05</code>" in text
+
+
+def test_a_picture_is_the_size_it_says(tmp_path):
+    write_picture(tmp_path / "a.png", (2148, 645))
+    picture = pictures({"a": tmp_path / "a.png"})["a"]
+    assert (picture.width, picture.height) == (859, 258)

@@ -1,0 +1,212 @@
+"""The experiment over many specimens: recordings kept and read back, and the verdict with its intervals."""
+
+import copy
+import itertools
+from math import sqrt
+
+import numpy as np
+import pandas as pd
+import pytest
+from experiment_example import short_config, spread_table
+from hypothesis import given
+from hypothesis import strategies as st
+from safetensors.numpy import load_file, save_file
+
+from repro.errors import InputError
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant
+from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.specimen import disturbance
+from repro.pipeline.spread import read_spread, simulate_spread
+from repro.pipeline.verdict import verdict, wilson
+
+MOTIONS = ["ID", "T1", "T2", "T3", "T4"]
+
+
+def brief_config():
+    """Two specimens, motions of a few seconds, motors that can do it."""
+    config = short_config()
+    config["board"] |= {"full_torque_nm": [60.0, 60.0], "speed_limit_rad_s": 200.0}
+    config["experiment"] |= {"validation_samples": 2200, "random_range_rad": 0.01, "lead_in_s": 0.5}
+    config["spread"] |= {"seeds": [4, 9], "durations_s": [2.0, 1.5]}
+    return config
+
+
+CONFIG = brief_config()
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("spread") / "recordings.safetensors"
+    simulate_spread(CONFIG, path)
+    return path
+
+
+def test_every_seed_and_motion_comes_back(recorded):
+    for index, duration in enumerate(CONFIG["spread"]["durations_s"]):
+        found = read_spread(recorded, CONFIG, index)
+        assert [seed for seed, _ in found] == [4, 9]
+        for seed, recordings in found:
+            assert list(recordings) == MOTIONS
+            for name, recording in recordings.items():
+                program = program_from_config(CONFIG, name, seed, duration)
+                assert (recording.program.q == program.q).all()
+                assert (recording.program.n1, recording.program.n2) == (program.n1, program.n2)
+                assert recording.q.shape == recording.tau.shape == program.q.shape
+                assert np.abs(recording.q - program.q).max() < 0.3
+                assert np.ptp(recording.tau, axis=1).min() > 0
+        proper = found[0][1]["ID"].program
+        assert proper.n2 - proper.n1 == round(duration / 0.0025)
+
+
+def test_specimens_differ_and_the_random_motion_with_them(recorded):
+    (_, first), (_, second) = read_spread(recorded, CONFIG, 0)
+    for name in MOTIONS:
+        assert (first[name].tau != second[name].tau).any()
+        assert (first[name].program.q == second[name].program.q).all() == (name != "T1")
+
+
+@pytest.mark.parametrize("name", ["ID", "T1"])
+def test_a_specimen_is_the_arm_simulated_alone(recorded, name):
+    """Arms of a batch share their substeps, so now and then a position falls on the other side of a count."""
+    control = control_constants(CONFIG)
+    for seed, recordings in read_spread(recorded, CONFIG, 1):
+        levels, phase = disturbance(CONFIG, seed)
+        plant = Plant(true_parameters(CONFIG), 0.0025, levels, phase)
+        position, _ = simulate(plant, control, recordings[name].program.q)
+        counts = np.rint(recordings[name].q / RADIANS_PER_COUNT)
+        assert np.abs(counts - position[0]).max() <= 1
+        assert (counts == position[0]).mean() > 0.95
+        np.testing.assert_allclose(recordings[name].q, counts * RADIANS_PER_COUNT, atol=1e-12)
+
+
+def refused(path, config=CONFIG, index=0):
+    with pytest.raises(InputError) as error:
+        read_spread(path, config, index)
+    message = str(error.value)
+    assert "\n" not in message
+    assert message.startswith(str(path))
+    assert ": found " in message
+    assert ", expected " in message
+    return message
+
+
+DAMAGE = {
+    "missing": lambda path: path.unlink(),
+    "empty": lambda path: path.write_bytes(b""),
+    "cut short": lambda path: path.write_bytes(path.read_bytes()[:-100]),
+    "something else": lambda path: path.write_bytes(b"not recordings" * 100),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_file_is_refused_in_one_line(recorded, tmp_path, damage):
+    path = tmp_path / "recordings.safetensors"
+    path.write_bytes(recorded.read_bytes())
+    damage(path)
+    refused(path)
+
+
+def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded, tmp_path):
+    more = copy.deepcopy(CONFIG)
+    more["spread"]["seeds"] = [4, 9, 11]
+    assert "ID0" in refused(recorded, more)
+    longer = copy.deepcopy(CONFIG)
+    longer["experiment"]["validation_samples"] = 2300
+    assert "T1" in refused(recorded, longer)
+    counts = load_file(recorded)
+    del counts["T3/pwm"]
+    path = tmp_path / "recordings.safetensors"
+    save_file(counts, path)
+    assert "T3" in refused(path)
+
+
+# --- Verdict ------------------------------------------------------------------------------------------------------
+
+
+def scores_of(differences, base=0.9):
+    """Scores of one motion, joint and duration with these differences to least squares."""
+    rows = [
+        ("T1", 1, method, 3.0, seed, base + (d if method == "algorithm1" else 0.0))
+        for seed, d in enumerate(differences)
+        for method in ("algorithm1", "least-squares")
+    ]
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
+
+
+def verdict_of(differences, base=0.0):
+    (row,) = verdict(scores_of(differences, base), ["algorithm1"]).to_dict("records")
+    return row
+
+
+def test_wins_and_the_median_difference_of_every_motion_joint_and_duration():
+    config = short_config()
+    config["spread"]["seeds"] = [1, 2, 3]
+    table = verdict(spread_table(config, 0.02), ["algorithm1", "algorithm1+refinement"])
+    assert len(table) == 2 * 5 * 2 * 2
+    assert list(table.columns[:5]) == ["motion", "joint", "duration", "method", "runs"]
+    for row in table.itertuples():
+        amount = {"algorithm1": 0.02, "algorithm1+refinement": 0.04}[row.method]
+        won = row.motion != "ID"
+        assert (row.runs, row.wins, row.win_share) == (3, 3 * won, float(won))
+        assert row.difference_median == pytest.approx(amount if won else -amount)
+        assert row.difference_low == pytest.approx(row.difference_median)
+        assert row.difference_high == pytest.approx(row.difference_median)
+
+
+def test_a_draw_is_no_win():
+    row = verdict_of([0.1, 0.0, 0.0, -0.1])
+    assert (row["runs"], row["wins"], row["win_share"]) == (4, 1, 0.25)
+
+
+def test_differences_are_paired_by_the_seed():
+    """Whatever a seed does to both methods falls out, and the order of the rows does not matter."""
+    scores = scores_of([0.01, 0.03, 0.02])
+    scores["total"] += 0.05 * scores["seed"]
+    (row,) = verdict(scores.sample(frac=1.0, random_state=1), ["algorithm1"]).to_dict("records")
+    assert row["difference_median"] == pytest.approx(0.02)
+    assert row["wins"] == 3
+
+
+@given(st.integers(1, 200), st.data())
+def test_wilson_s_interval(runs, data):
+    wins = data.draw(st.integers(0, runs))
+    low, high = wilson(wins, runs)
+    z, p = 1.959963984540054, wins / runs
+    middle, half = p + z**2 / (2 * runs), z * sqrt(p * (1 - p) / runs + z**2 / (4 * runs**2))
+    assert low == pytest.approx((middle - half) / (1 + z**2 / runs), abs=1e-12)
+    assert high == pytest.approx((middle + half) / (1 + z**2 / runs), abs=1e-12)
+    assert 0 <= low <= p <= high <= 1
+    assert (low == 0) == (wins == 0)
+    assert (high == 1) == (wins == runs)
+
+
+def test_the_interval_of_a_share_is_wilson_s():
+    row = verdict_of([0.1, 0.2, 0.3, -0.1])
+    assert (row["win_low"], row["win_high"]) == wilson(3, 4)
+    # Tabulated for 3 of 4: 0.3006 to 0.9544.
+    assert row["win_low"] == pytest.approx(0.3006, abs=5e-5)
+    assert row["win_high"] == pytest.approx(0.9544, abs=5e-5)
+
+
+def test_the_interval_of_the_median_is_that_of_all_resamples():
+    """Five values have 3125 resamples: the exact distribution, against the drawn one."""
+    values = [-0.02, 0.01, 0.03, 0.07, 0.2]
+    row = verdict_of(values)
+    medians = np.sort([np.median(sample) for sample in itertools.product(values, repeat=5)])
+    assert row["difference_median"] == pytest.approx(0.03)
+    assert row["difference_low"] == pytest.approx(np.quantile(medians, 0.025), abs=1e-12)
+    assert row["difference_high"] == pytest.approx(np.quantile(medians, 0.975), abs=1e-12)
+
+
+def test_the_bootstrap_gives_the_same_numbers_every_time():
+    values = np.random.default_rng(3).normal(size=12)
+    pd.testing.assert_frame_equal(*(verdict(scores_of(values), ["algorithm1"]) for _ in range(2)))
+
+
+@pytest.mark.parametrize("values", [[0.04], [0.04] * 7])
+def test_a_single_value_or_equal_ones_are_their_own_interval(values):
+    row = verdict_of(values)
+    assert row["difference_low"] == row["difference_median"] == row["difference_high"] == pytest.approx(0.04)
+    assert row["wins"] == row["runs"] == len(values)

@@ -1,0 +1,107 @@
+rule ablation_train:
+    output:
+        weights=f"{R}/ablation/{{trained}}.safetensors",
+        loss=f"{R}/ablation/{{trained}}.json",
+    log:
+        f"{R}/logs/ablation_train-{{trained}}.log",
+    benchmark:
+        f"{R}/benchmarks/ablation_train-{{trained}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    # Alone on the machine: torch threads share no core well.
+    threads: workflow.cores
+    resources:
+        mem_mb=3000,
+    params:
+        checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
+        config=sections("signals", "network", "data", "images", "training", "ablation"),
+    message:
+        "Training for the reading {wildcards.trained}"
+    script:
+        "../scripts/ablation_train.py"
+
+
+rule ablation_run:
+    input:
+        weights=lambda wildcards: f"{R}/ablation/{network_of(wildcards.reading)}.safetensors",
+        captures=captures(["ID", "T1", "T2", "T3", "T4"]),
+    output:
+        f"{R}/ablation/readings/{{reading}}.json",
+    log:
+        f"{R}/logs/ablation_run-{{reading}}.log",
+    benchmark:
+        f"{R}/benchmarks/ablation_run-{{reading}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=ablation_sections(),
+    message:
+        "Headline numbers under the reading {wildcards.reading}"
+    script:
+        "../scripts/ablation_run.py"
+
+
+rule ablation_table:
+    input:
+        results=expand(f"{R}/ablation/readings/{{reading}}.json", reading=READINGS),
+        losses=expand(
+            f"{R}/ablation/{{trained}}.json", trained=[name for name, reading in READINGS.items() if reading.trained]
+        ),
+    output:
+        csv=report(
+            f"{R}/tables/ablation.csv",
+            category="Ablation",
+            labels={"what": "Headline numbers under each reading of the paper"},
+            caption="../report/ablation_table.rst",
+        ),
+        tex=f"{R}/tables/ablation.tex",
+        md=f"{R}/tables/ablation.md",
+    log:
+        f"{R}/logs/ablation_table.log",
+    benchmark:
+        f"{R}/benchmarks/ablation_table.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="ablation",
+        config=sections(),
+    message:
+        "Headline numbers under each reading of the paper"
+    script:
+        "../scripts/table.py"
+
+
+rule ablation_figure:
+    input:
+        table=f"{R}/tables/ablation.csv",
+    output:
+        csv=f"{R}/figures/ablation.csv",
+        pdf=f"{F}/ablation.pdf",
+        png=report(
+            f"{F}/ablation.png",
+            category="Ablation",
+            labels={"what": "Headline numbers under each reading of the paper"},
+            caption="../report/ablation.rst",
+        ),
+    log:
+        f"{R}/logs/ablation_figure.log",
+    benchmark:
+        f"{R}/benchmarks/ablation_figure.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="ablation",
+        config=sections(),
+    message:
+        "Headline numbers under each reading of the paper"
+    script:
+        "../scripts/figure.py"

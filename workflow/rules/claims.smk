@@ -1,0 +1,78 @@
+rule audit:
+    output:
+        csv=report(
+            f"{R}/tables/audit.csv",
+            category="Claims",
+            labels={"what": "Audit of the paper"},
+            caption="../report/audit.rst",
+        ),
+        tex=f"{R}/tables/audit.tex",
+        md=f"{R}/tables/audit.md",
+    log:
+        f"{R}/logs/audit.log",
+    benchmark:
+        f"{R}/benchmarks/audit.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        name="audit",
+    message:
+        "Audit of the paper"
+    script:
+        "../scripts/audit.py"
+
+
+rule claims:
+    input:
+        **ledger_sources(),
+    output:
+        report(
+            f"{R}/claims.csv",
+            category="Claims",
+            labels={"what": "Ledger of every published number"},
+            caption="../report/claims.rst",
+        ),
+        f"{R}/claims.md",
+        f"{R}/claims.sha256",
+    log:
+        f"{R}/logs/claims.log",
+    benchmark:
+        f"{R}/benchmarks/claims.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        config=ledger_sections(),
+    message:
+        "Ledger of every published number"
+    script:
+        "../scripts/claims.py"
+
+
+# A rule of its own: Snakemake deletes what a failed one has written, and the ledger must stay to be read.
+rule verify:
+    input:
+        **ledger_sources(),
+        ledger=[f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"],
+    output:
+        f"{R}/verified.txt",
+    log:
+        f"{R}/logs/verify.log",
+    benchmark:
+        f"{R}/benchmarks/verify.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        config={**ledger_sections(), "claims": config["claims"]},
+    message:
+        "Verifying the ledger"
+    script:
+        "../scripts/verify.py"

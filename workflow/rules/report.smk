@@ -1,0 +1,27 @@
+rule report:
+    input:
+        claims=f"{R}/claims.csv",
+        tables=expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
+        figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
+        numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
+        captures="data/captures/SHA256SUMS",
+        captions=sorted(str(caption) for caption in (Path(workflow.basedir) / "workflow/report").glob("*.rst")),
+    output:
+        f"{R}/report/index.html",
+    log:
+        f"{R}/logs/report.log",
+    benchmark:
+        f"{R}/benchmarks/report.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        overlays=[str(name) for name in workflow.overwrite_configfiles],
+        config=config,
+        checkout=workflow.basedir,
+    message:
+        "Report of every table, figure and published number"
+    script:
+        "../scripts/report.py"

@@ -1,0 +1,13 @@
+"""Headline numbers under one reading of the paper."""
+
+from repro.pipeline.ablation import run_reading
+from repro.pipeline.job import job
+
+with job(snakemake.log[0], snakemake.threads):
+    run_reading(
+        snakemake.wildcards.reading,
+        snakemake.input.weights,
+        list(snakemake.input.captures),
+        snakemake.output[0],
+        snakemake.params.config,
+    )

@@ -1,0 +1,12 @@
+"""The network of one reading of the paper."""
+
+from repro.pipeline.ablation import train_reading
+from repro.pipeline.job import job
+
+with job(snakemake.log[0], snakemake.threads):
+    train_reading(
+        snakemake.wildcards.trained,
+        snakemake.output.weights,
+        snakemake.params.checkpoint,
+        snakemake.params.config,
+    )

@@ -1,0 +1,12 @@
+"""The report: every table, figure and published number in one page."""
+
+from repro.pipeline.job import job
+from repro.pipeline.report_stage import make_report
+
+with job(snakemake.log[0], snakemake.threads):
+    make_report(
+        snakemake.input.captures,
+        snakemake.params.checkout,
+        snakemake.params.overlays,
+        snakemake.params.config,
+    )
