@@ -25,6 +25,7 @@ from repro.pipeline import figure_data
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA
+from repro.pipeline.readings import READINGS
 from repro.render import style
 from repro.render.figures import FIGURES
 from repro.render.tables import LAYOUTS
@@ -95,10 +96,20 @@ def inputs(tmp_path_factory, scores):
     save_network(folder / "cnn.safetensors", FactoredCNN(NetworkSettings(hidden=(4, 3))), {})
     write_csv(folder / "search.csv", search(0, repeats=1, bandwidths=(10.0,)))
     files = sorted(folder.glob("run*.json"))
+    numbers = {"id_mean": 0.97, "id_lowest": 0.96, "validation_mean": 0.98}
+    numbers |= {"arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
+    for name in READINGS:
+        write_json(folder / "results" / f"{name}.json", numbers)
+        write_json(folder / "losses" / f"{name}.json", {"steps": 20, "held_out_loss": 1e-3})
+    results, losses = (sorted((folder / kind).glob("*.json")) for kind in ("results", "losses"))
+    write_csv(folder / "ablation.csv", TABLE_DATA["ablation"]({"results": results, "losses": losses}, CONFIG))
     shared = {
         "history": [folder / "training.csv"],
         "weights": [folder / "cnn.safetensors"],
         "search": [folder / "search.csv"],
+        "results": results,
+        "losses": losses,
+        "table": [folder / "ablation.csv"],
     }
     figures = {"identifications": files[:3], "scores": [folder / "numeric.csv"], **shared}
     tables = {"identifications": files, "scores": [folder / "numeric.csv", folder / "aware.csv"], **shared}
@@ -118,7 +129,8 @@ def experiment(tmp_path_factory):
 
 def test_every_output_has_numbers_a_drawing_and_a_rule():
     assert FIGURE_DATA.keys() == FIGURES.keys() == {name for kind, name in SECTIONS if kind == "figures"}
-    assert TABLE_DATA.keys() == LAYOUTS.keys() == {name for kind, name in SECTIONS if kind == "tables"}
+    assert TABLE_DATA.keys() == {name for kind, name in SECTIONS if kind == "tables"}
+    assert TABLE_DATA.keys() | {"audit"} == LAYOUTS.keys()  # the audit has a stage of its own
 
 
 @pytest.mark.parametrize("name", FIGURE_DATA)
