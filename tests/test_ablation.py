@@ -1,4 +1,4 @@
-"""Readings of the paper: each changes what it names and nothing else, and the ablation runs end to end on tiny budgets."""
+"""Readings of the paper: each changes what it names alone, and the ablation runs end to end on tiny budgets."""
 
 import copy
 from pathlib import Path
