@@ -188,7 +188,7 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
     strip = _WRITTEN * int((~shown).sum(axis=1).max())
     left = low - strip / (1.0 - strip) * (high - low)
     axes.set_xlim(left, high)
-    ticks = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    ticks = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
     axes.set_xticks([tick for tick in ticks if low <= tick <= min(high, 100.0)])
     if strip > 0.0:
         axes.axvspan(left, low, color="0.94", lw=0.0, zorder=0.0)
