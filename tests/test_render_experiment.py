@@ -23,6 +23,7 @@ from render_examples import (
     similarity_frame,
 )
 
+from repro.errors import InputError
 from repro.render import result_tables, style
 
 LAYOUTS = ("table08", "table09", "table10", "stability", "verdict")
@@ -204,6 +205,16 @@ def test_arm_parameters_stand_beside_the_truth(tmp_path: Path) -> None:
         cells += [f"{by_method[m]:.4f} ± 0.0030" for m in ("algorithm1", "algorithm1+refinement", "least-squares")]
         line = next(line for line in md.splitlines() if line.startswith(f"| {name[0]}{'₀₁₂₃'[int(name[1])]} "))
         assert line.endswith("| " + " | ".join(cells) + " |")
+
+
+def test_table_9_shows_what_fits_a_page_and_says_what_it_left_out(tmp_path):
+    frame = TABLES["table09"]()
+    more = frame[frame["method"] == "algorithm1"].assign(method="algorithm1+scale-aware")
+    _, md = laid_out(tmp_path, "table09", pd.concat([frame, more], ignore_index=True))
+    assert "1 further methods are in the CSV" in md
+    assert "scale-aware" not in md
+    with pytest.raises(InputError, match="none to show"):
+        laid_out(tmp_path, "table09", more)
 
 
 def test_similarities_of_the_experiment(tmp_path: Path) -> None:

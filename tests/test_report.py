@@ -196,6 +196,8 @@ def test_the_headline_counts_the_verdicts_and_the_promises(page, inputs):
     for verdict in VERDICTS:
         assert f"{verdict} {sum(row['verdict'] == verdict for row in claim_rows())} " in headline
     assert "All 6 promised claims hold" in headline
+    own = sum("@" not in claim.id for claim in claims)
+    assert f"The ledger holds {own} published numbers" in headline
 
 
 def test_a_promise_holds_here_where_it_holds_in_the_check(inputs, tmp_path):

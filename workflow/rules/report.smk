@@ -20,7 +20,6 @@ rule report:
     params:
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,
-        checkout=workflow.basedir,
     message:
         "Report of every table, figure and published number"
     script:

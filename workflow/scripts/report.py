@@ -6,7 +6,7 @@ from repro.pipeline.report_stage import make_report
 with job(snakemake.log[0], snakemake.threads):
     make_report(
         snakemake.input.captures,
-        snakemake.params.checkout,
+        snakemake.input.captions[0],
         snakemake.params.overlays,
         snakemake.params.config,
     )

@@ -16,29 +16,29 @@ from repro.report.page import write_report
 COMMAND = "snakemake --cores 2"
 
 
-def make_report(captures: str, project: str, overlays: Sequence[str], config: Config) -> None:
+def make_report(captures: str, caption: str, overlays: Sequence[str], config: Config) -> None:
     """Write ``report/index.html`` in the results folder.
 
     Parameters
     ----------
     captures : str
         Checksums of the stored captures.
-    project : str
-        Folder of the project: its captions and its commit.
+    caption : str
+        One of the captions, which all lie in ``workflow/report`` of the project.
     overlays : sequence of str
         Configuration files beside the default one.
     config : mapping
         The whole configuration.
     """
-    checkout = Path(project)
+    captions = Path(caption).parent
     digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
     # No times: the same commit, configuration and results give the same page.
     provenance: Mapping[str, Any] = {
-        "commit": commit(checkout),
+        "commit": commit(captions),
         "packages": package_versions(),
         "python": platform.python_version(),
     }
     names = ", ".join(Path(name).name for name in overlays)
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
-    folders = (Path(config["results"]), Path(config["figures"]), checkout / "workflow/report", Path(captures))
+    folders = (Path(config["results"]), Path(config["figures"]), captions, Path(captures))
     write_report(ReportInputs(*folders, digest, COMMAND, provenance, notice))

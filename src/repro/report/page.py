@@ -55,6 +55,7 @@ def build_report(inputs: ReportInputs) -> str:
             claims=claims,
             claims_link=link(ledger_file, inputs.page) if claims else None,
             counts=counts(claims),
+            extended=sum("@" in claim.id for claim in claims),  # rows of ours beside a published number's own
             promised=[claim for claim in claims if claim.must],
             answer=answer(inputs),
             differing=[
