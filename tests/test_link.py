@@ -117,7 +117,7 @@ def test_control_c_keeps_what_arrived():
         recording = recorded(port)
         presser.join()
         deadline = time.monotonic() + 5.0
-        while board.running and time.monotonic() < deadline:
+        while board.messages[-1].kind != MessageKind.STOP and time.monotonic() < deadline:
             time.sleep(0.001)
         assert board.messages[-1].kind == MessageKind.STOP
     assert recording.reason == "interrupted"

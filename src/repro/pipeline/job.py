@@ -10,6 +10,11 @@ from pathlib import Path
 from repro.errors import InputError
 
 
+def _worth_telling(record: logging.LogRecord) -> bool:
+    """Whether to log it: progress of this project, and of libraries only what is wrong, whatever level they set."""
+    return record.name.partition(".")[0] in ("repro", "root") or record.levelno >= logging.WARNING
+
+
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
     """Run a rule's work.
@@ -32,9 +37,10 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     root = logging.getLogger()
     to_file, to_terminal = logging.FileHandler(path, mode="w"), logging.StreamHandler(sys.stderr)
     to_file.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
-    logging.getLogger("repro").setLevel(logging.INFO)  # libraries tell only what is wrong
-    root.addHandler(to_file)
-    root.addHandler(to_terminal)
+    logging.getLogger("repro").setLevel(logging.INFO)
+    for handler in (to_file, to_terminal):
+        handler.addFilter(_worth_telling)
+        root.addHandler(handler)
     alive = Path(".snakemake/alive")
     # A job can outlive a killed run; while it does, the run's locks must not be taken for stale.
     held = alive.open() if alive.exists() else None
