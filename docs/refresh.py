@@ -3,13 +3,17 @@
 Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``
 """
 
+import hashlib
+import json
 import shutil
 from pathlib import Path
 
 from PIL import Image
 
+from repro.files import write_json
 from repro.paper.ledger.verification import write_ledger
 from repro.pipeline.experiment import load_config
+from repro.pipeline.provenance import commit
 
 #: Relative to the project, as the ledger's list of files is.
 GALLERY, REFERENCE, CONFIG = Path("docs/gallery"), Path("docs/reference"), Path("config/config.yaml")
@@ -29,7 +33,7 @@ def refresh_gallery() -> None:
 #: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
 #: The ablation's table and the numbers it needs are kept from its own run if this one has none.
-OPTIONAL = ("tables/ablation.csv", "tables/ablation.md", "tables/ablation.tex")
+OPTIONAL = ("tables/ablation.csv", "tables/ablation.md", "tables/ablation.tex", "ablation.json")
 
 
 def refresh_reference() -> None:
@@ -45,6 +49,9 @@ def refresh_reference() -> None:
     for name, content in kept.items():
         if not (REFERENCE / name).exists():
             (REFERENCE / name).write_bytes(content)
+    if (results / "tables/ablation.csv").exists():  # a run of its own, so it says for itself what made it
+        digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+        write_json(REFERENCE / "ablation.json", {"commit": commit(Path()), "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
     sources = [REFERENCE / name for name in (*KEPT, *tables)]
