@@ -39,7 +39,7 @@ OPTIONAL = ("tables/ablation.csv", "tables/ablation.md", "tables/ablation.tex", 
 def refresh_reference() -> None:
     """Copy what a reader compares their own run with, then compute the ledger of the copy."""
     config = load_config(CONFIG)
-    results = Path(config["results"])
+    results, made_by = Path(config["results"]), commit(Path())  # before the copy makes the folder differ
     kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
@@ -51,7 +51,7 @@ def refresh_reference() -> None:
             (REFERENCE / name).write_bytes(content)
     if (results / "tables/ablation.csv").exists():  # a run of its own, so it says for itself what made it
         digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
-        write_json(REFERENCE / "ablation.json", {"commit": commit(Path()), "config_sha256": digest})
+        write_json(REFERENCE / "ablation.json", {"commit": made_by, "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
     sources = [REFERENCE / name for name in (*KEPT, *tables)]
@@ -59,5 +59,5 @@ def refresh_reference() -> None:
 
 
 if __name__ == "__main__":
-    refresh_gallery()
     refresh_reference()
+    refresh_gallery()
