@@ -1,6 +1,7 @@
 """The host's end of the link: whatever the port does, what arrived is kept or one line tells why nothing did."""
 
 import _thread
+import signal
 import threading
 import time
 
@@ -103,6 +104,15 @@ def test_a_stall_shorter_than_the_timeout():
     assert (recording.data, recording.reason) == (FRAMES, "")
 
 
+@pytest.fixture
+def heeding_control_c():
+    """Ctrl-C as in a terminal: a process started in the background ignores it, and so would these tests."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeding_control_c")
 def test_control_c_keeps_what_arrived():
     board = PlayedBoard(FRAMES)
     with served(board, PtyEndpoint(), real_time=True) as port:
