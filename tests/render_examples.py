@@ -153,7 +153,9 @@ def spread_frame() -> pd.DataFrame:
     rows = [(*run, 0.9 + 0.01 * (i % 7)) for i, run in enumerate(runs)]
     for name in ("published algorithm1", "published least-squares"):
         rows += [(case, joint, name, None, None, 0.93) for case in ("ID", *MOTIONS) for joint in (1, 2)]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
+    frame = pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
+    groups = frame.groupby(["case", "joint", "method", "duration"], dropna=False)
+    return frame.assign(median=groups["total"].transform("median"))
 
 
 def readings_frame() -> pd.DataFrame:

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.fpga.messages import BLOCK_SAMPLES, Message, MessageKind, encode_message
+from repro.signals.programs import MEMORY_SAMPLES
 
 #: Samples of both joints that the board's RAM holds as single-precision numbers.
-RAM_SAMPLES: Final = 8192
+RAM_SAMPLES: Final = MEMORY_SAMPLES
 
 SingleArray = NDArray[np.float32]
 Pair = tuple[float, float]

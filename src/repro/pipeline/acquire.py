@@ -1,22 +1,19 @@
 """Captures of the five motions from wherever the configuration says: stored, simulated in process, or a serial port."""
 
 import shutil
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from repro.errors import InputError
 from repro.files import write_whole
 from repro.fpga.capture import Capture, read_capture, write_capture
 from repro.fpga.link import LinkSettings, record
 from repro.pipeline.experiment import control_constants, describe, download, program_from_config
+from repro.pipeline.named import Config
 from repro.pipeline.recordings import check_recorded
 from repro.pipeline.specimen import board_from_config
 from repro.progress import Progress
 from repro.signals.programs import Program
-
-Config = Mapping[str, Any]
 
 
 def acquire(motion: str, out: Path, config: Config) -> None:

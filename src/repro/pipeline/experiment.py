@@ -14,12 +14,11 @@ from repro.fpga.about import About, Host, trajectory_digest
 from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import Gains, encode_program, encode_start
 from repro.model.parameters import Array
+from repro.pipeline.named import Config
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.limits import check_limits, permitted_program
 from repro.signals.programs import PROGRAMS, Program, ProgramName, ProgramSettings
 from repro.streams import Stream, stream
-
-Config = Mapping[str, Any]
 
 #: Where the schema lies beside a configuration: the project's folder is the one above config/.
 SCHEMA = Path("workflow/schemas/config.schema.yaml")

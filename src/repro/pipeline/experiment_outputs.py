@@ -11,12 +11,12 @@ from repro.pipeline import experiment_data as draw
 from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.experiment_runs import CASE, every_seed, tracking
 from repro.pipeline.identified import read_identifications, read_scores
+from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording, read_recording
 from repro.pipeline.summary import median_cells, parameter_table
 from repro.pipeline.verdict import verdict
 from repro.settings import metric_settings, signal_settings
 
-Config = Mapping[str, Any]
 Inputs = Mapping[str, Sequence[Path]]
 
 #: Columns of the scores of the experiment, and of the spread.
@@ -75,6 +75,13 @@ def _spread(inputs: Inputs) -> pd.DataFrame:
     return pd.concat([read_csv(path, SPREAD) for path in inputs["scores"]], ignore_index=True)
 
 
+def _drawn_spread(inputs: Inputs) -> pd.DataFrame:
+    """Runs that are drawn, with the median of each group of seeds beside them."""
+    drawn = _spread(inputs).query("method in @DRAWN")[list(SPREAD)]
+    median = drawn.groupby(["case", "joint", "method", "duration"])["total"].transform("median")
+    return drawn.assign(median=median)
+
+
 FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig18": lambda _, c: _setup(c),
     "fig19": lambda i, c: _identification(i, c, in_frequency=False),
@@ -83,7 +90,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig22": lambda i, c: draw.motions_figure(_recordings(i, c), signal_settings(c)),
     "fig23": lambda i, c: _validation(i, c, in_frequency=False),
     "fig24": lambda i, c: _validation(i, c, in_frequency=True),
-    "spread": lambda i, _: _spread(i).query("method in @DRAWN")[list(SPREAD)],
+    "spread": lambda i, _: _drawn_spread(i),
 }
 
 TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {

@@ -15,13 +15,13 @@ from repro.pipeline import figure_data as draw
 from repro.pipeline import schematics_data as schematics
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.identified import read_identifications, read_scores
+from repro.pipeline.named import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.summary import median_seeds, parameter_table, similarity_table
 from repro.settings import data_settings, network_settings, numeric_settings, signal_settings, training_settings
 from repro.signals.trajectories import identification_trajectory
 
-Config = Mapping[str, Any]
 Inputs = Mapping[str, Sequence[Path]]
 
 

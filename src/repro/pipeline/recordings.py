@@ -1,9 +1,7 @@
 """Captures read back: the measured signals of one motion."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,9 +12,8 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.recorded import samples
 from repro.model.parameters import Array
 from repro.pipeline.experiment import program_from_config
+from repro.pipeline.named import Config
 from repro.signals.programs import Program
-
-Config = Mapping[str, Any]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """The whole experiment over many specimens of the arm: their recordings; `repro.pipeline.verdict` draws from them."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +13,11 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.progress import Progress
 from repro.signals.programs import PROGRAMS, Program
-
-Config = Mapping[str, Any]
 
 #: Motions that only validate.
 VALIDATION = PROGRAMS[1:]

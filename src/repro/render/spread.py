@@ -25,11 +25,13 @@ def _read(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     filled = frame
     if {"method", "duration", "seed"} <= set(frame.columns):
         published = frame["method"].isin(list(_PUBLISHED))
-        filled = frame.assign(**{name: frame[name].where(~published, 0) for name in ("duration", "seed")})
-    table = check_table(filled, ("case", "method"), ("joint", "duration", "seed", "total"))
+        filled = frame.assign(
+            **{name: frame[name].where(~published, 0) for name in ("duration", "seed", "median") if name in frame}
+        )
+    table = check_table(filled, ("case", "method"), ("joint", "duration", "seed", "total", "median"))
     check_names(table["case"], _CASES, "case")
     check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
-    check_range(table, ("total",), 0.0, 1.0, "a fraction of 1")
+    check_range(table, ("total", "median"), 0.0, 1.0, "a fraction of 1")
     allowed = (*style.METHODS, *_PUBLISHED)
     for name in table["method"]:
         if name not in allowed:
@@ -59,7 +61,8 @@ def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: li
             marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 2.6}
             axes.plot(centre + _SCATTER * step * offsets, totals, label=label, **marks)
             if totals.size:
-                axes.hlines(np.median(totals), centre - 0.45 * step, centre + 0.45 * step, color=colour, lw=1.8)
+                middle = 100.0 * float(chosen["median"].iloc[0])
+                axes.hlines(middle, centre - 0.45 * step, centre + 0.45 * step, color=colour, lw=1.8)
             label = "_"  # one entry in the legend
 
 
@@ -78,10 +81,11 @@ def spread(frame: pd.DataFrame) -> Figure:
     Parameters
     ----------
     frame : DataFrame
-        ``case, joint, method, duration, seed, total``; cases ID, T1 ... T4; joints 1, 2; methods one or more of
-        `style.METHODS`, and perhaps ``published algorithm1`` and ``published least-squares``, whose duration and
-        seed are not read; duration of the identification trajectory in s; total as a fraction of 1. Every
-        method, duration and seed holds every case and joint once.
+        ``case, joint, method, duration, seed, total, median``; cases ID, T1 ... T4; joints 1, 2; methods one or
+        more of `style.METHODS`, and perhaps ``published algorithm1`` and ``published least-squares``, whose
+        duration, seed and median are not read; duration of the identification trajectory in s; total, and the
+        median of its group of seeds, as fractions of 1. Every method, duration and seed holds every case and
+        joint once.
 
     Returns
     -------

@@ -11,10 +11,10 @@ from repro.paper.checks.finding import (
     agreement,
 )
 from repro.paper.published import Published
+from repro.signals.programs import MEMORY_SAMPLES
 
-#: Memory of the EP4CE22 and the desired trajectory that fills it best: neither is printed in the paper.
+#: Memory of the EP4CE22; like the length of the desired trajectory that fills it best, not printed in the paper.
 DEVICE_MEMORY_BITS = 608256
-MEMORY_SAMPLES = 8192
 FLOAT_BITS = 32
 
 
