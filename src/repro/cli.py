@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from repro import __version__
-from repro.commands import decode, record, simulate, verify
+from repro.commands import decode, identify, record, simulate, verify
 from repro.errors import InputError
 
 #: Subcommands in the order of a user's work.
@@ -15,6 +15,7 @@ COMMANDS = {
     "simulate": simulate,
     "record": record,
     "decode": decode,
+    "identify": identify,
     "verify": verify,
 }
 

@@ -22,6 +22,9 @@ class Stream(IntEnum):
     EXPERIMENT_SEARCH = 11
     EXPERIMENT_REFINE = 12
     BOOTSTRAP = 13
+    OWN_SEARCH = 14
+    OWN_REFINE = 15
+    OWN_BOOTSTRAP = 16
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -104,8 +104,19 @@ def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
         network.dtype = precision
 
 
-def _fingerprint(motion: SampledMotion, data: DataSettings, network: NetworkSettings, s: TrainingSettings) -> str:
-    """Hash of everything that decides a run's result."""
+def fingerprint(motion: SampledMotion, data: DataSettings, network: NetworkSettings, s: TrainingSettings) -> str:
+    """Hash of everything that decides a run's result.
+
+    Parameters
+    ----------
+    motion, data, network, s
+        As for `train`.
+
+    Returns
+    -------
+    str
+        SHA-256, hexadecimal.
+    """
     digest = hashlib.sha256(repr((data, network, s)).encode())
     for array in (motion.torque, motion.model):
         digest.update(np.ascontiguousarray(array).tobytes())
@@ -147,7 +158,7 @@ def train(
     net = FactoredCNN(network, settings.precision)
     optimisers = make_optimisers(net, settings)
     gain = 1.0 if settings.recipe == "streamed" else settings.paper.gradient_gain
-    run = _fingerprint(motion, data, network, settings)
+    run = fingerprint(motion, data, network, settings)
     progress = load_checkpoint(checkpoint, net, optimisers, run) if checkpoint else Progress()
     batches, test = _batches(settings, motion, data, progress.step)
     began = time.perf_counter() - progress.seconds

@@ -1,0 +1,188 @@
+"""Identify your own arm: from a log to parameters, how sure they are, and a report."""
+
+import argparse
+import logging
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from repro.commands.options import add_config, positive_integer, whole_number
+from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from repro.logs.armfile import Arm
+    from repro.ownarm.judge import Found
+    from repro.ownarm.prepared import Told
+    from repro.ownarm.result import Result
+
+_LOG = logging.getLogger(__name__)
+
+LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+ALGORITHM1 = ("algorithm1", "algorithm1+refinement")
+GROUPS = {"all": (*LEAST_SQUARES, *ALGORITHM1), "least-squares": LEAST_SQUARES}
+FILTERS = ("dct", "savitzky-golay", "butterworth")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro identify``."""
+    parser.add_argument("log", help="log FILE.csv, capture FILE.bin, or the port of a board to record from")
+    parser.add_argument(
+        "--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result"
+    )
+    parser.add_argument("--arm", type=Path, help="arm.yaml: columns, units, signs, zero position, torque constants")
+    parser.add_argument(
+        "--method",
+        action="append",
+        choices=(*GROUPS, *LEAST_SQUARES, *ALGORITHM1),
+        help="may be given more than once (default: all; least-squares takes seconds, a CNN minutes)",
+    )
+    parser.add_argument("-o", "--out", required=True, type=Path, help="folder for parameters, report and exports")
+    parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    parser.add_argument("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
+    parser.add_argument("--cutoff", type=_hertz, help="cut-off in Hz (default: chosen from the log)")
+    parser.add_argument("--seed", type=whole_number, default=1, help="of standard errors and search (default: 1)")
+    parser.add_argument(
+        "--steps", type=positive_integer, default=2500, help="training steps of the CNN (default: 2500)"
+    )
+    parser.add_argument("--threads", type=positive_integer, default=2, help="threads of the CNN (default: 2)")
+    parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")
+    parser.add_argument(
+        "--trajectory", default="ID", help="with a port: motion to record, as for repro record (default: ID)"
+    )
+    add_config(parser)
+
+
+def _cache() -> Path:
+    """Folder for trained networks, of the user's choice by XDG_CACHE_HOME."""
+    home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(home) if home else Path("~/.cache")) / "repro"
+
+
+def _hertz(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.1 <= value < 1e3:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a frequency of 0.1 to 1000 Hz")
+    return value
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read, tell, prepare, solve, judge, write.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        As declared by `add_arguments`.
+
+    Returns
+    -------
+    int
+        Exit code 0.
+
+    Raises
+    ------
+    InputError
+        If a log, the arm file or the folder cannot be used; nothing is written then.
+    """
+    from repro.logs.armfile import read_arm
+    from repro.ownarm.job import assemble, resolve, solve_all
+    from repro.ownarm.outputs import check_folder, write_all
+    from repro.ownarm.prepared import make_problem, read
+    from repro.ownarm.settings import Options
+    from repro.progress import Progress
+
+    check_folder(arguments.out, arguments.overwrite)
+    arm = read_arm(arguments.arm)
+    names = tuple(dict.fromkeys(n for m in arguments.method or ("all",) for n in GROUPS.get(m, (m,))))
+    options = Options(
+        names,
+        arguments.cache.expanduser(),
+        arguments.filter,
+        arguments.cutoff,
+        arguments.seed,
+        arguments.steps,
+        arguments.threads,
+    )
+    fitted = read(_source(arguments), arm)
+    others = tuple(read(path, arm) for path in arguments.validate)
+    for told in (fitted, *others):
+        _tell(told)
+    problem = make_problem(fitted, others, arm, options)
+    s = problem.settings
+    _LOG.info("cut-off %.3g Hz: %s", s.cutoff, problem.cutoff.reason)
+    _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
+    progress: dict[str, Progress] = {}
+
+    def report(what: str, done: int, total: int, note: str) -> None:
+        progress.setdefault(what, Progress(what))(done, total, note)
+
+    found = solve_all(problem, resolve(options, report), options.seed, report, lambda f: _found(f, len(names)))
+    result, curves = assemble(problem, found, arm)
+    print(summary(result, arm), flush=True)
+    files = write_all(arguments.out, result, curves, arm)
+    print(f"written to {arguments.out}: {', '.join(files)}")
+    return 0
+
+
+def _source(arguments: argparse.Namespace) -> Path:
+    """The log's file; a port is recorded from first, and the capture is kept beside the result."""
+    text = arguments.log
+    path: Path = Path(text)
+    if "://" not in text and not path.is_char_device():
+        return path
+    from repro.cli import main
+
+    capture: Path = arguments.out.parent / f"{arguments.out.name}-recording.bin"
+    if capture.exists() and not arguments.overwrite:
+        raise InputError.at(str(capture), "a recording", "a new name for the folder, or --overwrite")
+    command = ["record", "--port", text, "--trajectory", arguments.trajectory, "--out", str(capture)]
+    command += ["--config", str(arguments.config)] + ["--overwrite"] * arguments.overwrite
+    if main(command) != 0:
+        raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")
+    return capture
+
+
+def _tell(told: "Told") -> None:
+    d = told.description
+    _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
+    for label, value in d.facts:
+        _LOG.info("  %s: %s", label, value)
+    for note in d.notes:
+        _LOG.info("  note: %s", note)
+    for warning in d.warnings:
+        _LOG.warning("  WARNING: %s", warning)
+
+
+def _found(found: "Found", total: int) -> None:
+    _LOG.info("%s: done%s", found.method.title, "" if total == 1 else f", {'; '.join(found.estimate.notes)}")
+
+
+def summary(result: "Result", arm: "Arm") -> str:
+    """What to know without opening the report.
+
+    Parameters
+    ----------
+    result : Result
+        What was found.
+    arm : Arm
+        The arm.
+
+    Returns
+    -------
+    str
+        The recommended parameters with their verdicts, each method's errors, warnings.
+    """
+    best = next(m for m in result.methods if m.method == result.recommended)
+    lines = [f"{arm.name}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
+    for p in best.parameters:
+        lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
+    lines.append("torque error, relative RMS of joint 1 / joint 2 in %:")
+    for m in result.methods:
+        parts = [("fit", m.fit), *((s.log, s) for s in (*m.halves, *m.validation))]
+        errors = ", ".join(f"{name} {100 * s.relative_rms[0]:.1f}/{100 * s.relative_rms[1]:.1f}" for name, s in parts)
+        mark = "*" if m.method == result.recommended else " "
+        lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
+    lines += [f"WARNING: {warning}" for warning in result.warnings]
+    return "\n".join(lines)

@@ -1,0 +1,31 @@
+"""Least squares with every parameter zero or more: what line 22 of Algorithm 1 asks of a candidate."""
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from repro.estimators.interface import Estimate, Method
+from repro.model.parameters import NAMES
+from repro.regression.prepare import Regression
+from repro.regression.solve import nine_rows
+
+
+def estimate(regression: Regression) -> Estimate:
+    """Least squares under the bounds beta >= 0.
+
+    Parameters
+    ----------
+    regression : Regression
+        Filtered regressor and torque.
+
+    Returns
+    -------
+    Estimate
+        With the names of the parameters held at their bound.
+    """
+    r, c, scale = nine_rows(regression.y, regression.tau)
+    beta = np.maximum(lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x, 0.0) / scale
+    held = [name for name, value in zip(NAMES, beta, strict=True) if value == 0.0]
+    return Estimate(beta, (f"held at zero: {', '.join(held)}",) if held else ())
+
+
+METHOD = Method("bounded", "bounded least squares (no parameter negative)", "branch1999subspace", estimate)

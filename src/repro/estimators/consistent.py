@@ -1,0 +1,101 @@
+"""Least squares among physically consistent parameters: a convex programme, solved by Clarabel through CVXPY.
+
+M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.feasibility`), that
+is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the parameters. Friction must not be negative.
+Gravity may have either sign: it depends on where zero is.
+"""
+
+import cvxpy as cp
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from repro.estimators.interface import Estimate, Method
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import Array
+from repro.regression.prepare import Regression
+from repro.regression.solve import nine_rows
+
+#: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
+MARGIN = 1e-3
+#: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
+INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+#: Friction is zero or more, the rest is free.
+FRICTION_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)
+
+
+def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
+    """Minimise |R z - c| over consistent beta = z / scale.
+
+    Parameters
+    ----------
+    r, c, scale : arrays of shape (k, 9), (k,), (9,)
+        As `repro.regression.solve.nine_rows` gives them; more rows may have been added.
+    margin : float
+        Smallest eigenvalue of [[I1 - I3, I2/2], [I2/2, I3]], kg m^2.
+
+    Returns
+    -------
+    array of shape (9,)
+        beta.
+
+    Raises
+    ------
+    RuntimeError
+        If the solver ends without a solution.
+    """
+    z = cp.Variable(9)
+    beta = cp.multiply(z, 1.0 / scale)
+    off = beta[1] / 2.0
+    inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c)), [inertia >> margin * np.eye(2), beta[5:] >= 0.0])
+    problem.solve(solver=cp.CLARABEL)
+    if z.value is None:
+        raise RuntimeError(f"consistent parameters: the solver ended with {problem.status!r}.")
+    found: Array = np.asarray(z.value) / scale
+    found[5:] = np.maximum(found[5:], 0.0)
+    return found
+
+
+def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
+    """Consistent parameters with the smallest error, and whether a condition holds them.
+
+    Least squares under the bounds on friction alone is cheap; where its inertia is positive definite with the margin,
+    the matrix inequality does not bind and it is the solution.
+
+    Parameters
+    ----------
+    r, c, scale : arrays of shape (k, 9), (k,), (9,)
+        As for `solve_consistent`.
+
+    Returns
+    -------
+    array of shape (9,), bool
+        beta; False if it is the unconditional least-squares solution.
+    """
+    bounded = lsq_linear(r, c, bounds=(FRICTION_BOUNDS, np.inf), method="bvls").x / scale
+    bounded[5:] = np.maximum(bounded[5:], 0.0)
+    margin = MARGIN * max(abs(float(bounded[0] + bounded[2])), np.finfo(np.float64).tiny)
+    if is_positive_definite(bounded - margin * INERTIA_MARGIN):
+        return bounded, bool((bounded[5:] == 0.0).any())
+    return solve_consistent(r, c, scale, margin), True
+
+
+def estimate(regression: Regression) -> Estimate:
+    """Least squares over physically consistent parameters.
+
+    Parameters
+    ----------
+    regression : Regression
+        Filtered regressor and torque.
+
+    Returns
+    -------
+    Estimate
+        M(q) is positive definite in every pose and no friction is negative.
+    """
+    beta, held = consistent(*nine_rows(regression.y, regression.tau))
+    note = "the conditions of physical consistency hold it" if held else "consistent without being held"
+    return Estimate(beta, (note,))
+
+
+METHOD = Method("consistent", "physically consistent least squares", "sousa2014physical", estimate)

@@ -1,0 +1,72 @@
+"""What a method is."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.model.parameters import Array
+from repro.regression.prepare import Regression
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a method found.
+
+    Attributes
+    ----------
+    beta : array of shape (9,)
+        Parameters, SI.
+    notes : tuple of str
+        What the method says about itself, one line each.
+    choice : float
+        What the method chose from the log and `Method.repeat` keeps, for a method that chooses.
+    """
+
+    beta: Array
+    notes: tuple[str, ...] = ()
+    choice: float = 0.0
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to solve a regression.
+
+    Attributes
+    ----------
+    name : str
+        On the command line.
+    title : str
+        In words.
+    citation : str
+        Key in the BibTeX file.
+    estimate : callable
+        ``estimate(regression)`` gives an `Estimate`.
+    claims_intervals : bool
+        Whether it is repeated for standard errors and gives intervals.
+    refit : callable or None
+        ``refit(regression, choice)`` gives beta with `Estimate.choice` kept, for a method that chooses.
+    unbiased : Method or None
+        For a method that is biased on purpose: the one that it is biased away from. The difference of the two enters
+        the standard error.
+    """
+
+    name: str
+    title: str
+    citation: str
+    estimate: Callable[[Regression], Estimate]
+    claims_intervals: bool = True
+    refit: Callable[[Regression, float], Array] | None = None
+    unbiased: "Method | None" = None
+
+    def repeat(self, regression: Regression, first: Estimate) -> Array:
+        """The method once more on a replicate, with what it chose at `first`, shape (9,)."""
+        return self.estimate(regression).beta if self.refit is None else self.refit(regression, first.choice)
+
+
+def joint_variance(regression: Regression, beta: Array) -> Array:
+    """Mean squared torque error of each joint, shape (2, 1), N^2 m^2, never zero."""
+    error = regression.tau - regression.y @ beta
+    floor = np.finfo(np.float64).eps * np.mean(regression.tau**2)
+    variance: Array = np.maximum(np.mean(error**2, axis=-1, keepdims=True), floor)
+    return variance

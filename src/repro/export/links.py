@@ -1,0 +1,229 @@
+"""Two links that have given parameters beta of Eq. 1 exactly, where such links exist.
+
+Eq. 1 fixes five combinations of the links, and the links have seven numbers, so two of them are free. Write
+
+    a = g2 / g = m2 lc2,    c = g1 / g = m1 lc1 + m2 l1,    D = I1 - I3 = m1 lc1^2 + J1 + m2 l1^2.
+
+Then I2 = 2 l1 a fixes ``l1 = I2 / (2 a)``, and the masses are free within what keeps both J positive:
+
+- ``J2 = I3 - a^2 / m2 > 0`` holds exactly where ``m2 > a^2 / I3``;
+- ``R = D - m2 l1^2 = m1 lc1^2 + J1`` must be positive, exactly where ``m2 < D / l1^2``;
+- ``J1 = R - s^2 / m1 > 0`` with ``s = c - m2 l1 = m1 lc1`` holds exactly where ``m1 > s^2 / R``, which some m1 does
+  once R is positive.
+
+So links exist if and only if a^2 / I3 < D / l1^2, that is I3 (I1 - I3) > I2^2 / 4: M(q) is positive definite.
+
+Which of them is taken
+----------------------
+``m2 = 2 a / l2``, which puts the centre of mass in the middle of link 2, if l2 is known and this leaves J2 and R a fair
+share of I3 and D. Otherwise the geometric mean of both bounds, in ratio equally far from either: with
+``r = I2 / (2 sqrt(I3 D))``, which is below 1, it gives ``J2 = (1 - r) I3`` and ``R = (1 - r) D``.
+
+``m1 = max(3 R / l1^2, 4 s^2 / (3 R))``: the mass of a uniform rod of length l1 that has the inertia R about joint 1,
+or more where J1 would otherwise fall below R / 4, its share in such a rod. The centre of mass is then no farther than
+l1 / 2 from joint 1. It lies behind the joint (lc1 < 0) if s < 0: a counterweight outweighs the rest of link 1.
+"""
+
+from dataclasses import dataclass
+from math import sqrt
+
+from repro.model.parameters import STANDARD_GRAVITY, Array, Links, check_beta
+
+#: Share of I3 and D that J2 and R keep at least, if the centre of mass of link 2 is to be put in its middle.
+FAIR_SHARE = 0.05
+
+#: Inertia of a link about its own long axis, over that about a transverse axis: a slender rod.
+SLENDERNESS = 0.1
+
+#: Lengths that an arm can have, m. Others come of a g2 or an I2 too near zero to fix one.
+LENGTHS = (1e-3, 1e3)
+
+#: Size of every positive number that is taken, SI: far beyond any arm, well within what floats square and divide.
+SIZES = (1e-12, 1e12)
+
+
+@dataclass(frozen=True)
+class LinkSet:
+    """Two links and the friction of their joints.
+
+    Attributes
+    ----------
+    m1, m2 : float
+        Masses, kg.
+    l1, l2 : float
+        Lengths, m. (l2 does not enter the dynamics.)
+    lc1, lc2 : float
+        Place of each centre of mass along its link, from its joint, m; lc1 may be negative.
+    j1, j2 : float
+        Inertia about each centre of mass and the joint's axis, kg m^2.
+    b : tuple of 2 floats
+        Viscous friction of each joint, N m s/rad.
+    k : tuple of 2 floats
+        Coulomb friction of each joint, N m.
+    gravity : float
+        Gravitational acceleration, m/s^2.
+    notes : tuple of str
+        What was chosen or found on the way, one line each.
+    """
+
+    m1: float
+    m2: float
+    l1: float
+    l2: float
+    lc1: float
+    lc2: float
+    j1: float
+    j2: float
+    b: tuple[float, float]
+    k: tuple[float, float]
+    gravity: float = STANDARD_GRAVITY
+    notes: tuple[str, ...] = ()
+
+    @property
+    def planar(self) -> Links:
+        """The links as ``repro.model`` has them."""
+        return Links(m1=self.m1, m2=self.m2, l1=self.l1, lc1=self.lc1, lc2=self.lc2, j1=self.j1, j2=self.j2)
+
+
+def principal_inertia(planar: float) -> tuple[float, float, float]:
+    """Principal moments of a slender body along z that turns about y.
+
+    Planar motion shows the moment about y alone. The others are those of a slender rod: as large about x, and a tenth
+    about the rod, which is positive definite and meets the triangle inequality, as simulators require.
+
+    Parameters
+    ----------
+    planar : float
+        Inertia about the centre of mass and the joint's axis, kg m^2.
+
+    Returns
+    -------
+    tuple of 3 floats
+        Moments about x, y and z, kg m^2.
+    """
+    return planar, planar, SLENDERNESS * planar
+
+
+def _check_sizes(values: dict[str, float]) -> None:
+    """Refuse a number that is not positive, or of no arm's size."""
+    for name, value in values.items():
+        if not SIZES[0] <= value <= SIZES[1]:
+            raise ValueError(f"{name} = {value:.4g} must be positive, between {SIZES[0]:g} and {SIZES[1]:g}.")
+
+
+def _check_possible(i1: float, i2: float, i3: float, g2: float, gravity: float) -> None:
+    """Refuse inertias and gravity that no two links can have."""
+    if i2 < 0.0 and g2 < 0.0:
+        raise ValueError(
+            f"I2 = {i2:.4g} and g2 = {g2:.4g} must be positive: with both negative, q2 = 0 is not where link 2 extends"
+            " link 1, or the centre of mass of link 2 lies behind joint 2."
+        )
+    if g2 < 0.0:
+        raise ValueError(f"g2 = {g2:.4g} must be positive: q = 0 must hang down, and gravity act downwards.")
+    if g2 < SIZES[0]:
+        raise ValueError(f"g2 = {g2:.4g} must be positive: without gravity on link 2, l1 = I2 g / (2 g2) is not fixed.")
+    if i2 < SIZES[0]:
+        raise ValueError(f"I2 = {i2:.4g} must be positive: with g2 = {g2:.4g} no length l1 = I2 g / (2 g2) is.")
+    _check_sizes({"I1": i1, "I2": i2, "I3": i3, "g2": g2})
+    if i3 * (i1 - i3) <= 0.25 * i2 * i2:
+        raise ValueError(
+            f"I3 (I1 - I3) = {i3 * (i1 - i3):.4g} must be above I2^2 / 4 = {0.25 * i2 * i2:.4g}: M(q) is not positive"
+            " definite, and that of two links is."
+        )
+    l1 = i2 * gravity / (2.0 * g2)
+    if not LENGTHS[0] <= l1 <= LENGTHS[1]:
+        raise ValueError(f"l1 = I2 g / (2 g2) = {l1:.4g} m is no arm's length: I2 = {i2:.4g}, g2 = {g2:.4g}.")
+
+
+def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[float, float] | None = None) -> LinkSet:
+    """Links that have the nine parameters, up to rounding.
+
+    Parameters
+    ----------
+    beta : array of shape (9,)
+        ``(I1, I2, I3, g1, g2, b1, b2, k1, k2)``, SI.
+    gravity : float
+        Gravitational acceleration, m/s^2.
+    lengths : tuple of 2 floats, optional
+        Lengths of the links as measured, m. The parameters fix l1, so this one is only compared, and the difference
+        told in the notes; l2 guides the choice of m2.
+
+    Returns
+    -------
+    LinkSet
+        The member of the family that the head of this module states.
+
+    Raises
+    ------
+    ValueError
+        If no links have these parameters (the message names the condition), or an argument is out of its range.
+
+    Notes
+    -----
+    Eq. 1, last five lines (Section II), solved for the links.
+    """
+    beta = check_beta(beta)
+    if beta.ndim != 1:
+        raise ValueError(f"beta: must be one set of nine parameters, got shape {beta.shape}.")
+    i1, i2, i3, g1, g2, b1, b2, k1, k2 = (float(value) for value in beta)
+    _check_sizes({"gravity": gravity})
+    if lengths is not None:
+        _check_sizes({"given l1": lengths[0], "given l2": lengths[1]})
+    for name, value in (("b1", b1), ("b2", b2), ("k1", k1), ("k2", k2)):
+        if value < 0.0:
+            raise ValueError(f"{name} = {value:.4g}: friction must not be negative.")
+    if abs(g1) > SIZES[1]:
+        raise ValueError(f"g1 = {g1:.4g} must be below {SIZES[1]:g} in size.")
+    _check_possible(i1, i2, i3, g2, gravity)
+
+    first, d = g2 / gravity, i1 - i3  # a, D
+    l1 = i2 / (2.0 * first)
+    notes = []
+    if lengths is not None:
+        notes.append(
+            f"the parameters imply l1 = I2 g / (2 g2) = {l1:.4g} m, {100.0 * (l1 / lengths[0] - 1.0):+.1f} % off the "
+            f"given {lengths[0]:.4g} m; the implied length is used"
+        )
+
+    # 1 - r from 1 - r^2, which does not cancel near the edge where M(q) is singular.
+    square = i2 * i2 / (4.0 * i3 * d)
+    share = (i3 * d - 0.25 * i2 * i2) / (i3 * d) / (1.0 + sqrt(square))
+    m2, j2, rest = (first / l1) * sqrt(d / i3), share * i3, share * d
+    how = f"the geometric mean of its bounds {first * first / i3:.4g} and {d / (l1 * l1):.4g} kg"
+    if lengths is not None:
+        middle = 2.0 * first / lengths[1]
+        if i3 - first * first / middle >= FAIR_SHARE * i3 and d - middle * l1 * l1 >= FAIR_SHARE * d:
+            m2, j2, rest = middle, i3 - first * first / middle, d - middle * l1 * l1
+            how = "so that the centre of mass of link 2 is in its middle"
+        else:
+            how += f", since a centre of mass in the middle of link 2 would need {middle:.4g} kg"
+    if share < FAIR_SHARE:
+        notes.append(
+            f"M(q) is nearly singular, I2^2 / 4 is {square:.6g} of I3 (I1 - I3), so J1 and J2 are small and m1 is"
+            " a formal number, not a weight"
+        )
+    notes.append(f"m2 = {m2:.4g} kg was chosen: {how}")
+
+    moment = g1 / gravity - m2 * l1  # s
+    m1 = max(3.0 * rest / (l1 * l1), 4.0 * moment * moment / (3.0 * rest))
+    j1 = rest - moment * (moment / m1)
+    notes.append(f"m1 = {m1:.4g} kg was chosen: as a uniform rod of length l1, or as much as leaves J1 a rod's share")
+    if moment < 0.0:
+        notes.append(f"the centre of mass of link 1 lies behind joint 1: lc1 = {moment / m1:.4g} m")
+    lc2 = first / m2
+    if lengths is None:
+        notes.append("l2 is not known and does not enter the dynamics; it is drawn as 2 lc2")
+    return LinkSet(
+        m1=m1,
+        m2=m2,
+        l1=l1,
+        l2=2.0 * lc2 if lengths is None else lengths[1],
+        lc1=moment / m1,
+        lc2=lc2,
+        j1=j1,
+        j2=j2,
+        b=(b1, b2),
+        k=(k1, k2),
+        gravity=gravity,
+        notes=tuple(notes),
+    )

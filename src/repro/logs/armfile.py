@@ -1,0 +1,188 @@
+"""The arm file: what a recording of this arm means, where its header does not say."""
+
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import yaml
+
+from repro.errors import InputError
+from repro.model.dynamics import LAMBDA
+from repro.model.parameters import STANDARD_GRAVITY
+
+#: One value for each joint.
+Pair = tuple[float, float]
+
+# YAML 1.1 takes 1e-3 for text, because it has no point.
+_EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
+_FLOAT = "tag:yaml.org,2002:float"
+
+
+@dataclass(frozen=True)
+class Arm:
+    """How to read an arm's recordings, and what is known of the arm.
+
+    Attributes
+    ----------
+    name : str
+        Name of the arm.
+    columns : mapping
+        Header of the column that holds ``time``, ``q1``, ``q2``, ``dq1``, ``dq2``, ``tau1`` or ``tau2``.
+    units : mapping
+        Unit of ``time``, ``position``, ``velocity`` or ``torque``; it wins over the header's.
+    counts_per_turn : tuple of 2 floats or None
+        Encoder counts in a turn of each joint.
+    torque_constant : tuple of 2 floats or None
+        Torque at each joint, N m, for 1 A or for 1 count of PWM.
+    sign : tuple of 2 floats
+        1, or -1 where position, velocity and torque of a joint count the other way than in Eq. 1.
+    torque_sign : tuple of 2 floats
+        1, or -1 where the torque alone counts the other way than the position, on top of `sign`.
+    zero : tuple of 2 floats
+        Position recorded, rad, where the angle of Eq. 1 is zero: link 1 hangs down, link 2 is in line with it.
+    second_joint_absolute : bool
+        Whether ``q2`` was measured from the vertical instead of from link 1.
+    torque_limit : tuple of 2 floats or None
+        Largest torque of each joint, N m.
+    gravity : float
+        Gravitational acceleration, m/s^2.
+    link_lengths : tuple of 2 floats or None
+        Lengths of the links, m.
+    friction_steepness : float or None
+        lambda of Eq. 1, s/rad; None: to be found from the data.
+    delay : float or None
+        How much later than recorded the torque acts, s; None: to be found from the data.
+    file : str
+        Where this was read, for messages.
+    """
+
+    name: str = "arm"
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    counts_per_turn: Pair | None = None
+    torque_constant: Pair | None = None
+    sign: Pair = (1.0, 1.0)
+    torque_sign: Pair = (1.0, 1.0)
+    zero: Pair = (0.0, 0.0)
+    second_joint_absolute: bool = False
+    torque_limit: Pair | None = None
+    gravity: float = STANDARD_GRAVITY
+    link_lengths: Pair | None = None
+    friction_steepness: float | None = LAMBDA
+    delay: float | None = None
+    file: str = "arm file"
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML with numbers such as 1e-3, and no key twice."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Build a mapping after checking that its keys are text and differ."""
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
+                raise yaml.YAMLError(f"a key that is not text in line {key.start_mark.line + 1}")
+            if key.value in seen:
+                raise yaml.YAMLError(f"the key {key.value!r} twice, again in line {key.start_mark.line + 1}")
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver(_FLOAT, _EXPONENT, list("-+0123456789"))
+
+
+def read_arm(path: Path | None) -> Arm:
+    """Read an arm file.
+
+    Parameters
+    ----------
+    path : Path or None
+        YAML; None for an arm of which nothing is known.
+
+    Returns
+    -------
+    Arm
+        With defaults for what the file leaves out.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not YAML, has an unknown key, or a value is not what it should be.
+    """
+    if path is None:
+        return Arm()
+    content = _load(path)
+    schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
+    violations = list(jsonschema.Draft202012Validator(schema).iter_errors(content))
+    if violations:
+        error = min(violations, key=lambda e: [str(key) for key in e.absolute_path])
+        raise _violation(str(path), error, schema)
+    for place, value in _infinite(content):
+        raise InputError.at(f"{path}: {place}", value, "a finite number")
+    columns = content.get("columns", {})
+    for signal, header in columns.items():
+        twin = next(other for other in columns if columns[other] == header)
+        if twin != signal:
+            raise InputError.at(f"{path}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
+    return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
+
+
+def _load(path: Path) -> dict[str, Any]:
+    """Content of a YAML file; an empty one holds nothing."""
+    try:
+        # A subclass of SafeLoader, so no object is made but plain data.
+        content = yaml.load(path.read_text(encoding="utf-8-sig"), _Loader)
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "an arm file") from error
+    except RecursionError as error:
+        raise InputError.at(str(path), "lists within lists without end", "an arm file") from error
+    except (yaml.YAMLError, ValueError) as error:
+        found = f"text that is not YAML ({' '.join(str(error).split())})"
+        raise InputError.at(str(path), found, "an arm file in YAML, each key once") from error
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise InputError.at(str(path), repr(content)[:60], "keys with values, such as 'gravity: 9.81'")
+    return content
+
+
+def _violation(file: str, error: jsonschema.ValidationError, schema: Mapping[str, Any]) -> InputError:
+    """One line for a violation; the schema's descriptions say what is expected."""
+    node, keys = schema, list(error.absolute_path)
+    for key in keys:
+        if key not in node.get("properties", {}):
+            break
+        node = node["properties"][key]
+    place = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).removeprefix(".")
+    if error.validator == "additionalProperties":
+        known = node["properties"]
+        unknown = next(key for key in error.instance if key not in known)  # type: ignore[union-attr]
+        place = f"{place}.{unknown}".removeprefix(".")
+        return InputError.at(f"{file}: {place}", "an unknown key", f"one of {', '.join(known)}")
+    return InputError.at(f"{file}: {place}", repr(error.instance)[:60], str(node["description"]))
+
+
+def _infinite(node: object, place: str = "") -> Iterator[tuple[str, float]]:
+    """Places of NaN and infinity, which YAML can spell and a schema lets through."""
+    if isinstance(node, Mapping):
+        for key, item in node.items():
+            yield from _infinite(item, f"{place}.{key}".removeprefix("."))
+    elif isinstance(node, list):
+        for index, item in enumerate(node):
+            yield from _infinite(item, f"{place}[{index}]")
+    elif isinstance(node, float) and not math.isfinite(node):
+        yield place, node
+
+
+def _value(key: str, value: Any) -> Any:  # noqa: ANN401
+    """A value of the file as an attribute of `Arm`."""
+    if value == "auto" and key in ("friction_steepness", "delay"):
+        return None
+    if isinstance(value, list):
+        return tuple(float(item) for item in value)
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

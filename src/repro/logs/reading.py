@@ -1,0 +1,112 @@
+"""From a file to a `Log`: columns, units, signs, zeros, and what cannot be worked on."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from repro.errors import InputError
+from repro.fpga.capture import read_capture
+from repro.fpga.recorded import samples
+from repro.logs.armfile import Arm
+from repro.logs.checks import check_signals, check_time
+from repro.logs.header import find_columns
+from repro.logs.log import Log
+from repro.logs.table import read_table
+from repro.logs.uniform import longest_stretch
+from repro.logs.units import Signal, si_factor
+from repro.model.parameters import Array
+
+#: Steps within this of a full turn are the wrap of an angle, as a share of the turn.
+_WRAP = 0.05
+
+
+def read_log(path: Path, arm: Arm) -> Log:
+    """Read a recording.
+
+    Parameters
+    ----------
+    path : Path
+        Capture ``NAME.bin`` with its sidecar, or else a CSV table.
+    arm : Arm
+        What the recording means where it does not say so itself. Columns and units are not for captures.
+
+    Returns
+    -------
+    Log
+        SI, angles of Eq. 1.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column or unit is missing or unclear, a cell is no number, time does not
+        increase, the recording is too short, the arm does not move, a torque tells nothing, or gaps leave no
+        stretch that is long enough.
+    """
+    if path.is_dir():
+        raise InputError.at(str(path), "a folder", "a CSV table, or a capture NAME.bin")
+    raw = _from_capture(path) if path.suffix == ".bin" else _from_table(path, arm)
+    limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
+    log = replace(_to_eq1(raw, arm), torque_limit=limit)
+    check_signals(log, str(path))
+    longest_stretch(log)  # refuses a log that is all gaps
+    return log
+
+
+def _from_capture(path: Path) -> Log:
+    """A capture; it states its units itself."""
+    capture = read_capture(path)
+    about, evenly = capture.about, samples(capture)
+    t = np.asarray(about.h * np.arange(about.samples), dtype=np.float64)
+    check_time(t, t, "s", str(path), range(1, about.samples + 1))
+    notes = [f"capture of the motion {about.motion}"]
+    if evenly.filled:
+        notes.append(f"{evenly.filled} lost samples are interpolated")
+    simulated = about.source == "simulated"
+    limit = np.array(about.control.full_torque)
+    return Log(path.name, t, evenly.q, evenly.tau, None, tuple(notes), simulated, limit)
+
+
+def _from_table(path: Path, arm: Arm) -> Log:
+    """A CSV table in SI, signs and zeros as recorded."""
+    table = read_table(path)
+    columns, notes = find_columns(table.header, arm, table.file)
+    recorded = {signal: table.numbers(column.index) for signal, column in columns.items()}
+    si = {signal: si_factor(signal, str(columns[signal].unit), arm) * values for signal, values in recorded.items()}
+    time = si["time"]
+    check_time(time, recorded["time"], str(columns["time"].unit), table.file, table.lines)
+    if time[0] != 0.0:
+        notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
+    pairs: Sequence[tuple[Signal, Signal]] = (("q1", "q2"), ("tau1", "tau2"), ("dq1", "dq2"))
+    q, tau, dq = (np.stack([si[a], si[b]]) if a in si else None for a, b in pairs)
+    assert q is not None
+    assert tau is not None
+    return Log(path.name, time - time[0], q, tau, dq, notes)
+
+
+def _to_eq1(log: Log, arm: Arm) -> Log:
+    """Signs, zeros and wraps put right, joint 2 relative to link 1."""
+    sign = np.array(arm.sign)[:, np.newaxis]
+    q, wraps = _unwrapped(log.q)
+    q = sign * (q - np.array(arm.zero)[:, np.newaxis])
+    tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * log.tau
+    dq = None if log.dq is None else sign * log.dq
+    notes = list(log.notes)
+    for joint, count in enumerate(wraps, 1):
+        if count:
+            notes.append(f"position of joint {joint} wraps by a full turn {count} times; unwrapped")
+    if arm.second_joint_absolute:
+        q = np.stack([q[0], q[1] - q[0]])
+        dq = None if dq is None else np.stack([dq[0], dq[1] - dq[0]])
+        notes.append("q2 was measured from the vertical; q1 is subtracted")
+    return replace(log, q=q, tau=tau, dq=dq, notes=tuple(notes))
+
+
+def _unwrapped(q: Array) -> tuple[Array, tuple[int, ...]]:
+    """Positions without steps of a full turn between two samples, and how many there were on each joint."""
+    turn = 2.0 * np.pi
+    steps = np.diff(q, axis=1)
+    turns = np.where(np.abs(np.abs(steps) - turn) < _WRAP * turn, np.sign(steps), 0.0)
+    whole = np.concatenate([np.zeros((2, 1)), np.cumsum(turns, axis=1)], axis=1)
+    return q - turn * whole, tuple(int(n) for n in np.count_nonzero(turns, axis=1))

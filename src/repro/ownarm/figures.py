@@ -1,0 +1,71 @@
+"""Figures of the report as PNG files in memory."""
+
+import io
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+from repro.ownarm.result import Curves, Result
+from repro.render import ownarm, ownarm_parameters, style
+
+#: Dots per inch: 1432 pixels for the width of a page.
+DPI = 200
+
+#: Colours of a picture; lines and their soft edges need no more, and the file is a third as large.
+_COLOURS = 96
+
+#: Methods whose curves are drawn: the recommended one and the first of the others.
+MOST_METHODS = 3
+
+#: Logs whose curves are drawn, so that the page stays light.
+MOST_LOGS = 8
+
+
+def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
+    """Draw all figures of the report.
+
+    Parameters
+    ----------
+    result : Result
+        What `repro identify` found.
+    curves : Curves
+        Its curves: the log first, then the validation logs in the order of `result`.
+
+    Returns
+    -------
+    dict of str to bytes
+        PNG files by name: ``parameters``; ``cutoff`` if there is such a curve; ``overlay-0`` and ``spectra-0`` of the
+        log, ``overlay-1`` and ``spectra-1`` of the first validation log, and so on, of `MOST_LOGS` logs at most. The
+        same input gives the same bytes.
+
+    Raises
+    ------
+    ValueError
+        If there are not as many curves as logs.
+    """
+    titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
+    logs = list(zip((result.log, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
+    with style.house_style():
+        figures = {"parameters": _png(ownarm_parameters.parameters(result))}
+        if curves.cutoff is not None:
+            figures["cutoff"] = _png(ownarm.cutoff(curves.cutoff, result.simulated))
+        for place, (log, signals) in enumerate(logs):
+            simulated = log.simulated or result.simulated
+            figures[f"overlay-{place}"] = _png(ownarm.overlay(signals, methods, titles, simulated))
+            figures[f"spectra-{place}"] = _png(ownarm.spectra(signals, methods[:1], titles, simulated))
+    return figures
+
+
+def drawn_methods(result: Result) -> list[str]:
+    """Methods whose curves the overlays show: the recommended one and the first others, `MOST_METHODS` in all."""
+    return list(ownarm.ordered_titles(result))[:MOST_METHODS]
+
+
+def _png(figure: Figure) -> bytes:
+    """Save with few colours, without date or version."""
+    raw, small = io.BytesIO(), io.BytesIO()
+    figure.savefig(raw, format="png", dpi=DPI, metadata={"Software": None})
+    with Image.open(raw) as image:
+        flat = image.convert("RGB").quantize(_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        flat.save(small, "PNG", optimize=True)
+    return small.getvalue()

@@ -1,0 +1,174 @@
+"""From logs to a result: the whole of `repro identify` but for files and words on the screen."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from repro.estimators.interface import Method
+from repro.estimators.methods import METHODS
+from repro.logs.armfile import Arm
+from repro.model.parameters import NAMES, Array
+from repro.ownarm.judge import Found, find, judge
+from repro.ownarm.prepared import Problem
+from repro.ownarm.recommend import recommend, warnings
+from repro.ownarm.result import Curves, Excitation, MethodResult, Preparation, Result, Signals
+from repro.ownarm.settings import Options
+from repro.prediction.motion import position_errors
+from repro.regression.filters import FILTERS
+from repro.regression.prepare import Regression
+from repro.signals.dct import spectrum
+from repro.trust.excitation import EXCITED, excitation, torque_share
+
+#: Names of the methods that run a network; the others are in `repro.estimators.methods`.
+NETWORK_METHODS = ("algorithm1", "algorithm1+refinement")
+
+Report = Callable[[str, int, int, str], None]
+
+
+def resolve(options: Options, report: Report) -> list[Method]:
+    """Methods by their names.
+
+    Parameters
+    ----------
+    options : Options
+        Names, and the budget of those that run a network.
+    report : callable
+        Called with what is done, how much, of how much, and a note.
+
+    Returns
+    -------
+    list of Method
+        Torch is loaded only if one of them runs a network.
+    """
+    known = dict(METHODS)
+    if set(options.methods) & set(NETWORK_METHODS):
+        from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
+        from repro.estimators.algorithm1 import NetworkSearch, methods  # noqa: PLC0415
+
+        training = TrainingSettings(steps=options.steps, seed=options.seed)
+        search = NetworkSearch(options.cache, training, seed=options.seed, threads=options.threads)
+        for method in methods(search, lambda done, total, note: report("training the CNN", done, total, note)):
+            known[method.name] = method
+    return [known[name] for name in options.methods]
+
+
+def solve_all(
+    problem: Problem, methods: Sequence[Method], seed: int, report: Report, done: Callable[[Found], None]
+) -> list[Found]:
+    """Run the methods one after another.
+
+    Parameters
+    ----------
+    problem : Problem
+        Logs.
+    methods : sequence of Method
+        Which.
+    seed : int
+        Of the bootstrap.
+    report : callable
+        Progress.
+    done : callable
+        Called with each method's finding as soon as it is there.
+
+    Returns
+    -------
+    list of Found
+        In the same order.
+    """
+    found = []
+    for method in methods:
+
+        def tell(k: int, n: int, title: str = method.title) -> None:
+            report(f"standard errors, {title}", k, n, "")
+
+        found.append(find(method, problem, seed, method.name not in NETWORK_METHODS, tell))
+        done(found[-1])
+    return found
+
+
+def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result, Curves]:
+    """Judge the methods and recommend one.
+
+    Parameters
+    ----------
+    problem : Problem
+        Logs.
+    found : sequence of Found
+        What the methods found.
+    arm : Arm
+        For its name.
+
+    Returns
+    -------
+    Result, Curves
+        For the files and the report.
+    """
+    betas = np.stack([f.estimate.beta for f in found])
+    logs = (problem.fitted, *(told for told, _ in problem.others))
+    positions = [position_errors(told.log, problem.settings, betas) for told in logs]
+    methods = tuple(judge(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(found))
+    recommended, reason = recommend(methods)
+    best = betas[[m.method for m in methods].index(recommended)]
+    told = _excitation(problem.regression, best)
+    s, r = problem.settings, problem.regression
+    result = Result(
+        arm=arm.name,
+        simulated=any(t.log.simulated for t in logs),
+        log=problem.fitted.description,
+        validation_logs=tuple(t.description for t, _ in problem.others),
+        preparation=Preparation(
+            FILTERS[s.name].name,
+            s.cutoff,
+            problem.cutoff.reason,
+            s.delay,
+            s.friction_steepness,
+            1.0 / r.h,
+            r.t.size,
+            s.cut,
+        ),
+        excitation=told,
+        methods=methods,
+        recommended=recommended,
+        reason=reason,
+        warnings=warnings(problem, methods, recommended, told),
+    )
+    return result, _curves(problem, methods, betas)
+
+
+def _excitation(regression: Regression, beta: Array) -> Excitation:
+    found, share = excitation(regression), torque_share(regression, beta)
+    still = tuple(
+        name for name, moves, value in zip(NAMES, share, beta, strict=True) if moves <= EXCITED and value != 0.0
+    )
+    zero = torque_share(regression, np.ones(9)) == 0.0
+    still += tuple(name for name, never in zip(NAMES, zero, strict=True) if never and name not in still)
+    return Excitation(
+        found.rank,
+        found.condition,
+        tuple(share.tolist()),
+        found.friction_correlation,
+        still,
+        found.base_parameters,
+    )
+
+
+def _curves(problem: Problem, methods: Sequence[MethodResult], betas: Array) -> Curves:
+    pairs = ((problem.fitted, problem.regression), *problem.others)
+    signals = tuple(_signals(told.description.name, r, methods, betas) for told, r in pairs)
+    return Curves(signals, problem.cutoff)
+
+
+def _signals(name: str, r: Regression, methods: Sequence[MethodResult], betas: Array) -> Signals:
+    """Torques over time and frequency; the amplitude of a DCT-II band is sqrt(2/n) times its coefficient."""
+    rebuilt = {m.method: r.y @ beta for m, beta in zip(methods, betas, strict=True)}
+    n = r.t.size
+    size = np.sqrt(2.0 / n)
+    return Signals(
+        name,
+        r.t,
+        r.tau,
+        rebuilt,
+        np.arange(n) / (2.0 * n * r.h),
+        size * np.abs(spectrum(r.tau)),
+        {key: size * np.abs(spectrum(tau)) for key, tau in rebuilt.items()},
+    )

@@ -1,0 +1,160 @@
+"""One method on one problem: its parameters, how sure they are, and how well they predict."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.estimators.interface import Estimate, Method
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array
+from repro.ownarm.prepared import Problem
+from repro.ownarm.result import MethodResult, Parameter, Score
+from repro.prediction.torque import relative_rms, similarity
+from repro.regression.prepare import Regression
+from repro.streams import Stream, stream
+from repro.trust.bootstrap import Spread, bootstrap
+from repro.trust.excitation import EXCITED, torque_share
+from repro.trust.residuals import lag_one
+from repro.trust.words import verdict
+
+#: Halves that methods without intervals are not run on: each would train a network of its own.
+HALVES = ("second half", "first half")
+
+Position = tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a method found, before it is judged.
+
+    Attributes
+    ----------
+    method : Method
+        Which.
+    estimate : Estimate
+        Its parameters.
+    spread : Spread or None
+        Standard errors and intervals, if it claims any.
+    halves : tuple of Score
+        Each half predicted from the other.
+    """
+
+    method: Method
+    estimate: Estimate
+    spread: Spread | None
+    halves: tuple[Score, ...]
+
+
+def score(name: str, regression: Regression, beta: Array, position: Position) -> Score:
+    """Errors of predicting one log."""
+    return Score(name, relative_rms(regression, beta), similarity(regression, beta), position)
+
+
+def find(method: Method, problem: Problem, seed: int, halves: bool, report: Callable[[int, int], None]) -> Found:
+    """Estimate, standard errors and halves.
+
+    Parameters
+    ----------
+    method : Method
+        Which.
+    problem : Problem
+        The log.
+    seed : int
+        Of the bootstrap.
+    halves : bool
+        Whether each half of the log is to be predicted from the other.
+    report : callable
+        Called with bootstrap replicates done and in all.
+
+    Returns
+    -------
+    Found
+        All that needs the method to be run.
+    """
+    r = problem.regression
+    estimate = method.estimate(r)
+    spread = None
+    if method.claims_intervals:
+        rng = stream(seed, Stream.OWN_BOOTSTRAP)
+        spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
+    scores = []
+    if halves:
+        middle = r.t.size // 2
+        first, second = r.take(np.arange(middle)), r.take(np.arange(middle, r.t.size))
+        for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
+            scores.append(score(name, predicted, method.estimate(used).beta, None))
+    return Found(method, estimate, spread, tuple(scores))
+
+
+def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> MethodResult:
+    """Everything about a method.
+
+    Parameters
+    ----------
+    found : Found
+        What it found.
+    problem : Problem
+        Logs.
+    positions : tuple
+        Error of the re-simulated position on the log and on each log to predict.
+
+    Returns
+    -------
+    MethodResult
+        With a verdict on each parameter.
+    """
+    beta, r = found.estimate.beta, problem.regression
+    consistent = bool(is_positive_definite(beta))
+    fit = score(problem.fitted.description.name, r, beta, positions[0])
+    validation = tuple(
+        score(told.description.name, regression, beta, position)
+        for (told, regression), position in zip(problem.others, positions[1:], strict=True)
+    )
+    return MethodResult(
+        method=found.method.name,
+        title=found.method.title,
+        parameters=_parameters(found, torque_share(r, np.where(beta == 0.0, 1.0, beta))),
+        claims_intervals=found.spread is not None,
+        consistent=consistent,
+        why_not_consistent="" if consistent else why_not_consistent(beta),
+        fit=fit,
+        validation=validation,
+        halves=found.halves,
+        whiteness=lag_one(r, beta),
+        notes=found.estimate.notes,
+        citation=found.method.citation,
+    )
+
+
+def why_not_consistent(beta: Array) -> str:
+    """Conditions of `repro.model.feasibility.is_positive_definite` that fail, with numbers."""
+    i1, i2, i3 = beta[:3]
+    broken = []
+    if i3 <= 0.0 or i3 * (i1 - i3) <= 0.25 * i2**2:
+        broken.append(
+            f"the inertia matrix is not positive definite: I3 (I1 - I3) = {i3 * (i1 - i3):.3g} is not above "
+            f"I2^2 / 4 = {0.25 * i2**2:.3g}"
+        )
+    broken += [
+        f"{name} = {value:.3g} is negative" for name, value in zip(NAMES[5:], beta[5:], strict=True) if value < 0
+    ]
+    return "; ".join(broken)
+
+
+def _parameters(found: Found, share: Array) -> tuple[Parameter, ...]:
+    """The nine with their verdicts. `share` takes a parameter of zero for one, to tell held from not excited."""
+    beta, spread = found.estimate.beta, found.spread
+    rows = []
+    for k, name in enumerate(NAMES):
+        held = bool(beta[k] == 0.0)
+        excited = bool(share[k] > (0.0 if held else EXCITED))
+        interval = None if spread is None or held or not excited else spread
+        error, low, high = (
+            (None, None, None)
+            if interval is None
+            else (float(interval.standard_error[k]), float(interval.low[k]), float(interval.high[k]))
+        )
+        words = verdict(float(beta[k]), low, high, excited, held)
+        rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, words))
+    return tuple(rows)

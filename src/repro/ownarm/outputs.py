@@ -1,0 +1,179 @@
+"""The files of a result: all of them or none."""
+
+import os
+import shutil
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.errors import InputError
+from repro.export.bibtex import bibtex
+from repro.export.links import links_of
+from repro.export.mjcf import mjcf
+from repro.export.urdf import urdf
+from repro.files import write_csv, write_json, write_text
+from repro.logs.armfile import Arm
+from repro.ownarm.figures import figures_of
+from repro.ownarm.page import render_page
+from repro.ownarm.result import Curves, Result
+from repro.ownarm.tables import parameters_table, scores_table
+
+PAGE = "report.html"
+
+#: Sources of what every run uses, beside those of its methods.
+ALWAYS = ("leon2022cnn",)
+SOLVERS = {
+    "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
+    "parsimonious": ("diamond2016cvxpy", "goulart2024clarabel"),
+    "algorithm1+refinement": ("storn1997differential",),
+}
+
+
+def check_folder(out: Path, overwrite: bool) -> None:
+    """Refuse a folder that holds anything, unless told to replace what we write.
+
+    Parameters
+    ----------
+    out : Path
+        Folder to write.
+    overwrite : bool
+        Whether files of the same names may be replaced; others are never touched.
+
+    Raises
+    ------
+    InputError
+        If `out` is a file, cannot be written, or is not empty.
+    """
+    if out.exists() and not out.is_dir():
+        raise InputError.at(str(out), "a file", "a folder, or a name that is free")
+    if out.is_dir() and not overwrite and any(out.iterdir()):
+        raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
+    parent = out if out.is_dir() else out.absolute().parent
+    while not parent.exists():
+        parent = parent.parent
+    if not (parent.is_dir() and os.access(parent, os.W_OK)):
+        raise InputError.at(str(parent), "no permission to write", "a folder that can be written")
+
+
+def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
+    """Write every file, then put them in place.
+
+    Parameters
+    ----------
+    out : Path
+        Folder.
+    result, curves : Result, Curves
+        What was found.
+    arm : Arm
+        Gravity and link lengths for the exports.
+
+    Returns
+    -------
+    list of str
+        Names of the files.
+    """
+    out.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    try:
+        _fill(made, result, curves, arm)
+        names = sorted(path.name for path in made.iterdir())
+        out.mkdir(exist_ok=True)
+        for name in names:
+            (made / name).replace(out / name)
+        return names
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def _fill(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
+    write_json(folder / "parameters.json", _plain(asdict(result)))
+    write_csv(folder / "parameters.csv", parameters_table(result))
+    write_csv(folder / "scores.csv", scores_table(result))
+    write_csv(folder / "residuals.csv", residuals(result, curves))
+    write_text(folder / "methods.bib", bibtex(citations(result)))
+    _export(folder, result, arm)
+    names = sorted(path.name for path in folder.iterdir())
+    write_text(folder / PAGE, render_page(result, curves, figures_of(result, curves), names))
+
+
+def citations(result: Result) -> list[str]:
+    """BibTeX keys of everything a result rests on.
+
+    Parameters
+    ----------
+    result : Result
+        With its methods.
+
+    Returns
+    -------
+    list of str
+        Each once.
+    """
+    keys = [*ALWAYS]
+    for method in result.methods:
+        keys += [method.citation, *SOLVERS.get(method.method, ())]
+    if any(method.claims_intervals for method in result.methods):
+        keys.append("kunsch1989jackknife")
+    if result.preparation.filter.startswith("Savitzky"):
+        keys.append("savitzky1964smoothing")
+    return list(dict.fromkeys(keys))
+
+
+def residuals(result: Result, curves: Curves) -> pd.DataFrame:
+    """Measured and rebuilt torque of the recommended method, log by log.
+
+    Parameters
+    ----------
+    result, curves : Result, Curves
+        What was found.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``log, time_s, joint, torque_nm, rebuilt_nm, residual_nm``.
+    """
+    frames = []
+    for signals in curves.signals:
+        for joint in range(2):
+            tau, rebuilt = signals.tau[joint], signals.rebuilt[result.recommended][joint]
+            frames.append(
+                pd.DataFrame(
+                    {
+                        "log": signals.name,
+                        "time_s": signals.t,
+                        "joint": joint + 1,
+                        "torque_nm": tau,
+                        "rebuilt_nm": rebuilt,
+                        "residual_nm": tau - rebuilt,
+                    }
+                )
+            )
+    return pd.concat(frames, ignore_index=True)
+
+
+def _export(folder: Path, result: Result, arm: Arm) -> None:
+    """URDF and MJCF where a set of two links has these parameters; else a file that says why not."""
+    best = next(m for m in result.methods if m.method == result.recommended)
+    beta = np.array([p.estimate for p in best.parameters])
+    try:
+        links = links_of(beta, arm.gravity, arm.link_lengths)
+    except ValueError as error:
+        write_text(folder / "no-links.txt", f"No URDF or MJCF: no two links have these parameters. {error}\n")
+        return
+    write_text(folder / "arm.urdf", urdf(links, result.arm))
+    write_text(folder / "arm.xml", mjcf(links, result.arm))
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    """Tuples as lists, numbers that JSON does not know as null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,165 @@
+"""The report of `repro identify` as one HTML text that opens anywhere and fetches nothing."""
+
+import base64
+import hashlib
+import re
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from repro.logs.description import Description
+from repro.ownarm.compare import blocks, method_columns, predictions
+from repro.ownarm.figures import drawn_methods
+from repro.ownarm.numbers import percent, printed, significant
+from repro.ownarm.result import Curves, Result
+from repro.render.markup import unit
+
+#: Pixels on the screen for one of the picture: drawn at 200 dpi, shown at 1.25 times the printed size.
+_SHOWN = 1.25 * 96.0 / 200.0
+
+#: A parameter's name in a text.
+_SYMBOL = re.compile(r"\b([Igbk])([123])\b")
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+
+#: What stands in the files beside the page.
+FILES = {
+    "parameters.json": "everything on this page, for programs",
+    "parameters.csv": "the parameters of every method, a row each",
+    "residuals.csv": "measured and rebuilt torque over time",
+    "scores.csv": "the errors of every method on every log, a row each",
+    "arm.urdf": "two links with these inertias, for ROS and most simulators",
+    "arm.xml": "the same links for MuJoCo",
+    "methods.bib": "sources of the methods, to cite",
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in the page: its data URI and the size it is shown at, in CSS pixels."""
+
+    uri: str
+    width: int
+    height: int
+
+
+def render_page(
+    result: Result, curves: Curves, figures: Mapping[str, bytes], files: Sequence[str] = tuple(FILES)
+) -> str:
+    """Lay out the report.
+
+    Parameters
+    ----------
+    result : Result
+        What `repro identify` found.
+    curves : Curves
+        Its curves: the log first, then the validation logs.
+    figures : mapping of str to bytes
+        PNG files, as from `repro.ownarm.figures.figures_of`; one that is missing is left out.
+    files : sequence of str
+        Names of the files that lie beside the page, which it links to.
+
+    Returns
+    -------
+    str
+        A complete HTML document. Style and pictures are inside, there is no script, and its own policy forbids the
+        browser to fetch anything. The same input gives the same text.
+
+    Raises
+    ------
+    ValueError
+        If the recommended method is none of the methods, or a figure is not a PNG file.
+    """
+    found = [method for method in result.methods if method.method == result.recommended]
+    if len(found) != 1:
+        raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
+    style = _style()
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            result=result,
+            best=found[0],
+            style=style,
+            policy=_policy(style),
+            logs=(result.log, *result.validation_logs),
+            facts=_facts((result.log, *result.validation_logs)),
+            predictions=predictions(found[0]),
+            columns=method_columns(result),
+            blocks=blocks(result),
+            pictures={name: _picture(name, content) for name, content in figures.items()},
+            overlays=sum(name.startswith("overlay-") for name in figures),
+            drawn=[method.title for key in drawn_methods(result) for method in result.methods if method.method == key],
+            lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
+            files=[(name, quote(name), FILES.get(name, "")) for name in files],
+            largest_share=max(1.0, *result.excitation.share),
+        )
+    )
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("repro.ownarm", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "unit": lambda text: unit(text).md,
+        "symbols": symbols,
+        "sentence": sentence,
+        "printed": printed,
+        "percent": percent,
+        "significant": significant,
+    }
+    return environment
+
+
+def symbols(text: str) -> Markup:
+    """Escape a text and lower the digit of every parameter's name in it: I1 becomes I with index 1.
+
+    Parameters
+    ----------
+    text : str
+        Any text, such as ``I1 + 0.31 I3``.
+    """
+    return Markup(re.sub(_SYMBOL, r"<i>\1</i><sub>\2</sub>", str(escape(text))))
+
+
+def sentence(text: str) -> str:
+    """A line of text with a capital, unless a parameter's name comes first, and a full stop."""
+    start = text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
+    return start if not start or start[-1] in ".!?:" else f"{start}."
+
+
+def _style() -> Markup:
+    """Styles of the reproduction's report, then those of this page alone."""
+    package = Path(__file__).parents[1]
+    paths = (package / "report" / "report.css", package / "ownarm" / "page.css")
+    return Markup("".join(path.read_text(encoding="utf-8") for path in paths))
+
+
+def _policy(style: str) -> str:
+    """Content security policy: this style, pictures in data URIs, nothing else."""
+    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    return f"default-src 'none'; img-src data:; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
+
+
+def _picture(name: str, content: bytes) -> Picture:
+    if not content.startswith(_PNG):
+        raise ValueError(f"figures: {name} must be a PNG file, got one that starts with {content[:8]!r}.")
+    width, height = (round(_SHOWN * pixels) for pixels in struct.unpack(">II", content[16:24]))
+    return Picture(f"data:image/png;base64,{base64.b64encode(content).decode()}", width, height)
+
+
+def _facts(logs: Sequence[Description]) -> list[tuple[str, list[str]]]:
+    """Name of every fact and its value in each log, empty where a log has none, in the order of first mention."""
+    names = dict.fromkeys(name for log in logs for name, _ in log.facts)
+    return [(name, [dict(log.facts).get(name, "") for log in logs]) for name in names]

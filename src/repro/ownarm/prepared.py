@@ -1,0 +1,146 @@
+"""Logs made ready: settings chosen from the fitted one, the same for all."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from repro.errors import InputError
+from repro.logs.armfile import Arm
+from repro.logs.describe import describe
+from repro.logs.description import Description
+from repro.logs.log import Log
+from repro.logs.reading import read_log
+from repro.logs.uniform import uniform
+from repro.ownarm.settings import Options
+from repro.regression.cutoff import Cutoff, choose_cutoff
+from repro.regression.delay import REACH, estimate_delay
+from repro.regression.prepare import FilterSettings, Regression, prepare
+from repro.regression.steepness import choose_steepness
+from repro.trust.bootstrap import AS_GOOD
+
+
+@dataclass(frozen=True)
+class Told:
+    """A log and what is said about it.
+
+    Attributes
+    ----------
+    log : Log
+        Evenly sampled.
+    description : Description
+        Of the log as it was recorded.
+    """
+
+    log: Log
+    description: Description
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What the methods solve and are judged by.
+
+    Attributes
+    ----------
+    fitted : Told
+        The log to fit.
+    regression : Regression
+        Made of it.
+    as_good : tuple of Regression
+        Made of it by filters that would have been as good a choice.
+    others : tuple of (Told, Regression)
+        Logs to predict.
+    settings : FilterSettings
+        Of all of them.
+    cutoff : Cutoff
+        How the cut-off was chosen.
+    """
+
+    fitted: Told
+    regression: Regression
+    as_good: tuple[Regression, ...]
+    others: tuple[tuple[Told, Regression], ...]
+    settings: FilterSettings
+    cutoff: Cutoff
+
+
+def read(path: Path, arm: Arm) -> Told:
+    """Read and describe a log.
+
+    Parameters
+    ----------
+    path : Path
+        CSV or capture.
+    arm : Arm
+        Names, units and signs.
+
+    Returns
+    -------
+    Told
+        Evenly sampled, with its description.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used.
+    """
+    raw = read_log(path, arm)
+    description = describe(raw, arm)
+    log = uniform(raw)
+    fresh = tuple(note for note in log.notes if note not in description.notes)
+    return Told(log, replace(description, notes=description.notes + fresh))
+
+
+def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options) -> Problem:
+    """Choose cut-off, delay and lambda where they are not given, and filter all logs alike.
+
+    Parameters
+    ----------
+    fitted : Told
+        Log to fit.
+    others : tuple of Told
+        Logs to predict.
+    arm : Arm
+        With its delay and lambda, or None where they are to be found.
+    options : Options
+        Filter and cut-off.
+
+    Returns
+    -------
+    Problem
+        Ready for the methods.
+
+    Raises
+    ------
+    InputError
+        If a log is too short or too slowly sampled for the cut-off.
+    """
+    log = fitted.log
+    settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
+    if arm.friction_steepness is not None:
+        settings = replace(settings, friction_steepness=arm.friction_steepness)
+    chosen = choose_cutoff(log, settings)
+    if options.cutoff is not None:
+        chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
+    settings = replace(settings, cutoff=chosen.hertz)
+    for told in (fitted, *others):
+        rate = 1.0 / float(np.median(np.diff(told.log.t)))
+        if chosen.hertz > 0.25 * rate:
+            raise InputError.at(
+                f"{told.log.name}: rate", f"{rate:.4g} Hz", f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
+            )
+    if arm.friction_steepness is None:
+        settings = replace(settings, friction_steepness=choose_steepness(log, settings))
+    if arm.delay is None:
+        settings = replace(settings, delay=estimate_delay(log, settings))
+    as_good = tuple(
+        prepare(log, replace(settings, cutoff=settings.cutoff * cut, width=settings.width * width / cut))
+        for cut, width in AS_GOOD
+    )
+    predicted = tuple((told, prepare(told.log, settings)) for told in others)
+    return Problem(fitted, prepare(log, settings), as_good, predicted, settings, chosen)
+
+
+def delay_at_limit(settings: FilterSettings) -> bool:
+    """Whether the delay was found at the end of what is looked at."""
+    return abs(settings.delay) >= 0.99 * REACH

@@ -1,0 +1,111 @@
+"""Which method's parameters to use, and what to beware of."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from repro.ownarm.prepared import Problem, delay_at_limit
+from repro.ownarm.result import Excitation, MethodResult, Score
+
+#: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
+#: validation error over fit error, relative RMS error of the fit.
+CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
+
+
+def prediction_error(method: MethodResult) -> float:
+    """Mean relative RMS torque error over both joints of the logs not used, or else of the halves.
+
+    Parameters
+    ----------
+    method : MethodResult
+        A method.
+
+    Returns
+    -------
+    float
+        Infinity if it was judged on neither.
+    """
+    scores: Sequence[Score] = method.validation or method.halves
+    return float(np.mean([s.relative_rms for s in scores])) if scores else np.inf
+
+
+def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
+    """The physically consistent method that predicts best what it has not seen.
+
+    Parameters
+    ----------
+    methods : sequence of MethodResult
+        All that were run.
+
+    Returns
+    -------
+    name, reason : str
+        Where none is consistent, the one that predicts best, and the reason says so.
+    """
+    consistent = [m for m in methods if m.consistent]
+    best = min(consistent or methods, key=prediction_error)
+    on = "the validation logs" if best.validation else "each half from the other"
+    if not consistent:
+        return best.method, "no method asked for gives physically consistent parameters; this one predicts best"
+    if len(methods) == 1:
+        return best.method, "the only method asked for"
+    return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
+
+
+def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
+    """What may spoil the result as a whole, one line each.
+
+    Parameters
+    ----------
+    problem : Problem
+        Logs and settings.
+    methods : sequence of MethodResult
+        All that were run.
+    recommended : str
+        Name of the recommended one.
+    told : Excitation
+        What the motion tells.
+
+    Returns
+    -------
+    tuple of str
+        Empty if nothing stands out.
+    """
+    best = next(m for m in methods if m.method == recommended)
+    found = []
+    if told.rank < 9:
+        found.append(f"the motion determines {told.rank} combinations of the nine parameters only: excite more")
+    elif told.condition > CONDITION:
+        found.append(
+            f"the motion hardly tells the parameters apart (condition number {told.condition:.3g}): excite more"
+        )
+    for joint, correlation in enumerate(told.friction_correlation, start=1):
+        if abs(correlation) > CORRELATION:
+            found.append(
+                f"viscous and Coulomb friction of joint {joint} are hard to tell apart "
+                f"(correlation {correlation:.2f}): log slow and fast motion"
+            )
+    if max(best.fit.relative_rms) > POOR:
+        joint = int(np.argmax(best.fit.relative_rms)) + 1
+        found.append(
+            f"Eq. 1 leaves {100 * max(best.fit.relative_rms):.3g} % of the torque of joint {joint} unexplained: "
+            "check units, signs and the zero position"
+        )
+    if max(np.abs(best.whiteness)) > AUTOCORRELATION:
+        found.append(
+            f"residuals are far from white (autocorrelation {max(best.whiteness, key=abs):.2f}): friction or "
+            "flexibility that Eq. 1 does not hold"
+        )
+    worst = max((max(s.relative_rms) for s in best.validation), default=0.0)
+    if worst > max(WORSE * max(best.fit.relative_rms), 0.1):
+        found.append(
+            f"on logs not used the torque error reaches {100 * worst:.3g} %, on the log itself "
+            f"{100 * max(best.fit.relative_rms):.3g} %: the logs excite different things"
+        )
+    if delay_at_limit(problem.settings):
+        found.append(
+            f"the delay of the torque is at the end of the range looked at ({1e3 * problem.settings.delay:.3g} ms)"
+        )
+    if not best.consistent:
+        found.append(f"the parameters are not physically consistent: {best.why_not_consistent}")
+    return tuple(found)

@@ -1,0 +1,94 @@
+"""Parameters and scores as tidy tables, one row for each number with what it belongs to."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from repro.ownarm.result import MethodResult, Result, Score
+
+PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
+SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
+
+
+def parameters_table(result: Result) -> pd.DataFrame:
+    """Parameters of every method.
+
+    Parameters
+    ----------
+    result : Result
+        What `repro identify` found.
+
+    Returns
+    -------
+    DataFrame
+        ``method, parameter, unit, estimate, standard_error, low, high, verdict``: nine rows for each method, in its
+        order; values in SI units, missing where a method claims no interval.
+    """
+    rows = [
+        (
+            method.method,
+            parameter.name,
+            parameter.unit,
+            parameter.estimate,
+            parameter.standard_error,
+            parameter.low,
+            parameter.high,
+            parameter.verdict,
+        )
+        for method in result.methods
+        for parameter in method.parameters
+    ]
+    numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
+    return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
+
+
+def scores_table(result: Result) -> pd.DataFrame:
+    """How well every method predicts every log.
+
+    Parameters
+    ----------
+    result : Result
+        What `repro identify` found.
+
+    Returns
+    -------
+    DataFrame
+        ``method, log, part, joint, relative_rms, similarity, position_rms``: a row for each joint; ``part`` is fit,
+        half or validation, errors are fractions of 1 and rad, the position missing where it cannot be simulated.
+    """
+    rows = [
+        (
+            method.method,
+            score.log,
+            part,
+            joint + 1,
+            score.relative_rms[joint],
+            score.similarity[joint],
+            score.position_rms[joint] if score.position_rms else None,
+        )
+        for method in result.methods
+        for part, score in parts(method)
+        for joint in range(2)
+    ]
+    numbers = dict.fromkeys(SCORE_COLUMNS[4:], "float64")
+    return pd.DataFrame(rows, columns=list(SCORE_COLUMNS)).astype(numbers)
+
+
+def parts(method: MethodResult) -> Iterator[tuple[str, Score]]:
+    """Every score of a method with the part it belongs to: ``fit``, ``half`` or ``validation``.
+
+    Parameters
+    ----------
+    method : MethodResult
+        All about one method.
+
+    Yields
+    ------
+    tuple of (str, Score)
+        The fit first, then the halves, then the validation logs.
+    """
+    yield "fit", method.fit
+    for score in method.halves:
+        yield "half", score
+    for score in method.validation:
+        yield "validation", score

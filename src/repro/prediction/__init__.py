@@ -1,0 +1,1 @@
+"""How well parameters predict: torque of a motion, and the motion that a torque makes."""

@@ -1,0 +1,47 @@
+"""A plain verdict on each parameter."""
+
+import math
+
+#: Half an interval over the estimate: below the first the parameter is known, below the second roughly.
+KNOWN, ROUGHLY = 0.5, 1.0
+
+
+def verdict(estimate: float, low: float | None, high: float | None, excited: bool, held: bool) -> str:
+    """What a roboticist may say about a parameter.
+
+    Parameters
+    ----------
+    estimate : float
+        Value.
+    low, high : float or None
+        Ends of the 95 % interval, if there is one.
+    excited : bool
+        Whether the motion moves a torque through it.
+    held : bool
+        Whether a condition of the method holds it at its bound.
+
+    Returns
+    -------
+    str
+        One phrase.
+    """
+    if not excited:
+        return "not excited by this motion"
+    if held:
+        return "held at zero: the log alone would make it negative"
+    if low is None or high is None:
+        return "no interval claimed by this method"
+    if low <= 0.0 <= high:
+        return "not told from zero"
+    share = 0.5 * (high - low) / abs(estimate)
+    if share <= KNOWN:
+        return f"known to {_percent(share)} %"
+    return "sign known, size only roughly" if share <= ROUGHLY else "sign known, size not"
+
+
+def _percent(share: float) -> str:
+    """Percent rounded up to one or two digits: 0.4, 3, 12."""
+    percent = 100.0 * share
+    if percent >= 1.0:
+        return str(math.ceil(percent - 1e-9))
+    return f"{max(math.ceil(percent * 10.0 - 1e-9) / 10.0, 0.1):g}"

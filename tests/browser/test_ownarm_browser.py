@@ -1,0 +1,116 @@
+"""The report of `repro identify` in a real browser: nothing fetched, accessible, usable on a phone and on paper.
+
+Needs Chromium and axe-core; without them these tests are skipped and say so, as those of `test_report_page`.
+``IDENTIFY_PAGE`` names a report to drive in place of the example.
+"""
+
+import os
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from chromium import Chromium, find_chromium
+from ownarm_example import example_curves, example_result
+from test_report_page import WIDTHS, find_axe
+
+from repro.ownarm.figures import figures_of
+from repro.ownarm.page import FILES, render_page
+
+pytestmark = pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)")
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """A report beside the files that it links to."""
+    if "IDENTIFY_PAGE" in os.environ:
+        return Path(os.environ["IDENTIFY_PAGE"]).resolve()
+    folder = tmp_path_factory.mktemp("report")
+    for name in FILES:
+        (folder / name).write_text("", encoding="utf-8")
+    result, curves = example_result(simulated=True), example_curves()
+    (folder / "report.html").write_text(render_page(result, curves, figures_of(result, curves)), encoding="utf-8")
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with Chromium() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def page(browser, report):
+    browser.events.clear()
+    browser.resize(1400)
+    browser.open(report)
+    return browser
+
+
+def test_nothing_is_fetched_and_nothing_is_said_on_the_console(page, report):
+    page.evaluate("new Promise(done => setTimeout(done, 300))")
+    urls = {request["request"]["url"] for request in page.seen("Network.requestWillBeSent")}
+    assert {url for url in urls if not url.startswith("data:")} == {report.as_uri()}
+    assert not page.seen("Runtime.exceptionThrown")
+    assert not page.seen("Runtime.consoleAPICalled")
+    assert not page.seen("Log.entryAdded")
+    assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
+
+
+def test_the_policy_of_the_page_forbids_every_request(page):
+    assert page.evaluate("fetch('https://example.org/').then(() => 'fetched', () => 'refused')") == "refused"
+    assert "connect-src" in page.seen("Log.entryAdded")[0]["entry"]["text"]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_page_does_not_scroll_sideways(page, width):
+    page.resize(width)
+    sizes = page.evaluate("[document.documentElement.scrollWidth, document.body.scrollWidth, innerWidth]")
+    assert max(sizes[:2]) <= sizes[2] == width
+    outside = page.evaluate(
+        "[...document.querySelectorAll('main *:not(.unseen)')].filter(part => !part.closest('.scroll')"
+        " && part.getBoundingClientRect().right > innerWidth + 1).map(part => part.outerHTML.slice(0, 80))"
+    )
+    assert outside == []
+
+
+def test_every_link_leads_somewhere_and_every_anchor_is_there_once(page, report):
+    anchors = page.evaluate("[...document.querySelectorAll('[id]')].map(part => part.id)")
+    assert len(anchors) == len(set(anchors))
+    for href in page.evaluate("[...document.links].map(link => link.getAttribute('href'))"):
+        assert href[1:] in anchors if href.startswith("#") else (report.parent / unquote(href)).is_file(), href
+
+
+def test_the_keyboard_reaches_the_report_first_and_every_scrolling_part(page):
+    page.send("Input.dispatchKeyEvent", type="keyDown", key="Tab", code="Tab", windowsVirtualKeyCode=9)
+    assert page.evaluate("document.activeElement.getAttribute('href')") == "#main"
+    scrolling = page.evaluate("[...document.querySelectorAll('.scroll')].map(part => [part.tabIndex, part.ariaLabel])")
+    assert all(index == 0 and label for index, label in scrolling)
+    assert len({label for _, label in scrolling}) == len(scrolling)
+
+
+def test_nothing_is_cut_off_on_paper(page):
+    page.send("Emulation.setEmulatedMedia", media="print")
+    page.resize(702)  # A4 less its margins
+    try:
+        wide = page.evaluate(
+            "[...document.querySelectorAll('main .scroll > *')]"
+            ".filter(part => part.getBoundingClientRect().right > innerWidth + 1)"
+            ".map(part => part.outerHTML.slice(0, 80))"
+        )
+    finally:
+        page.send("Emulation.setEmulatedMedia", media="")
+    assert wide == []
+
+
+@pytest.mark.skipif(not find_axe(), reason="no axe-core (pip: axe-core-python; or AXE_CORE=axe.min.js)")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", WIDTHS)
+def test_axe_core_finds_no_violation(page, width, scheme):
+    page.resize(width)
+    page.colours(scheme)
+    page.evaluate(find_axe().read_text(encoding="utf-8"))
+    found = page.evaluate(
+        "axe.run(document, {resultTypes: ['violations']}).then(result => result.violations.map("
+        "rule => rule.id + ': ' + rule.help + ' ' + rule.nodes.slice(0, 3).map(node => node.html).join(' ')))"
+    )
+    assert found == []

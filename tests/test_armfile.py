@@ -1,0 +1,95 @@
+"""Arm files: every key is read, and what is wrong is told in one line."""
+
+import dataclasses
+
+import pytest
+import yaml
+
+from repro.errors import InputError
+from repro.logs.armfile import Arm, read_arm
+from repro.model.parameters import STANDARD_GRAVITY
+
+
+def test_an_arm_of_which_nothing_is_said(tmp_path):
+    assert read_arm(None) == Arm()
+    assert (Arm().gravity, Arm().friction_steepness, Arm().delay) == (STANDARD_GRAVITY, 20.0, None)
+    (tmp_path / "arm.yaml").write_text("# nothing\n")
+    assert read_arm(tmp_path / "arm.yaml") == Arm(file=str(tmp_path / "arm.yaml"))
+
+
+def test_every_key_of_an_arm_file_is_read(tmp_path):
+    content = {
+        "name": "pendulum",
+        "columns": {"q1": "a", "tau2": "b"},
+        "units": {"time": "ms", "position": "counts", "velocity": "rpm", "torque": "A"},
+        "counts_per_turn": [8400, 4096.5],
+        "torque_constant": [0.6, -0.5],
+        "sign": [1, -1],
+        "torque_sign": [-1, 1],
+        "zero": [0, -1.5708],
+        "second_joint_absolute": True,
+        "torque_limit": [6, 5.5],
+        "gravity": 9.81,
+        "link_lengths": [0.3, 0.2],
+        "friction_steepness": "auto",
+        "delay": 0.01,
+    }
+    path = tmp_path / "arm.yaml"
+    path.write_text(yaml.safe_dump(content))
+    arm = read_arm(path)
+    assert {field.name for field in dataclasses.fields(Arm)} == {*content, "file"}
+    for key, value in content.items():
+        expected = None if value == "auto" else tuple(value) if isinstance(value, list) else value
+        assert getattr(arm, key) == expected
+    path.write_text("friction_steepness: 1e2\ndelay: auto\n")  # no point, which YAML 1.1 takes for text
+    assert (read_arm(path).friction_steepness, read_arm(path).delay) == (100.0, None)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("colour: red\n", "colour: found an unknown key, expected one of name, columns"),
+        ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of time, q1"),
+        ("units: {position: turns}\n", "units.position: found 'turns', expected one of rad, deg, counts"),
+        ("units: deg\n", "units: found 'deg', expected units by kind of signal"),
+        ("columns: {q1: a, q2: a}\n", "columns.q2: found 'a', as for q1, expected a column of its own"),
+        ("counts_per_turn: 8400\n", "counts_per_turn: found 8400, expected two numbers above 0"),
+        ("counts_per_turn: [8400, 0]\n", "counts_per_turn[1]: found 0, expected two numbers above 0"),
+        ("torque_constant: [0.1, 0]\n", "torque_constant[1]: found 0, expected two numbers other than 0"),
+        ("torque_constant: [0.1]\n", "torque_constant: found [0.1], expected two numbers"),
+        ("sign: [1, 2]\n", "sign[1]: found 2, expected two numbers, each 1 or -1"),
+        ("sign: [1, true]\n", "sign[1]: found True, expected two numbers"),
+        ("zero: [.nan, 0]\n", "zero[0]: found nan, expected a finite number"),
+        ("zero: [a, 0]\n", "zero[0]: found 'a', expected two numbers"),
+        ("gravity: .inf\n", "gravity: found inf, expected a finite number"),
+        ("gravity: -9.81\n", "gravity: found -9.81, expected a number above 0"),
+        ("gravity: 9,81\n", "gravity: found '9,81', expected a number above 0"),
+        ("second_joint_absolute: 1\n", "second_joint_absolute: found 1, expected true or false"),
+        ("friction_steepness: 0\n", "friction_steepness: found 0, expected a number above 0, s/rad, or auto"),
+        ("friction_steepness: Auto\n", "friction_steepness: found 'Auto', expected a number"),
+        ("delay: 5\n", "delay: found 5, expected a number from -1 to 1, s, or auto"),
+        ("name: ''\n", "name: found '', expected text"),
+        ("name: 7\n", "name: found 7, expected text"),
+        ("gravity: 9.8\ngravity: 9.9\n", "the key 'gravity' twice, again in line 2"),
+        ("7: a\n", "found text that is not YAML (a key that is not text in line 1)"),
+        ("gravity: [\n", "found text that is not YAML"),
+        ("- 1\n", "found [1], expected keys with values"),
+        ("a: " + "[" * 5000, "expected an arm file"),
+    ],
+)
+def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, told):
+    path = tmp_path / "arm.yaml"
+    path.write_text(content)
+    with pytest.raises(InputError) as caught:
+        read_arm(path)
+    assert told in str(caught.value)
+    assert "arm.yaml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_arm_file_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"arm\.yaml: found No such file"):
+        read_arm(tmp_path / "arm.yaml")
+    (tmp_path / "arm.yaml").write_bytes(b"name: \xff\n")
+    with pytest.raises(InputError, match="found text that is not YAML"):
+        read_arm(tmp_path / "arm.yaml")

@@ -1,0 +1,249 @@
+"""Every kind of bad log is told in one line: what was found and what to do."""
+
+import numpy as np
+import pytest
+from log_damage import (
+    COARSE_TIME,
+    DEGREE,
+    GOOD,
+    NOISE,
+    TIME_BACK,
+    TWICE,
+    absolute,
+    cell,
+    fast_motion,
+    gaps,
+    good,
+    held,
+    line_changed,
+    offset,
+    other_sign,
+    renamed,
+    rows,
+    saturated,
+    scaled,
+    shifted,
+    shifted_torque,
+    slow_rate,
+    swapped,
+    without,
+    without_velocity,
+)
+from log_example import text
+
+from repro.errors import InputError
+from repro.logs.armfile import Arm, read_arm
+from repro.logs.describe import describe
+from repro.logs.reading import read_log
+from repro.logs.uniform import uniform
+
+#: Name, content of the file (table, text or bytes), keys of the arm, words of the error.
+REFUSED = [
+    ("empty", b"", {}, "found an empty file, expected a CSV table"),
+    ("blank lines only", "\n\n  \n", {}, "found an empty file"),
+    ("header only", ",".join(GOOD) + "\n", {}, "found a header and no samples"),
+    ("comments only", "# time\n# q1\n", {}, "found no header"),
+    ("binary", bytes(range(256)) * 40, {}, "found binary data (byte 0x00 at offset 0)"),
+    ("spreadsheet", b"PK\x03\x04" + b"x" * 500, {}, "found a compressed file or a spreadsheet"),
+    ("UTF-16", text(good()).encode("utf-16"), {}, "found UTF-16 text, expected UTF-8"),
+    ("Latin-1", text(renamed(q1="q1 [°]")).encode("latin-1"), {}, "found byte 0xb0 in line 1, which is not UTF-8"),
+    ("prose", "Dear reader,\nthis is no log.\n", {}, "line 2: found 1 cells (the last line, cut off: delete it)"),
+    ("one column", "time\n0\n1\n", {}, "line 1: found one column (time), expected columns separated by commas"),
+    ("semicolons", text(good()).replace(",", ";"), {}, "line 1: found ';' between the columns, expected a comma"),
+    (
+        "semicolons and decimal commas",
+        text(good()).replace(",", ";").replace(".", ","),
+        {},
+        "found ';' between the columns, expected a comma (and a point in numbers)",
+    ),
+    ("tabs", text(good()).replace(",", "\t"), {}, "line 1: found tabs between the columns"),
+    ("spaces", text(good()).replace(",", " "), {}, "line 1: found spaces between the columns"),
+    ("decimal commas", line_changed(lambda s: s.replace(".", ",")), {}, "(decimal commas?), expected 7"),
+    ("no header", text(good()).partition("\n")[2], {}, "line 1: found numbers (0,"),
+    ("a column twice", text(good()).replace("dq2", "dq1", 1), {}, "header: found the column 'dq1' twice"),
+    ("a row too long", line_changed(lambda s: s + ",1"), {}, "line 100: found 8 cells, expected 7"),
+    ("a comma at the end", line_changed(lambda s: s + ","), {}, "line 100: found 8 cells (a comma at its end)"),
+    ("a row too short", line_changed(lambda s: s.rpartition(",")[0]), {}, "line 100: found 6 cells, expected 7"),
+    ("cut off", text(good())[:-40], {}, "cut off: delete it"),
+    ("text in a cell", cell("q2", 7, "broken"), {}, "line 9, column q2: found 'broken', expected a finite number"),
+    ("header twice", line_changed(lambda s: ",".join(GOOD)), {}, "line 100, column time: found 'time'"),
+    ("NaN", cell("tau1", 50, "NaN"), {}, "line 52, column tau1: found 'NaN', expected a finite number"),
+    ("infinite", cell("tau2", 50, "-inf"), {}, "line 52, column tau2: found '-inf'"),
+    ("too large", cell("q1", 50, "1e999"), {}, "line 52, column q1: found '1e999'"),
+    ("empty cell", cell("dq1", 50, " "), {}, "line 52, column dq1: found an empty cell, expected a number"),
+    ("digits in groups", cell("q1", 50, "1_000"), {}, "line 52, column q1: found '1_000'"),
+    ("clock time", cell("time", 0, "12:00:01.5"), {}, "line 2, column time: found '12:00:01.5'"),
+    ("torque missing", without("tau1", "tau2"), {}, "expected a column for tau1, tau2; name it"),
+    ("one position missing", without("q2"), {}, "found the columns time, q1, dq1, dq2, tau1, tau2, expected a column"),
+    ("misspelt", renamed(tau1="tauu1"), {}, "expected a column for tau1 (perhaps 'tauu1' for tau1)"),
+    ("joints from 0", renamed(q1="q0", q2="q1"), {}, "expected a column for q2 (joints counted from 0?)"),
+    ("ambiguous", renamed(dq1="pos1"), {}, "found 2 columns for q1: q1, pos1, expected one"),
+    (
+        "unknown unit",
+        renamed(q1="q1 [grad]"),
+        {},
+        "column q1 [grad]: found the unit 'grad', expected a unit of position",
+    ),
+    ("a unit of something else", renamed(tau1="tau1 (rad)"), {}, "found the unit 'rad', expected a unit of torque"),
+    (
+        "counts of unknown size",
+        renamed(q1="q1_counts", q2="q2_counts"),
+        {},
+        "counts_per_turn: found nothing, expected two numbers",
+    ),
+    ("current without a constant", renamed(tau1="current1", tau2="current2"), {}, "torque_constant: found nothing"),
+    ("PWM without a constant", renamed(tau1="tau1_Nm", tau2="pwm2"), {}, "because tau2 is in counts"),
+    (
+        "one unit of two",
+        renamed(q1="q1 [deg]"),
+        {},
+        "column q2: found no unit, expected its unit, as q1 [deg] is in deg",
+    ),
+    ("a column not there", good(), {"columns": {"q1": "angle"}}, "columns.q1: found 'angle', expected a header of"),
+    ("absurd position", cell("q1", 900, "-1e300"), {}, "position: found 1e+300 rad, expected at most 1e+06 rad"),
+    ("absurd torque", cell("tau1", 900, "1e200"), {}, "torque: found 1e+200 N m"),
+    ("absurd time", cell("time", 2399, "1e300"), {}, "time: found 1e+300 s"),
+    ("a burst and a pause", rows(np.r_[:199, 2399]), {}, "time: found 1 gaps of up to 11 s, 0.99 s (199 samples)"),
+    ("10 samples", rows(slice(10)), {}, "found 10 samples, expected at least 200"),
+    ("1 s", rows(slice(250)), {}, "found 1.25 s, expected at least 2 s"),
+    ("backward time", TIME_BACK, {}, "line 1002, time: found 4.98 s after 4.995 s, expected time that increases"),
+    ("the same time twice", TWICE, {}, "line 502, time: found 2.495 s twice, expected time that increases"),
+    ("coarse time", COARSE_TIME, {}, "twice (too few digits?)"),
+    ("constant time", held(1, "time"), {}, "line 3, time: found 1 s twice"),
+    ("reversed", rows(slice(None, None, -1)), {}, "line 3, time: found 11.99 s after 11.995 s"),
+    (
+        "milliseconds",
+        scaled(1e3, "time"),
+        {},
+        "a rate of 0.2 Hz, expected 5 to 20000 Hz, unless time is in ms (200 Hz)",
+    ),
+    ("nanoseconds", scaled(1e9, "time"), {}, "found a period of 5e+06 s, so a rate of 2e-07 Hz"),
+    (
+        "seconds for milliseconds",
+        good(),
+        {"units": {"time": "ms"}},
+        "found a period of 0.005 ms, so a rate of 2e+05 Hz, expected 5 to 20000 Hz, unless time is in s (200 Hz)",
+    ),
+    ("minutes", scaled(1 / 3600, "time"), {}, "so a rate of 7.2e+05 Hz"),
+    ("one sample a second", slow_rate(1.0), {}, "so a rate of 1 Hz, expected 5 to 20000 Hz"),
+    ("gaps everywhere", gaps(1.5), {}, "time: found 7 gaps of up to 1.01 s"),
+    ("an arm at rest", held(0.3, "q1", "q2"), {}, "position: found an arm that does not move (0 and 0 rad)"),
+    ("zero torque", held(0, "tau1", "tau2"), {}, "torque of joint 1: found zero throughout, expected a torque that"),
+    ("constant torque", held(1.5, "tau2"), {}, "torque of joint 2: found 1.5 N m throughout"),
+    ("saturated throughout", saturated(0.05), {}, "torque of joint 1: found saturated throughout (9"),
+    ("beyond a known limit", good(), {"torque_limit": (0.05, 9.0)}, "found saturated throughout"),
+]
+
+#: Name, table, keys of the arm, words of the warning.
+SUSPECTED = [
+    ("degrees", scaled(1 / DEGREE, "q1", "q2"), {}, "position in deg, taken for rad"),
+    ("degrees, no velocity", without_velocity(scaled(1 / DEGREE, "q1", "q2")), {}, "with positions in degrees"),
+    ("degrees throughout", scaled(1 / DEGREE, "q1", "q2", "dq1", "dq2"), {}, "turns): if these are degrees or counts"),
+    ("radians for degrees", good(), {"units": {"position": "deg"}}, "or position in rad, taken for deg"),
+    ("velocity in deg/s", scaled(1 / DEGREE, "dq1", "dq2"), {}, "57.3 times the differentiated position"),
+    ("velocity in rpm", scaled(30 / np.pi, "dq1", "dq2"), {}, "velocity in rpm"),
+    ("velocity of the other sign", other_sign("dq2"), {}, "velocity of joint 2: the opposite sign"),
+    ("velocities swapped", swapped(good(), ("dq1", "dq2")), {}, "velocity columns of joints 1 and 2 are swapped"),
+    ("velocity of something else", good() | dict(zip(("dq1", "dq2"), NOISE, strict=True)), {}, "not the derivative"),
+    ("velocity not filled in", held(0, "dq1", "dq2"), {}, "not the derivative of the position (correlation 0.00)"),
+    ("velocity twice as large", scaled(2, "dq1"), {}, "2 times the differentiated position"),
+    (
+        "positions in counts",
+        without_velocity(scaled(4096 / 2 / np.pi, "q1", "q2")),
+        {},
+        "if these are degrees or counts",
+    ),
+    ("swapped joints", swapped(good(), ("q1", "q2"), ("dq1", "dq2"), ("tau1", "tau2")), {}, "joints 1 and 2 swapped"),
+    ("swapped torques", swapped(good(), ("tau1", "tau2")), {}, "with the torques of joints 1 and 2 swapped"),
+    ("torque of the other sign", other_sign("tau1", "tau2"), {}, "with the torques of the other sign"),
+    ("torque 1 of the other sign", other_sign("tau1"), {}, "with the torque of joint 1 of the other sign"),
+    ("torque 2 of the other sign", other_sign("tau2"), {}, "with the torque of joint 2 of the other sign"),
+    ("joint 2 of the other sign", other_sign("q2", "dq2", "tau2"), {}, "with joint 2 of the other sign"),
+    ("absolute q2", absolute(), {}, "with q2 measured from the vertical"),
+    ("q2 not absolute", good(), {"second_joint_absolute": True}, "with q2 relative to link 1"),
+    ("zero upright", offset(np.pi, 0), {}, "with q1 = 0 upright"),
+    ("zero horizontal", offset(np.pi / 2, 0), {}, "zero: [1.5708, 0]"),
+    ("zero horizontal, other side", offset(-np.pi / 2, 0), {}, "zero: [-1.5708, 0]"),
+    ("zero folded back", offset(0, np.pi), {}, "with q2 = 0 folded back"),
+    ("zero at a right angle", offset(0, np.pi / 2), {}, "zero: [0, 1.5708]"),
+    ("torque of another arm", good() | dict(zip(("tau1", "tau2"), NOISE, strict=True)), {}, "Eq. 1 explains little"),
+    ("torque recorded late", shifted_torque(-0.12), {}, "0.120 s earlier than recorded"),
+    ("torque recorded early", shifted_torque(0.1), {}, "0.100 s later than recorded"),
+    (
+        "torque in counts",
+        good() | {name: np.rint(GOOD[name] * 400) for name in ("tau1", "tau2")},
+        {},
+        "the torque of joint 1 is whole numbers up to",
+    ),
+    ("torque in mN m", scaled(1e3, "tau1", "tau2"), {}, "N m: if this is mN m"),
+    ("saturated", saturated(2.5), {}, "the torque of joint 1 is saturated in"),
+    ("beyond a known limit at times", good(), {"torque_limit": (2.5, 9.0)}, "the torque of joint 1 is saturated in"),
+    ("one joint still", held(0.2, "q2"), {}, "joint 2 does not move (0 rad)"),
+    ("position jumps", shifted("q1", 0.5, 1200), {}, "position of joint 1 jumps by 0.499 rad at 6 s"),
+    ("a spike", shifted("q2", -2.0, 1200, 1201), {}, "position of joint 2 jumps by 1.98 rad at 6 s"),
+    ("sampled too slowly", fast_motion(), {}, "record at a higher rate"),
+    ("much too slow", without_velocity(scaled(0.01, "q1", "q2")), {}, "too slow to show inertia"),
+    ("wrong unit of time", scaled(30, "time"), {}, "check the units of position, velocity and time"),
+]
+
+
+def write(folder, content):
+    path = folder / "log.csv"
+    if isinstance(content, dict):
+        content = text(content)
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def named(cases):
+    return [pytest.param(*rest, id=name) for name, *rest in cases]
+
+
+def test_there_are_forty_kinds():
+    assert len({name for name, *_ in REFUSED + SUSPECTED}) == len(REFUSED) + len(SUSPECTED) >= 40
+
+
+@pytest.mark.parametrize(("content", "arm", "told"), named(REFUSED))
+def test_what_cannot_be_read_is_told_in_one_line(tmp_path, content, arm, told):
+    path = write(tmp_path, content)
+    with pytest.raises(InputError) as caught:
+        uniform(read_log(path, Arm(**arm)))
+    message = str(caught.value)
+    assert told in message
+    assert "\n" not in message
+    assert "log.csv" in message or message.startswith("arm file: ")
+    assert len(message) < 400
+
+
+@pytest.mark.parametrize(("content", "arm", "told"), named(SUSPECTED))
+def test_what_may_be_wrong_is_warned_of(tmp_path, content, arm, told):
+    arm = Arm(**arm)
+    warnings = describe(read_log(write(tmp_path, content), arm), arm).warnings
+    assert any(told in warning for warning in warnings), warnings
+    assert not any("\n" in warning or len(warning) > 400 for warning in warnings)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        pytest.param(content, told, id=name)
+        for name, content, arm, told in SUSPECTED
+        if told.startswith("with ") and not arm
+    ],
+)
+def test_the_remedy_helps(tmp_path, content, told):
+    path = write(tmp_path, content)
+    (warning,) = (w for w in describe(read_log(path, Arm()), Arm()).warnings if told in w)
+    remedy = warning.partition("if so, ")[2].partition(" in the arm file")[0].partition(" or ")[0]
+    if remedy.startswith("swap columns"):
+        pairs = [pair for pair in (("q1", "q2"), ("tau1", "tau2")) if pair[0] in remedy]
+        remedy = "columns: {" + ", ".join(f"{a}: {b}, {b}: {a}" for a, b in pairs) + "}"
+    (tmp_path / "arm.yaml").write_text(remedy)
+    arm = read_arm(tmp_path / "arm.yaml")
+    after = describe(read_log(path, arm), arm).warnings
+    assert not any("reads better" in w or "Eq. 1" in w for w in after)
+
+
+def test_a_good_log_gives_no_warning(tmp_path):
+    description = describe(read_log(write(tmp_path, good()), Arm()), Arm())
+    assert description.warnings == ()

@@ -1,0 +1,334 @@
+"""Links, URDF, MJCF and BibTeX of identified parameters, against pinocchio, MuJoCo and an XML parser."""
+
+import re
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+from conftest import seeds
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from repro.export.bibtex import METHODS_FILE, bibtex, entries
+from repro.export.links import links_of, principal_inertia
+from repro.export.mjcf import mjcf
+from repro.export.urdf import urdf
+from repro.model.dynamics import inverse_dynamics, mass_matrix
+from repro.model.parameters import STANDARD_GRAVITY, inertial_from_links
+
+# What the owners of a real arm, geared and with l1 = 0.3 m, published of it.
+REAL = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090, 0.001, 0.001, 0.146, 0.123])
+BETA = np.array([0.5, 0.2, 0.1, 6.0, 2.0, 0.3, 0.2, 0.1, 0.05])
+
+NAMES = [
+    "arm",
+    "a<b & \"c\" 'd'",
+    "<!-- no -->",
+    "ключ é 大",
+    "{name} %s",
+    "tab\tand\nline",
+    "bell\x07null\x00\ud800",
+    "",
+]
+
+
+@st.composite
+def consistent_betas(draw, near=0.999):
+    """Parameters of some arm; I2^2 / 4 up to `near`^2 of I3 (I1 - I3). g1 may have either sign."""
+    i3 = draw(st.floats(0.01, 1.0))
+    excess = draw(st.floats(0.01, 1.0))
+    i2 = 2.0 * draw(st.floats(0.05, near)) * np.sqrt(i3 * excess)
+    g1, g2 = draw(st.floats(-10.0, 30.0)), 0.5 * i2 * STANDARD_GRAVITY / draw(st.floats(0.05, 1.0))
+    return np.array([i3 + excess, i2, i3, g1, g2, *(draw(st.floats(0.0, 1.0)) for _ in range(4))])
+
+
+#: Here, as often rounded, and on the Moon; and lengths that need not agree with the parameters.
+gravities = st.sampled_from([STANDARD_GRAVITY, 9.81, 1.62])
+given_lengths = st.none() | st.tuples(st.floats(0.05, 1.0), st.floats(0.05, 1.0))
+
+
+def assert_same_parameters(links, beta):
+    """The links have these parameters, but for rounding; g1 is a difference where link 1 is balanced."""
+    scale = np.abs(beta[:5]) + np.array([0.0, 0.0, 0.0, links.m2 * links.l1 * links.gravity, 0.0])
+    assert (np.abs(inertial_from_links(links.planar, links.gravity) - beta[:5]) <= 1e-12 * scale).all()
+    assert (*links.b, *links.k) == tuple(beta[5:])
+
+
+@given(beta=consistent_betas(), gravity=gravities, lengths=given_lengths)
+def test_the_links_have_the_parameters_they_were_made_of(beta, gravity, lengths):
+    assert_same_parameters(links_of(beta, gravity, lengths), beta)
+
+
+@given(beta=consistent_betas(), gravity=gravities, lengths=given_lengths)
+def test_the_links_are_bodies(beta, gravity, lengths):
+    links = links_of(beta, gravity, lengths)
+    assert min(links.m1, links.m2, links.l1, links.l2, links.lc2, links.j1, links.j2) > 0.0
+    # Of link 1's inertia about its joint, a uniform rod has a quarter about its centre of mass, and so far away.
+    assert links.j1 >= 0.25 * (links.m1 * links.lc1**2 + links.j1) * (1.0 - 1e-9)
+    assert abs(links.lc1) <= 0.5 * links.l1 * (1.0 + 1e-9)
+    for moments in (principal_inertia(links.j1), principal_inertia(links.j2)):
+        small, middle, large = sorted(moments)
+        assert small > 0.0
+        assert small + middle >= large
+
+
+def test_a_uniform_rod_is_found_again():
+    # With both lengths known, two uniform rods are the member of the family that is chosen.
+    m1, m2, l1, l2 = 1.5, 0.8, 0.4, 0.3
+    i3 = m2 * l2**2 / 3.0
+    weights = np.array([(m1 * l1 / 2.0 + m2 * l1), m2 * l2 / 2.0]) * STANDARD_GRAVITY
+    beta = np.array([m1 * l1**2 / 3.0 + m2 * l1**2 + i3, m2 * l1 * l2, i3, *weights, 0.0, 0.0, 0.0, 0.0])
+    links = links_of(beta, lengths=(l1, l2))
+    np.testing.assert_allclose([links.m1, links.m2, links.l1, links.l2], [m1, m2, l1, l2], rtol=1e-12)
+    np.testing.assert_allclose([links.lc1, links.lc2], [l1 / 2.0, l2 / 2.0], rtol=1e-12)
+    np.testing.assert_allclose([links.j1, links.j2], [m1 * l1**2 / 12.0, m2 * l2**2 / 12.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-9, 1e-12])
+def test_links_exist_up_to_the_edge_and_not_beyond(gap):
+    # det M at q2 = 0 is I3 (I1 - I3) - I2^2 / 4, here 0.06 * gap.
+    beta = np.array([0.5, 2.0 * np.sqrt(0.06 * (1.0 - gap)), 0.2, 3.0, 1.0, 0.1, 0.1, 0.1, 0.1])
+    links = links_of(beta)
+    assert_same_parameters(links, beta)
+    assert any("nearly singular" in note for note in links.notes)
+    assert np.linalg.eigvalsh(mass_matrix(np.zeros(2), beta))[0] > 0.0
+    with pytest.raises(ValueError, match=r"I3 \(I1 - I3\) = 0\.06 must be above I2\^2 / 4 = 0\.06"):
+        links_of(np.array([0.5, 2.0 * np.sqrt(0.06 * (1.0 + gap)), 0.2, 3.0, 1.0, 0.1, 0.1, 0.1, 0.1]))
+
+
+def test_a_counterweight_puts_the_centre_of_mass_behind_the_joint():
+    balanced = BETA.copy()
+    balanced[3] = 0.0
+    links = links_of(balanced)
+    assert links.lc1 < 0.0
+    assert any("behind joint 1" in note for note in links.notes)
+    assert_same_parameters(links, balanced)
+
+
+def test_a_centre_of_mass_on_joint_1_leaves_m1_free_and_it_is_a_rods():
+    links = links_of(BETA)
+    centred = BETA.copy()
+    centred[3] = links.m2 * links.l1 * STANDARD_GRAVITY
+    links = links_of(centred)
+    assert abs(links.lc1) < 1e-12
+    assert links.m1 == pytest.approx(3.0 * links.j1 / links.l1**2)
+
+
+@pytest.mark.parametrize("lengths", [None, (0.3, 0.2), (0.3, 0.3)])
+def test_the_real_arm_has_its_length(lengths):
+    links = links_of(REAL, 9.81, lengths)
+    assert links.l1 == pytest.approx(0.3, rel=0.02)
+    assert_same_parameters(links, REAL)
+
+
+def test_known_lengths_guide_the_choice_or_the_notes_say_why_not():
+    links = links_of(REAL, 9.81, (0.31, 0.2))
+    assert links.lc2 == pytest.approx(0.1)
+    assert links.l2 == 0.2
+    assert links.notes[0] == (
+        "the parameters imply l1 = I2 g / (2 g2) = 0.2997 m, -3.3 % off the given 0.31 m; the implied length is used"
+    )
+    far = links_of(REAL, 9.81, (0.3, 0.5))
+    assert far.l2 == 0.5
+    assert any("in the middle of link 2 would need 0.4444 kg" in note for note in far.notes)
+    unknown = links_of(REAL, 9.81)
+    assert (far.m2, far.lc2) == (unknown.m2, unknown.lc2)
+    assert unknown.l2 == 2.0 * unknown.lc2
+    assert any("l2 is not known" in note for note in unknown.notes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "condition"),
+    [
+        ({4: 0.0}, r"^g2 = 0 must be positive: without gravity on link 2, l1 .* is not fixed"),
+        ({4: -2.0}, r"^g2 = -2 must be positive: q = 0 must hang down"),
+        ({3: -6.0, 4: -2.0}, r"^g2 = -2 must be positive: q = 0 must hang down"),
+        ({1: 0.0}, r"^I2 = 0 must be positive: with g2 = 2 "),
+        ({1: -0.2}, r"^I2 = -0\.2 must be positive"),
+        ({1: -0.2, 4: -2.0}, r"^I2 = -0\.2 and g2 = -2 must be positive: with both negative"),
+        ({1: 0.5}, r"^I3 \(I1 - I3\) = 0\.04 must be above I2\^2 / 4 = 0\.0625: M\(q\) is not positive definite"),
+        ({0: 0.05}, r"^I3 \(I1 - I3\) = -0\.005 must be above"),
+        ({0: 0.1}, r"^I3 \(I1 - I3\) = 0 must be above"),
+        ({2: 0.0}, r"^I3 = 0 must be positive"),
+        ({0: -0.5, 2: -0.1}, r"^I1 = -0\.5 must be positive"),
+        ({4: 1e-6}, r"^l1 = .* m is no arm's length"),
+        ({6: -0.03}, r"^b2 = -0\.03: friction must not be negative"),
+        ({7: -0.03}, r"^k1 = -0\.03: friction must not be negative"),
+        ({3: 1e200}, r"^g1 = 1e\+200"),
+        ({0: 1e200}, r"^I1 = 1e\+200"),
+        ({3: np.nan}, r"^beta: every parameter must be finite"),
+    ],
+)
+def test_parameters_that_no_links_have_are_refused(changes, condition):
+    beta = BETA.copy()
+    for place, value in changes.items():
+        beta[place] = value
+    with pytest.raises(ValueError, match=condition):
+        links_of(beta)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "rule"),
+    [
+        ((BETA[:8],), "last axis"),
+        ((np.stack([BETA, BETA]),), r"one set of nine parameters, got shape \(2, 9\)"),
+        ((BETA, 0.0), "^gravity = 0"),
+        ((BETA, -9.81), "^gravity = -9.81"),
+        ((BETA, np.nan), "^gravity = nan"),
+        ((BETA, 9.81, (0.0, 0.2)), "^given l1 = 0"),
+        ((BETA, 9.81, (0.3, -0.2)), "^given l2 = -0.2"),
+        ((BETA, 9.81, (0.3, np.inf)), "^given l2 = inf"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, rule):
+    with pytest.raises(ValueError, match=rule):
+        links_of(*arguments)
+
+
+@given(values=st.lists(st.floats(-1e15, 1e15), min_size=9, max_size=9))
+@example(values=[5e-324] * 9)
+@example(values=[1e-160, 1e-161, 5e-161, 1e-160, 1e-160, 0.0, 0.0, 0.0, 0.0])
+@example(values=[1e12, 1e6, 1e11, 1e12, 1e4, 0.0, 0.0, 0.0, 0.0])
+@example(values=[2e-12, 1.9e-12, 1e-12, -1e12, 1e-12, 0.0, 0.0, 0.0, 0.0])
+def test_any_numbers_give_links_or_a_reason(values):
+    beta = np.array(values)
+    try:
+        links = links_of(beta)
+    except ValueError as error:
+        assert "\n" not in str(error)
+    else:
+        assert np.isfinite([links.m1, links.m2, links.lc1, links.lc2, links.j1, links.j2]).all()
+        assert min(links.m1, links.m2, links.j1, links.j2) > 0.0
+
+
+def test_results_are_plain_floats_and_repeatable():
+    links = links_of(REAL, 9.81, (0.3, 0.2))
+    numbers = (links.m1, links.m2, links.l1, links.l2, links.lc1, links.lc2, links.j1, links.j2, *links.b, *links.k)
+    assert {type(number) for number in numbers} == {float}
+    assert urdf(links, "arm") == urdf(links_of(REAL, 9.81, (0.3, 0.2)), "arm")
+
+
+def torque_by_pinocchio(text, gravity):
+    """Function of (q, dq, ddq) that returns tau of a URDF without friction."""
+    model = pin.buildModelFromXML(text)
+    model.gravity = pin.Motion(np.array([0.0, 0.0, -gravity, 0.0, 0.0, 0.0]))
+    data = model.createData()
+    return lambda *state: pin.rnea(model, data, *state).copy()
+
+
+def torque_by_mujoco(text):
+    """Function of (q, dq, ddq) that returns tau of an MJCF, with its own gravity, without friction."""
+    model = mujoco.MjModel.from_xml_string(text)
+    model.dof_damping[:] = model.dof_frictionloss[:] = 0.0
+    data = mujoco.MjData(model)
+
+    def torque(q, dq, ddq):
+        data.qpos[:], data.qvel[:], data.qacc[:] = q, dq, ddq
+        mujoco.mj_inverse(model, data)
+        return data.qfrc_inverse.copy()
+
+    return torque
+
+
+@given(beta=consistent_betas(near=0.95), gravity=gravities, lengths=given_lengths, seed=seeds)
+def test_simulators_need_the_torque_of_eq_1(beta, gravity, lengths, seed):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = rng.uniform(-6.0, 6.0, (5, 2)), rng.uniform(-8.0, 8.0, (5, 2)), rng.uniform(-40.0, 40.0, (5, 2))
+    links = links_of(beta, gravity, lengths)
+    expected = inverse_dynamics(q.T, dq.T, ddq.T, np.concatenate([beta[:5], np.zeros(4)])).T
+    for torque in (torque_by_pinocchio(urdf(links, "arm"), gravity), torque_by_mujoco(mjcf(links, "arm"))):
+        tau = np.stack([torque(*state) for state in zip(q, dq, ddq, strict=True)])
+        np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-9)
+
+
+def test_gravity_alone_makes_the_real_arm_level_as_heavy_as_eq_1_says():
+    links, level, still = links_of(REAL, 9.81), np.array([np.pi / 2.0, 0.0]), np.zeros(2)
+    heavy = [3.425 + 1.090, 1.090]
+    np.testing.assert_allclose(torque_by_pinocchio(urdf(links, "arm"), 9.81)(level, still, still), heavy, rtol=1e-12)
+    np.testing.assert_allclose(torque_by_mujoco(mjcf(links, "arm"))(level, still, still), heavy, rtol=1e-12)
+
+
+def test_the_tool_is_where_the_angles_put_it():
+    links, q = links_of(REAL, 9.81, (0.3, 0.2)), np.array([0.4, 0.7])
+    angles, lengths = np.cumsum(q), np.array([links.l1, 0.2])
+    expected = [lengths @ np.sin(angles), 0.0, -lengths @ np.cos(angles)]  # positive angles swing towards +x
+    model = pin.buildModelFromXML(urdf(links, "arm"))
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    np.testing.assert_allclose(data.oMf[model.getFrameId("tool")].translation, expected, atol=1e-14)
+    simulated = mujoco.MjModel.from_xml_string(mjcf(links, "arm"))
+    state = mujoco.MjData(simulated)
+    state.qpos[:] = q
+    mujoco.mj_forward(simulated, state)
+    np.testing.assert_allclose(state.site("tool").xpos, expected, atol=1e-14)
+
+
+def test_friction_and_motors_arrive():
+    links = links_of(BETA)
+    model = pin.buildModelFromXML(urdf(links, "arm"))
+    np.testing.assert_array_equal(model.damping, BETA[5:7])
+    np.testing.assert_array_equal(model.upperDryFrictionLimit, BETA[7:9])
+    assert list(model.names) == ["universe", "joint1", "joint2"]
+    for text in (mjcf(links, "arm"), urdf(links, "arm")):
+        simulated = mujoco.MjModel.from_xml_string(text)
+        np.testing.assert_array_equal(simulated.dof_damping, BETA[5:7])
+        np.testing.assert_array_equal(simulated.dof_frictionloss, BETA[7:9])
+    simulated = mujoco.MjModel.from_xml_string(mjcf(links, "arm"))
+    state = mujoco.MjData(simulated)
+    state.ctrl[:] = [1.5, -0.5]
+    mujoco.mj_forward(simulated, state)
+    np.testing.assert_array_equal(state.qfrc_actuator, [1.5, -0.5])
+
+
+@pytest.mark.parametrize("write", [urdf, mjcf])
+@pytest.mark.parametrize("name", NAMES)
+def test_any_name_is_safe(write, name):
+    text = write(links_of(BETA), name)
+    root = ElementTree.fromstring(text.encode("utf-8"))
+    read = root.get("name") if write is urdf else root.get("model")
+    assert read == re.sub("[\x00\x07\ud800]", "_", " ".join(name.split())) or (name == "" and read == "arm")
+    if write is urdf:
+        assert pin.buildModelFromXML(text).nq == 2
+    else:
+        assert mujoco.MjModel.from_xml_string(text).nv == 2
+
+
+@pytest.mark.parametrize("write", [urdf, mjcf])
+def test_files_say_what_the_simulator_does_otherwise_and_what_was_chosen(write):
+    links = links_of(REAL, 9.81, (0.31, 0.5))
+    comments = re.findall(r"<!--(.*?)-->", write(links, "arm"), re.DOTALL)
+    assert len(comments) == 1
+    for words in ("tanh", "own", "slender rod", *links.notes):
+        assert words in comments[0]
+
+
+def test_bibliography_is_whole():
+    text = METHODS_FILE.read_text(encoding="utf-8")
+    assert text.isascii()  # so that the oldest BibTeX reads it
+    known = entries()
+    assert len(known) == len(re.findall(r"^@", text, re.MULTILINE))
+    for key, entry in known.items():
+        assert entry.count("{") == entry.count("}")
+        fields = dict(re.findall(r"^  (\w+)\s*= \{(.*)\},?$", entry, re.MULTILINE))
+        assert {"title", "author", "year"} <= fields.keys(), key
+        assert fields["year"] in key
+        lines = entry.splitlines()
+        assert all(line.endswith(",") for line in lines[:-2])
+        assert not lines[-2].endswith(",")
+        assert re.fullmatch(r"10\.\d{4,}/\S+", fields.get("doi", "10.1000/none"))
+
+
+def test_bibtex_gives_what_is_asked_for_once_and_in_order():
+    assert bibtex([]) == ""
+    text = bibtex(["swevers2007dynamic", "huber1964robust", "swevers2007dynamic"])
+    assert re.findall(r"^@article\{(\w+),$", text, re.MULTILINE) == ["swevers2007dynamic", "huber1964robust"]
+    assert text.endswith("}\n")
+    assert "\n}\n\n@article{huber1964robust" in text
+    assert bibtex(list(entries())) == METHODS_FILE.read_text(encoding="utf-8").split("\n\n", 1)[1]
+
+
+def test_an_unknown_source_is_refused():
+    with pytest.raises(ValueError, match=r"no BibTeX entry 'nobody2000'; there are leon2022cnn, "):
+        bibtex(["huber1964robust", "nobody2000"])

@@ -1,0 +1,98 @@
+"""Sampling: jitter, gaps, rounded times, encoder steps and saturation."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_example import RATE, assert_same, log_of, recording
+
+from repro.errors import InputError
+from repro.logs.armfile import Arm
+from repro.logs.describe import describe
+from repro.logs.quantisation import quantisation_step
+from repro.logs.saturation import saturated_share
+from repro.logs.uniform import uniform
+
+GOOD = recording()
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 2**32 - 1), jitter=st.floats(0.01, 0.4))
+def test_jitter_is_interpolated_away(seed, jitter):
+    rng = np.random.default_rng(seed)
+    t = (np.arange(2400) + jitter * rng.uniform(-1, 1, 2400)) / RATE
+    log = uniform(log_of(recording(t)))
+    assert np.ptp(np.diff(log.t)) < 1e-9
+    h = log.t[1]
+    np.testing.assert_allclose(h, 1 / RATE, rtol=0.1)
+    truth = recording(t[0] + log.t)
+    assert_same(log, dataclasses.replace(truth, t=log.t), q=2e-5, dq=1e-2, tau=0.2)
+    assert np.sqrt(np.mean((log.tau - truth.tau) ** 2)) < 0.01
+    assert log.notes[-1].startswith("resampled to an even ")
+    assert uniform(log) is log
+
+
+def test_rounded_times_are_no_jitter():
+    even = recording(np.arange(3000) / 300)
+    log = uniform(log_of(dataclasses.replace(even, t=np.round(even.t, 3))))
+    assert log.notes == ("times are rounded to 0.001 s; samples are taken as evenly spaced at 300 Hz",)
+    np.testing.assert_array_equal(log.q, even.q)
+    np.testing.assert_allclose(log.t, even.t, atol=1e-4)
+    assert describe(log_of(dataclasses.replace(even, t=np.round(even.t, 3))), Arm()).warnings == ()
+
+
+def without(begin, end):
+    """The good recording without some samples."""
+    keep = np.r_[0:begin, end:2400]
+    return log_of(recording(GOOD.t[keep]))
+
+
+def test_short_gaps_are_bridged_and_told():
+    log = uniform(without(1000, 1005))
+    assert "5 missing samples are bridged by interpolation" in log.notes
+    np.testing.assert_allclose(log.t, GOOD.t, atol=1e-9)
+    np.testing.assert_allclose(log.q, GOOD.q, atol=1e-5)
+    assert dict(describe(without(1000, 1005), Arm()).facts)["gaps"] == "1, 5 samples missing, the longest 30 ms"
+
+
+def test_the_longest_stretch_without_a_long_gap_is_kept():
+    log = uniform(without(1000, 1010))
+    assert log.notes == (
+        "1 gaps of up to 0.055 s; used are the 6.945 s from 5.05 s on, the longest stretch without one",
+    )
+    np.testing.assert_allclose(log.t, GOOD.t[: 2400 - 1010], atol=1e-9)
+    np.testing.assert_allclose(log.q, GOOD.q[:, 1010:], atol=1e-12)
+    np.testing.assert_allclose(log.dq, GOOD.dq[:, 1010:], atol=1e-12)
+    with pytest.raises(InputError, match=r"log\.csv: time: found 1 gaps of up to 8\.5 s, 1\.99 s"):
+        uniform(without(300, 2000))
+
+
+def test_samples_close_together_do_no_harm():
+    t = np.sort(np.r_[GOOD.t, GOOD.t[500:520] + 1e-6])
+    r = recording(t)
+    noisy = dataclasses.replace(r, q=np.round(r.q / 7.5e-4) * 7.5e-4)  # two readings of a step of the encoder
+    log = uniform(log_of(noisy))
+    assert "20 samples less than 1.2 ms after another are left out" in log.notes
+    np.testing.assert_allclose(log.q, GOOD.q, atol=1e-3)
+
+
+@given(step=st.sampled_from([2 * np.pi / 8400, 2 * np.pi / 16384, 1e-3]), digits=st.integers(6, 12))
+def test_encoder_steps_are_seen(step, digits):
+    x = np.round(np.round(GOOD.q[0] / step) * step, digits)
+    np.testing.assert_allclose(quantisation_step(x), step, rtol=2e-3)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_noise_has_no_steps(seed):
+    assert quantisation_step(np.random.default_rng(seed).standard_normal(2000)) is None
+
+
+@pytest.mark.parametrize("limit", [1.0, 2.0, 3.0])
+def test_saturation_is_measured(limit):
+    tau = np.clip(GOOD.tau, -limit, limit)
+    truth = np.mean(np.abs(GOOD.tau) >= limit, axis=1)
+    known = np.array([limit, limit])
+    np.testing.assert_allclose(saturated_share(dataclasses.replace(log_of(GOOD), tau=tau)), truth, atol=1e-9)
+    np.testing.assert_allclose(saturated_share(log_of(GOOD, torque_limit=known)), truth, atol=0.002)

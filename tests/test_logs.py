@@ -1,0 +1,233 @@
+"""Logs: whatever the units, order and spelling of the columns, the same SI signals come out."""
+
+import numpy as np
+import pytest
+from fake_board import CONTROL, about, frames_of, motion
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_example import assert_same, columns, recording, text
+from realdata import NAMES, log_file, needs_real_data
+
+from repro.errors import InputError
+from repro.fpga.capture import write_capture
+from repro.fpga.recorded import to_table
+from repro.logs.armfile import Arm
+from repro.logs.describe import describe
+from repro.logs.header import find_columns
+from repro.logs.reading import read_log
+from repro.logs.uniform import uniform
+
+GOOD = recording()
+TABLE = columns(GOOD)
+DEGREE = 180 / np.pi
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Write a table and read it back."""
+
+    def write_and_read(table, arm=None, name="log.csv", digits=15):
+        path = tmp_path / name
+        path.write_text(table if isinstance(table, str) else text(table, digits), encoding="utf-8")
+        return read_log(path, arm or Arm())
+
+    return write_and_read
+
+
+def test_a_plain_log(read):
+    log = read(TABLE)
+    assert_same(log, GOOD)
+    assert (log.name, log.simulated, log.torque_limit) == ("log.csv", False, None)
+    assert log.notes == (
+        "the header states no unit for some columns; assumed: time in s; q1, q2 in rad; dq1, dq2 in rad/s; "
+        "tau1, tau2 in N m",
+    )
+    assert uniform(log) is log
+    description = describe(log, Arm(name="mine"))
+    facts = dict(description.facts)
+    assert description.warnings == ()
+    assert facts["arm"] == "mine"
+    assert facts["samples"] == "2400"
+    assert facts["length"] == "11.99 s"
+    assert facts["rate"] == "200 Hz (98 % of the periods 5 to 5 ms)"
+    assert facts["gaps"] == "none"
+    low, high = GOOD.q[0].min(), GOOD.q[0].max()
+    told = f"{low:.3f} to {high:.3f} rad ({low * DEGREE:.1f} to {high * DEGREE:.1f} deg)"
+    assert facts["position of joint 1"] == told
+    assert facts["step of position 1"] == facts["step of torque 2"] == "none seen"
+    assert facts["saturation of torque 1"] == "0.0 % of the samples"
+    top = float(facts["top speed of joint 2"].removesuffix(" rad/s"))
+    np.testing.assert_allclose(top, np.abs(GOOD.dq[1]).max(), rtol=0.01)
+
+
+#: Headers for time, positions, velocities and torques, what the values in them are multiplied by, and the arm.
+SPELLINGS = {
+    "brackets": ("Time [s]|q1 [rad]|q2 [rad]|dq1 [rad/s]|dq2 [rad/s]|tau1 [Nm]|tau2 [N·m]", (1, 1, 1, 1), {}),
+    "parentheses": ("t (ms)|pos1 (deg)|pos2 (°)|vel1 (deg/s)|vel2 (°/s)|torque1 (mNm)|torque2 (mN m)",
+                    (1e3, DEGREE, DEGREE, 1e3), {}),
+    "suffixes": ("time_us|q1_deg|q2_deg|dq1_deg_s|dq2_degps|tau1_mNm|tau2_mN_m", (1e6, DEGREE, DEGREE, 1e3), {}),
+    "slashes": ("timestamp/ns|theta1/rad|theta2/rad|qd1/(rad/s)|qd2/rad/s|u1/Nm|u2/N m", (1e9, 1, 1, 1), {}),
+    "underscores": ("T_min|Q_1|Q_2|q_dot_1|q_dot_2|TAU_1|TAU_2", (1 / 60, 1, 1, 1), {}),
+    "joint first": ("t|joint1_pos|joint2_pos|joint1_vel_rpm|joint2_vel_rpm|joint1_torque|joint2_torque",
+                    (1, 1, 30 / np.pi, 1), {}),
+    "shoulder and elbow": ("time|shoulder_pos|elbow_pos|shoulder_velocity|elbow_velocity|shoulder_torque|tau_elbow",
+                           (1, 1, 1, 1), {}),
+    "current": ("time|position1|position2|velocity1|velocity2|current1|current_2", (1, 1, 1, 10),
+                {"torque_constant": (0.1, 0.1)}),
+    "milliamperes": ("time|q1|q2|dq1|dq2|current1 [mA]|current2_mA", (1, 1, 1, 1e4), {"torque_constant": (0.1, 0.1)}),
+    "counts": ("time|q1_counts|q2 [ticks]|dq1 [counts/s]|dq2 [ticks/s]|pwm1|pwm2",
+               (1, 8400 / 2 / np.pi, 8400 / 2 / np.pi, 1 / 0.004),
+               {"counts_per_turn": (8400, 8400), "torque_constant": (0.004, 0.004)}),
+    "arm file wins": ("t [s]|q1 [rad]|q2|dq1|dq2|tau1 [furlong]|tau2", (1e3, DEGREE, 30 / np.pi, 1e3),
+                      {"units": {"time": "ms", "position": "deg", "velocity": "rpm", "torque": "mN m"}}),
+    "quoted": ('"time"|"q1 [rad]"|"q2_rad"|dq1|dq2|"tau1"|tau2', (1, 1, 1, 1), {}),
+    "measured": ("time|pos_meas1|pos_meas2|q1_dot|q2_dot|tau_meas1|tau2_measured", (1, 1, 1, 1), {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_units_and_names_do_not_matter(read, spelling):
+    header, (time, position, velocity, torque), arm = SPELLINGS[spelling]
+    values = (GOOD.t * time, *(GOOD.q * position), *(GOOD.dq * velocity), *(GOOD.tau * torque))
+    assert_same(read(dict(zip(header.split("|"), values, strict=True)), Arm(**arm)), GOOD)
+
+
+def test_any_column_by_its_header(read):
+    header = ("Zeit", "Schulter", "Ellenbogen", "wS", "wE", "MS [Nm]", "ME [mNm]")
+    table = dict(zip(header, TABLE.values(), strict=True))
+    table["ME [mNm]"] = 1e3 * table["ME [mNm]"]
+    assert_same(read(table, Arm(columns=dict(zip(TABLE, header, strict=True)))), GOOD)
+
+
+def test_signs_zeros_and_absolute_angles_are_put_right(read):
+    zero = np.array([[0.4], [-1.1]])
+    sign = np.array([[-1.0], [1.0]])
+    absolute = np.stack([GOOD.q[0], GOOD.q[0] + GOOD.q[1]])
+    velocity = np.stack([GOOD.dq[0], GOOD.dq[0] + GOOD.dq[1]])
+    torque = np.stack([-GOOD.tau[0], -GOOD.tau[1]])
+    values = (GOOD.t, *(sign * absolute + zero), *(sign * velocity), *torque)
+    arm = Arm(sign=(-1, 1), torque_sign=(1, -1), zero=(0.4, -1.1), second_joint_absolute=True, torque_limit=(9, 3))
+    log = read(dict(zip(TABLE, values, strict=True)), arm)
+    assert_same(log, GOOD)
+    assert log.torque_limit.tolist() == [9.0, 3.0]
+    assert "q2 was measured from the vertical; q1 is subtracted" in log.notes
+
+
+def test_what_surrounds_the_table_does_not_matter(read, tmp_path):
+    plain = text(TABLE, 15)
+    for changed in (
+        "# recorded by hand\n#\n\n" + plain,
+        "# " + plain,
+        plain.replace("\n", "\r\n"),
+        plain.replace("\n", "\r"),
+        "\ufeff" + plain,
+        plain.replace(",", ", "),
+        plain + "\n\n",
+    ):
+        (tmp_path / "log.csv").write_bytes(changed.encode())
+        assert_same(read_log(tmp_path / "log.csv", Arm()), GOOD)
+
+
+def test_other_columns_are_ignored_and_told(read):
+    table = {"state": ["moving"] * 2400} | TABLE | {"ddq1": GOOD.t, "q1_des": GOOD.t, "tau1_cmd": GOOD.t}
+    log = read(table)
+    assert_same(log, GOOD)
+    assert "columns ignored: state, ddq1, q1_des, tau1_cmd" in log.notes
+
+
+def test_velocity_is_optional(read):
+    both = ("dq1", "dq2")
+    log = read({name: values for name, values in TABLE.items() if name not in both})
+    assert_same(log, GOOD)
+    assert log.dq is None
+    log = read({name: values for name, values in TABLE.items() if name != "dq1"})
+    assert log.dq is None
+    assert "dq2 is ignored, because the other joint has no velocity column" in log.notes
+
+
+def test_time_is_counted_from_the_first_sample(read):
+    log = read(TABLE | {"time": GOOD.t + 1234.5})
+    assert_same(log, GOOD)
+    assert "time is counted from the first sample, at 1234.5 s in the file" in log.notes
+
+
+def test_wrapped_angles_are_unwrapped_and_told(read):
+    q = GOOD.q + 2.6
+    log = read(TABLE | dict(zip(("q1", "q2"), (q + np.pi) % (2 * np.pi) - np.pi, strict=True)), Arm(zero=(2.6, 2.6)))
+    wraps = [note for note in log.notes if "wraps" in note]
+    assert [note[:32] for note in wraps] == ["position of joint 1 wraps by a f", "position of joint 2 wraps by a f"]
+    turns = (log.q - GOOD.q) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.rint(turns[:, :1]) + 0 * turns, atol=1e-9)
+    assert describe(log, Arm()).warnings == ()
+
+
+@settings(max_examples=30)
+@given(st.permutations(list(TABLE)))
+def test_the_order_of_the_columns_does_not_matter(order):
+    found, _ = find_columns(order, Arm(), "log.csv")
+    assert {signal: column.header for signal, column in found.items()} == {name: name for name in TABLE}
+
+
+def test_a_quantised_log_is_as_good(read):
+    step = 2 * np.pi / 4096
+    table = TABLE | {name: np.rint(TABLE[name] / step) for name in ("q1", "q2")}
+    table |= {name: np.rint(TABLE[name] / 0.005) for name in ("tau1", "tau2")}
+    units = {"position": "counts", "torque": "counts"}
+    arm = Arm(units=units, counts_per_turn=(4096, 4096), torque_constant=(0.005, 0.005))
+    log = read(table, arm)
+    assert_same(log, GOOD, q=0.51 * step, tau=0.0026)
+    description = describe(log, arm)
+    facts = dict(description.facts)
+    assert facts["step of position 2"] == f"{step:.3g} rad"
+    assert facts["step of torque 1"] == "0.005 N m"
+    assert description.warnings == ()
+
+
+@pytest.mark.parametrize("board", [None, {"name": "simulated"}])
+def test_a_capture_is_a_log(tmp_path, board):
+    desired, position, pwm = motion(1000)
+    write_capture(tmp_path / "T4.bin", frames_of(1000)[1], about(desired, board))
+    log = read_log(tmp_path / "T4.bin", Arm(units={"position": "deg"}))
+    assert log.simulated == (board is not None)
+    np.testing.assert_allclose(log.t, 0.0025 * np.arange(1000), rtol=1e-12)
+    np.testing.assert_allclose(log.q, position * 2 * np.pi / 8400, rtol=1e-12)
+    full = np.array(CONTROL.full_torque)
+    np.testing.assert_allclose(log.tau, pwm * full[:, np.newaxis] / 1023, rtol=1e-12)
+    np.testing.assert_allclose(log.torque_limit, full)
+    assert describe(log, Arm()).simulated == log.simulated
+    assert read_log(tmp_path / "T4.bin", Arm(torque_limit=(1.0, 2.0))).torque_limit.tolist() == [1.0, 2.0]
+
+
+def test_a_decoded_capture_is_the_same_log(tmp_path, read):
+    desired = motion(1000)[0]
+    capture = write_capture(tmp_path / "T4.bin", frames_of(1000)[1], about(desired))
+    table = to_table(capture)
+    log = read(table.to_csv(index=False), name="T4.csv")
+    whole = read_log(tmp_path / "T4.bin", Arm())
+    np.testing.assert_allclose(log.q, whole.q, atol=1e-12)
+    np.testing.assert_allclose(log.tau, whole.tau, atol=1e-12)
+    assert "q1 is read from q1_rad, in rad, of q1_rad, q1_counts" in log.notes
+
+
+def test_a_short_capture_is_refused(tmp_path):
+    write_capture(tmp_path / "T4.bin", frames_of(400)[1], about(motion(400)[0]))
+    with pytest.raises(InputError, match=r"T4\.bin: found 0\.998 s, expected at least 2 s"):
+        read_log(tmp_path / "T4.bin", Arm())
+
+
+@needs_real_data
+@pytest.mark.parametrize(
+    ("name", "rate", "seconds"), list(zip(NAMES, (300, 200, 200), (74.99, 9.986, 9.986), strict=True))
+)
+def test_the_real_arm(name, rate, seconds):
+    log = read_log(log_file(name), Arm())
+    even = uniform(log)
+    description = describe(log, Arm())
+    facts = dict(description.facts)
+    np.testing.assert_allclose(float(facts["rate"].split()[0]), rate, rtol=1e-3)
+    np.testing.assert_allclose(1 / np.diff(even.t), rate, rtol=1e-3)
+    assert facts["length"] == f"{seconds} s"
+    assert facts["gaps"] == "none"
+    assert facts["step of position 1"] == facts["step of position 2"] == "0.000381 rad"
+    assert description.warnings == ()
+    assert not log.simulated

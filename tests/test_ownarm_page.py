@@ -1,0 +1,455 @@
+"""The report of `repro identify`: what stands in it, in its figures and in its tables."""
+
+import base64
+import hashlib
+import io
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
+from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example_result, method, parameters, score
+from PIL import Image
+
+from repro.model.parameters import NAMES, UNITS
+from repro.ownarm import figures as figures_module
+from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
+from repro.ownarm.numbers import percent, printed, significant
+from repro.ownarm.page import FILES, render_page, sentence, symbols
+from repro.ownarm.result import Curves, Parameter
+from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
+from repro.render import ownarm, style
+from repro.render.ownarm_parameters import parameters as parameters_figure
+
+VOID = {"meta", "link", "img", "br", "mspace", "rect"}
+TIMES = style.TIMES
+HOSTILE = '<script>alert(1)</script>&".csv'
+
+
+class Page(HTMLParser):
+    """Elements of a document in order, each with its attributes and its text; rows of every table by its id."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self._open, self.tables, self._table = [], [], {}, None
+        self.feed(text)
+        self.close()
+        assert not self._open, f"never closed: {self._open}"
+
+    def handle_starttag(self, tag, attrs):
+        element = {"tag": tag, "text": "", **dict(attrs)}
+        self.elements.append(element)
+        if tag not in VOID:
+            self._open.append(element)
+        if element.get("class") == "best":
+            self._table[-1][-1]["best"] = True
+        if tag == "table":
+            self._table = self.tables.setdefault(element.get("id", f"table {len(self.tables)}"), [])
+        if tag == "tr":
+            self._table.append([])
+        if tag in ("td", "th"):
+            self._table[-1].append(element)
+
+    def handle_endtag(self, tag):
+        if tag in VOID:
+            return
+        assert self._open[-1]["tag"] == tag, f"</{tag}> closes <{self._open[-1]['tag']}>"
+        self._open.pop()
+
+    def handle_data(self, data):
+        for element in self._open:
+            element["text"] += data
+
+    def all(self, tag):
+        return [element for element in self.elements if element["tag"] == tag]
+
+    def one(self, anchor):
+        (element,) = [element for element in self.elements if element.get("id") == anchor]
+        return element
+
+    def rows(self, table):
+        """Texts of the cells of a table, row by row."""
+        return [[" ".join(cell["text"].split()) for cell in row] for row in self.tables[table]]
+
+
+@pytest.fixture(scope="module")
+def figures():
+    return figures_of(example_result(), example_curves())
+
+
+@pytest.fixture(scope="module")
+def text(figures):
+    return render_page(example_result(), example_curves(), figures)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
+
+
+def show(**changes):
+    """The page of a changed result, without figures."""
+    return Page(render_page(example_result(**changes), Curves(), {}))
+
+
+def test_the_recommended_parameters_stand_each_in_its_row(page):
+    rows = page.rows("recommended")[1:]
+    assert [row[0] for row in rows] == list(NAMES)
+    for row, value, error, verdict in zip(rows, BETA, ERRORS, VERDICTS, strict=True):
+        low, high = row[4].split(" to ")
+        for shown, true in ((row[1], value), (low, value - 1.96 * error), (high, value + 1.96 * error)):
+            assert float(shown) == pytest.approx(true, abs=0.05 * error)
+        assert float(row[5]) == pytest.approx(error, rel=0.05)
+        assert row[3] == verdict
+    assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["kg·m²/s²"] * 2 + ["kg·m²/s"] * 2 + ["kg·m²/s²"] * 2
+
+
+def test_the_verdict_comes_first_and_says_why(page, text):
+    order = [heading["text"] for heading in page.all("h2")]
+    assert order[0] == "Verdict"
+    verdict = page.one("verdict")["text"]
+    assert "Physically consistent least squares" in verdict
+    assert "mallest torque error on the validation logs among the physically consistent methods" in verdict
+    assert text.index('id="verdict"') < text.index('id="warnings"') < text.index('id="logs"')
+
+
+def test_every_method_has_its_estimates_in_its_column(page):
+    header, *rows = page.rows("parameters")
+    result = example_result()
+    for place, known in enumerate(result.methods, start=1):
+        assert known.title in header[place]
+        assert ("recommended" in header[place]) == (known.method == "consistent")
+        assert ("not physically consistent" in header[place]) == (not known.consistent)
+        for row, parameter in zip(rows, known.parameters, strict=True):
+            value, _, spread = row[place].partition(" ± ")
+            assert row[0].startswith(parameter.name)
+            assert float(value) == pytest.approx(
+                parameter.estimate, rel=5e-4, abs=0.05 * (parameter.standard_error or 0)
+            )
+            assert bool(spread) == known.claims_intervals
+    assert "b2 is negative: friction would drive the arm" in page.one("methods")["text"]
+
+
+def test_scores_are_in_percent_and_the_best_prediction_is_marked(page):
+    table, shown = page.tables["scores"], page.rows("scores")
+    headings = [row[0] for row in shown if len(row) == 1]
+    assert headings[0] == f"Fitted: {LOGS[0]}"
+    assert [heading for heading in headings if "Validation" in heading] == [
+        f"Validation: {name}, not used for the fit" for name in LOGS[1:]
+    ]
+    start = shown.index([f"Validation: {LOGS[1]}, not used for the fit"])
+    block = shown[start + 1 : start + 4]
+    assert [row[1:3] for row in block] == [["11.4", "20.7"], ["9.4", "17.1"], ["10.3", "18.8"]]
+    assert [row[5] for row in block] == [style.DASH, "0.0310", "0.0360"]
+    assert [[cell.get("best", False) for cell in row][1:] for row in table[start + 1 : start + 4]] == [
+        [False] * 6, [True] * 6, [False] * 6,
+    ]  # fmt: skip
+    fitted = table[shown.index([headings[0]]) + 1 :][:3]
+    assert not any(cell.get("best") for row in fitted for cell in row)
+
+
+def test_only_what_differs_in_print_is_called_best():
+    same = method("one", "One"), method("two", "Two")
+    text = render_page(example_result(methods=same, recommended="one"), Curves(), {})
+    assert 'class="best"' not in text
+    worse = method("one", "One"), method("two", "Two", 1.1, None)
+    text = render_page(example_result(methods=worse, recommended="two"), Curves(), {})
+    best = re.findall(r'class="best">([^<]+)<', text)
+    assert {"9.4", "17.1", "99.1", "97.1", "0.0310", "0.0870"} <= set(best)
+    assert not {"10.3", "5.9"} & set(best)
+
+
+def test_warnings_facts_notes_and_files_are_there(page):
+    result = example_result()
+    assert all(warning in page.one("warnings")["text"] for warning in (*result.warnings, *result.log.warnings))
+    logs = page.one("logs")["text"]
+    for log in (result.log, *result.validation_logs):
+        assert log.name in logs
+        assert all(name in logs and value in logs for name, value in log.facts)
+        assert all(note in logs for note in log.notes)
+    notes = page.one("notes")["text"]
+    assert all(note in notes for known in result.methods for note in known.notes)
+    cited = page.one("files")["text"]
+    assert all(known.citation in cited for known in result.methods)
+    links = [item["href"] for item in page.all("a") if not item["href"].startswith("#")]
+    assert list(dict.fromkeys(links)) == list(FILES)
+    assert "None." in show(warnings=(), log=replace(result.log, warnings=())).one("warnings")["text"]
+
+
+def test_only_files_that_are_there_are_linked():
+    page = Page(render_page(example_result(), Curves(), {}, ["a:b c.csv"]))
+    assert [item["href"] for item in page.all("a") if not item["href"].startswith("#")] == ["a%3Ab%20c.csv"]
+    assert "Beside this page" not in render_page(example_result(), Curves(), {}, ())
+
+
+def test_excitation_says_what_is_not_determined():
+    few = replace(example_result().excitation, rank=8, base_parameters=("I1 + 0.31 I3", *NAMES[1:]))
+    found = " ".join(show(excitation=few).one("excitation")["text"].split())
+    assert "8 of 9" in found
+    assert "I1 + 0.31 I3" in found
+    assert "not excited" in found
+    none = replace(few, unexcited=())
+    assert "every parameter moves the torque" in show(excitation=none).one("excitation")["text"]
+
+
+def test_simulated_is_said_where_it_is_and_only_there(text):
+    assert "Simulated." not in text
+    page = show(simulated=True, log=replace(example_result().log, simulated=True))
+    assert "simulated" in page.all("h1")[0]["text"]
+    assert "simulated" in page.all("title")[0]["text"]
+    assert "not a real one" in page.all("header")[0]["text"]
+
+
+def test_a_hostile_name_is_text():
+    result = example_result(arm=HOSTILE, reason=HOSTILE, warnings=(HOSTILE,))
+    logs = replace(result.log, name=HOSTILE, facts=((HOSTILE, HOSTILE),), notes=(HOSTILE,), warnings=(HOSTILE,))
+    hostile = method("ols", HOSTILE, notes=(HOSTILE,), citation=HOSTILE, fit=score(HOSTILE, 0.1, 0.2))
+    result = replace(result, log=logs, methods=(hostile,), recommended="ols")
+    curves = Curves((replace(example_curves().signals[0], name=HOSTILE),))
+    text = render_page(result, curves, {"overlay-0": figures_png()}, [HOSTILE])
+    assert "<script" not in text
+    page = Page(text)
+    assert not page.all("script")
+    assert HOSTILE in page.all("h1")[0]["text"]
+    assert HOSTILE in page.all("img")[0]["alt"]
+
+
+def figures_png():
+    """A small PNG file."""
+    file = io.BytesIO()
+    Image.new("RGB", (20, 10)).save(file, "PNG")
+    return file.getvalue()
+
+
+def test_nothing_is_loaded_and_the_policy_allows_what_is_there(page, text, figures):
+    assert "http:" not in text
+    assert "https:" not in text
+    (style_element,) = page.all("style")
+    assert not re.search(r"@import|url\(", style_element["text"])
+    assert not page.all("script")
+    digest = base64.b64encode(hashlib.sha256(style_element["text"].encode()).digest()).decode()
+    policy = next(meta["content"] for meta in page.all("meta") if "http-equiv" in meta)
+    assert policy.startswith("default-src 'none';")
+    assert f"style-src 'sha256-{digest}'" in policy
+    for element in page.elements:
+        assert not any(name.startswith("on") or name == "style" for name in element), "the policy would block it"
+    held = [base64.b64decode(image["src"].partition(";base64,")[2]) for image in page.all("img")]
+    assert sorted(held) == sorted(figures.values())
+    assert all(image["alt"] for image in page.all("img"))
+
+
+def test_the_same_result_gives_the_same_bytes(figures, text):
+    first = replace(example_curves(), signals=example_curves().signals[:1])
+    again = figures_of(example_result(validation_logs=()), first)
+    assert set(again) == {"parameters", "cutoff", "overlay-0", "spectra-0"}
+    assert all(figures[name] == content for name, content in again.items())
+    assert render_page(example_result(), example_curves(), figures) == text
+
+
+def test_what_cannot_be_shown_is_refused():
+    with pytest.raises(ValueError, match="'nobody'"):
+        render_page(example_result(recommended="nobody"), Curves(), {})
+    with pytest.raises(ValueError, match="overlay-0 must be a PNG"):
+        render_page(example_result(), Curves(), {"overlay-0": b"<svg/>"})
+
+
+def test_a_page_without_figures_validation_or_intervals_is_whole():
+    bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False,
+                  validation=(), halves=(), notes=(), citation="")  # fmt: skip
+    page = show(methods=(bare,), recommended="ols", validation_logs=(), warnings=())
+    assert "--validate" in page.all("header")[0]["text"]
+    assert "claims no intervals" in page.one("verdict")["text"]
+    assert not page.all("img")
+
+
+def test_logs_of_one_name_keep_their_own_scores():
+    twice = method("ols", "One", validation=(score("a.csv", 0.1, 0.2), score("a.csv", 0.3, 0.4)))
+    rows = show(methods=(twice,), recommended="ols").rows("scores")
+    assert [row[1] for row in rows[-3:] if len(row) > 1] == ["10.0", "30.0"]
+
+
+def test_what_is_infinite_or_silent_is_shown_all_the_same():
+    result, curves = example_result(), example_curves()
+    wild = method("wild", "Wild", parameters=parameters(np.inf), fit=score(LOGS[0], np.inf, np.nan))
+    result = replace(
+        result, methods=(*result.methods, wild), excitation=replace(result.excitation, rank=8, condition=np.inf)
+    )
+    first = curves.signals[0]
+    silent = replace(first, tau=0.0 * first.tau, tau_spectrum=0.0 * first.tau_spectrum)
+    figures = figures_of(replace(result, validation_logs=()), Curves((silent,)))
+    page = Page(render_page(result, curves, figures))
+    assert "inf" in page.one("excitation")["text"]
+    assert all(row[4].startswith("inf ± ") for row in page.rows("parameters")[1:])
+
+
+# Numbers in print
+
+
+def parameter(estimate, error=None):
+    ends = (None, None) if error is None else (estimate - 2 * error, estimate + 2 * error)
+    return Parameter("I1", UNITS[0], "", estimate, error, *ends, "")
+
+
+@pytest.mark.parametrize(
+    ("estimate", "error", "both"),
+    [
+        (0.1213, 0.0019, "0.1213 ± 0.0019"),
+        (3.235, 0.021, "3.235 ± 0.021"),
+        (-0.0004, 0.02, "0.000 ± 0.020"),
+        (12.5, 4321.0, "12 ± 4321"),
+        (0.121345, None, "0.1213"),
+        (0.0, None, "0"),
+        (0.0, 0.0, "0 ± 0"),
+        (1e-3, 0.0, "0.001000 ± 0"),
+        (1.234e-7, 2.2e-9, f"(1.234 ± 0.022){TIMES}10⁻⁷"),
+        (-5.4321e-9, None, f"-5.432{TIMES}10⁻⁹"),
+        (4.2e7, 1.1e5, f"(4.200 ± 0.011){TIMES}10⁷"),
+    ],
+)
+def test_numbers_have_the_digits_that_their_error_deserves(estimate, error, both):
+    assert printed(parameter(estimate, error)).both == both
+
+
+@given(st.floats(-1e12, 1e12), st.floats(1e-12, 1e12))
+def test_print_is_within_a_tenth_of_the_standard_error(estimate, error):
+    shown = printed(parameter(estimate, error))
+    power = float(shown.power.replace(f"{TIMES}10", "1e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 1.0)
+    if abs(estimate) < 1e9 * error:  # a dozen decimals at most are shown
+        assert float(shown.estimate) * power == pytest.approx(estimate, abs=0.1 * error, rel=1e-12)
+        assert float(shown.low) * power == pytest.approx(estimate - 2 * error, abs=0.1 * error, rel=1e-12)
+    assert not re.fullmatch(r"-0(\.0*)?", shown.estimate)
+
+
+def test_significant_digits_percent_and_words():
+    assert [significant(value) for value in (0.0, 0.03104, 1234.0, -2.0, 3e-7, 0.9999)] == [
+        "0", "0.0310", "1234", "-2.00", f"3.00{TIMES}10⁻⁷", "1.00",
+    ]  # fmt: skip
+    assert [percent(value) for value in (0.0574, 1.2, 1e5)] == ["5.7", "120.0", f"1.00{TIMES}10⁷"]
+    assert sentence("b2 is negative") == "b2 is negative."
+    assert sentence("why") == "Why."
+    assert symbols("I1 < k2, not k21") == "<i>I</i><sub>1</sub> &lt; <i>k</i><sub>2</sub>, not k21"
+
+
+# Tables
+
+
+def test_tables_are_tidy_and_hold_every_number():
+    result = example_result()
+    table = parameters_table(result)
+    assert tuple(table.columns) == PARAMETER_COLUMNS
+    assert len(table) == 9 * len(result.methods)
+    row = table.query("method == 'consistent' and parameter == 'g1'").iloc[0]
+    assert (row["estimate"], row["standard_error"], row["unit"]) == (3.235, 0.021, "kg m^2/s^2")
+    assert table[table["method"] == "cnn"][["standard_error", "low", "high"]].isna().all(axis=None)
+    scores = scores_table(result)
+    assert tuple(scores.columns) == SCORE_COLUMNS
+    assert scores.groupby("method", sort=False).size().to_dict() == {"ols": 10, "consistent": 10, "cnn": 6}
+    assert set(scores["part"]) == {"fit", "half", "validation"}
+    row = scores.query("method == 'cnn' and log == 'ramp_2.csv' and joint == 2").iloc[0]
+    assert row["relative_rms"] == pytest.approx(0.183 * 1.1)
+    assert row["position_rms"] == 0.09
+    assert scores.query("method == 'ols' and part == 'validation'")["position_rms"].isna().all()
+    for frame in (table, scores):
+        back = pd.read_csv(io.StringIO(frame.to_csv(index=False)))
+        pd.testing.assert_frame_equal(back, frame, check_dtype=False)
+
+
+# Figures
+
+
+def drawn(make, *arguments, **options) -> Figure:
+    with style.house_style():
+        return make(*arguments, **options)
+
+
+def every_figure(simulated=False):
+    result, curves = example_result(simulated=simulated), example_curves()
+    titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
+    return {
+        "overlay": drawn(ownarm.overlay, curves.signals[0], methods, titles, simulated),
+        "spectra": drawn(ownarm.spectra, curves.signals[0], methods, titles, simulated),
+        "cutoff": drawn(ownarm.cutoff, curves.cutoff, simulated),
+        "parameters": drawn(parameters_figure, result),
+    }
+
+
+def words_of(figure):
+    titles = [legend.get_title().get_text() for legend in figure.legends]
+    return " ".join([figure.get_suptitle(), *titles])
+
+
+@pytest.mark.parametrize("name", ["overlay", "spectra", "cutoff", "parameters"])
+def test_axes_have_units_and_the_simulation_is_named(name):
+    figure = every_figure()[name]
+    assert figure.get_figwidth() == style.PAGE
+    labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
+    assert all(re.search(r"\((s|Hz|rad|N·m|kg·m².*)\)$", label) for label in labels if label)
+    named = {
+        axis for axes in figure.axes for axis, label in (("x", axes.get_xlabel()), ("y", axes.get_ylabel())) if label
+    }
+    assert named == ({"x"} if name == "parameters" else {"x", "y"})
+    assert style.SIMULATED not in words_of(figure)
+    assert style.SIMULATED in words_of(every_figure(simulated=True)[name])
+
+
+def test_curves_are_the_numbers_given():
+    signals = example_curves().signals[0]
+    titles = ownarm.ordered_titles(example_result())
+    figure = drawn(ownarm.overlay, signals, ["consistent", "ols"], titles)
+    for joint in range(2):
+        torque, residual = figure.axes[4 * joint], figure.axes[4 * joint + 2]
+        measured, rebuilt = torque.lines
+        np.testing.assert_array_equal(measured.get_ydata(), signals.tau[joint])
+        np.testing.assert_array_equal(rebuilt.get_ydata(), signals.rebuilt["consistent"][joint])
+        np.testing.assert_allclose(
+            residual.lines[0].get_ydata(), signals.tau[joint] - signals.rebuilt["consistent"][joint]
+        )
+        close = figure.axes[4 * joint + 1]
+        assert len(close.lines) == 3
+        assert set(close.lines[0].get_xdata()) < set(signals.t)
+    strokes = {(line.get_color(), line.get_linestyle()) for line in figure.axes[1].lines}
+    assert len(strokes) == 3
+
+
+def test_a_method_without_curves_is_refused():
+    signals, titles = example_curves().signals[0], {"wls": "Weighted"}
+    for draw in (ownarm.overlay, ownarm.spectra):
+        with pytest.raises(ValueError, match="'wls'"):
+            drawn(draw, signals, ["wls"], titles)
+        with pytest.raises(ValueError, match="at least one"):
+            drawn(draw, signals, [], titles)
+
+
+def test_every_estimate_is_on_its_panel_or_named_at_its_edge():
+    wild = method("wild", "Wild", parameters=parameters(1.0, b2=870.0))
+    result = example_result(methods=(*example_result().methods, wild))
+    figure = drawn(parameters_figure, result)
+    panel = next(axes for axes in figure.axes if axes.get_xlabel().startswith("$b_2$"))
+    low, high = panel.get_xlim()
+    assert high < 1.0
+    assert [text.get_text() for text in panel.texts] == ["870"]
+    for known in result.methods[:3]:
+        assert low < known.parameters[6].estimate < high
+
+
+def test_long_logs_and_many_logs_stay_light(monkeypatch):
+    rng = np.random.default_rng(0)
+    t = np.arange(22_500) / 300.0
+    tau = np.sin(2 * t) + 0.1 * rng.normal(size=(2, t.size))
+    first = example_curves().signals[0]
+    long = replace(first, t=t, tau=tau, rebuilt=dict.fromkeys(first.rebuilt, 0.9 * tau))
+    result, curves = example_result(), Curves((long, *example_curves().signals[1:]))
+    monkeypatch.setattr(figures_module, "MOST_LOGS", 2)
+    figures = figures_of(result, curves)
+    assert set(figures) == {"parameters", "overlay-0", "spectra-0", "overlay-1", "spectra-1"}
+    text = render_page(result, curves, figures)
+    assert "Drawn for 2 of 3 logs" in text
+    size = len(text.encode())
+    added = 4 / 3 * sum(len(figures[name]) for name in ("overlay-0", "spectra-0"))
+    assert size + (MOST_LOGS - 2) * added < 3e6, "as many such logs as are drawn"
+    assert Image.open(io.BytesIO(figures["overlay-0"])).width == round(200 * style.PAGE)
