@@ -49,6 +49,4 @@ def recorded(arms, desired, unmodelled=None):
     position, pwm = simulate(plant, control, desired)
     t = H * np.arange(desired.shape[1])
     torque = pwm * control.torque_per_count[:, None]
-    return [
-        Log(f"arm {k}", t, position[k] * RADIANS_PER_COUNT, torque[k], simulated=True) for k in range(len(arms))
-    ]
+    return [Log(f"arm {k}", t, position[k] * RADIANS_PER_COUNT, torque[k], simulated=True) for k in range(len(arms))]

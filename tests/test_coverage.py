@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from board_arms import multisine, random_arms, recorded
+
 from repro.estimators.methods import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe

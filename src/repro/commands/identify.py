@@ -91,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.ownarm.outputs import check_folder, write_all
     from repro.ownarm.prepared import make_problem, read
     from repro.ownarm.settings import Options
+    from repro.pipeline.provenance import write_provenance
     from repro.progress import Progress
 
     check_folder(arguments.out, arguments.overwrite)
@@ -122,6 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     result, curves = assemble(problem, found, arm)
     print(summary(result, arm), flush=True)
     files = write_all(arguments.out, result, curves, arm)
+    write_provenance(arguments.out / "provenance.json", Path(__file__).parent, options.threads)
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 

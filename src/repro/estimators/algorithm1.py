@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from repro.cnn.allocator import keep_blocks
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import DataSettings, SampledMotion
@@ -114,6 +115,7 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
         Trained.
     """
     s = settings
+    keep_blocks()
     torch.set_num_threads(s.threads)
     key = fingerprint(motion, s.data, s.network, s.training)[:24]
     kept, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"

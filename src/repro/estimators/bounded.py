@@ -28,4 +28,4 @@ def estimate(regression: Regression) -> Estimate:
     return Estimate(beta, (f"held at zero: {', '.join(held)}",) if held else ())
 
 
-METHOD = Method("bounded", "bounded least squares (no parameter negative)", "branch1999subspace", estimate)
+METHOD = Method("bounded", "bounded least squares", "branch1999subspace", estimate)

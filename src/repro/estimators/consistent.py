@@ -98,4 +98,4 @@ def estimate(regression: Regression) -> Estimate:
     return Estimate(beta, (note,))
 
 
-METHOD = Method("consistent", "physically consistent least squares", "sousa2014physical", estimate)
+METHOD = Method("consistent", "consistent least squares", "sousa2014physical", estimate)

@@ -106,7 +106,7 @@ def refit(regression: Regression, penalty: float) -> Array:
 
 METHOD = Method(
     "parsimonious",
-    "physically consistent least squares, viscous friction shrunk",
+    "parsimonious least squares",
     "breiman1984cart",
     estimate,
     refit=refit,

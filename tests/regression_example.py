@@ -1,0 +1,42 @@
+"""Logs of a known arm with content up to any frequency, and regressions made without a log."""
+
+import numpy as np
+from log_example import BETA
+
+from repro.logs.log import Log
+from repro.model.dynamics import inverse_dynamics, regressor
+from repro.regression.prepare import FilterSettings, Regression
+
+
+def broadband(t, top=12.0, lines=60):
+    """Position, velocity and acceleration with sines up to `top` Hz, their amplitudes falling as 1/f^2."""
+    rng = np.random.default_rng(11)
+    frequency = np.linspace(0.15, top, lines) + rng.uniform(-0.05, 0.05, (2, lines))
+    amplitude = 0.4 / (1.0 + (frequency / 0.5) ** 2)
+    omega = 2 * np.pi * frequency[..., np.newaxis]
+    phase = omega * t + rng.uniform(0, 2 * np.pi, (2, lines, 1))
+    amplitude = amplitude[..., np.newaxis]
+    q = (amplitude * np.sin(phase)).sum(1)
+    dq = (amplitude * omega * np.cos(phase)).sum(1)
+    ddq = (-amplitude * omega**2 * np.sin(phase)).sum(1)
+    return q, dq, ddq
+
+
+def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=0.0):
+    """What a perfect recorder writes if the torque acts `delay` later than it is recorded."""
+    t = np.arange(round(seconds * rate)) / rate
+    tau = inverse_dynamics(*motion(t + delay), beta, steepness)
+    return Log("log.csv", t, motion(t)[0], tau)
+
+
+def problem(y, tau, interleaved=None):
+    """A regression of given regressor and torque, 20 ms apart."""
+    n = y.shape[1]
+    still = np.zeros((2, n))
+    halves = np.stack([y, y]) if interleaved is None else interleaved
+    return Regression(0.02 * np.arange(n), y, tau, halves, still, still, still, 0.02, FilterSettings())
+
+
+def random_regressor(rng, n=60):
+    """Regressor of Eq. 1 at random states: it excites all nine parameters."""
+    return regressor(*(size * rng.normal(size=(2, n)) for size in (1.0, 2.0, 5.0)))

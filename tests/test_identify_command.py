@@ -1,0 +1,157 @@
+"""`repro identify` as a user runs it: on a table, on captures, on a port; and refused without a trace."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from log_example import BETA, columns, recording, text
+
+from repro.cli import main
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import NAMES
+
+ROOT = Path(__file__).resolve().parent.parent
+CAPTURES = ROOT / "data" / "captures"
+WRITTEN = {
+    *("parameters.json", "parameters.csv", "scores.csv", "residuals.csv", "report.html", "methods.bib"),
+    *("arm.urdf", "arm.xml", "provenance.json"),
+}
+
+
+@pytest.fixture
+def no_figures(monkeypatch):
+    """Leave out the figures, which take longer than all the rest, where a test is not about them."""
+    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
+
+
+@pytest.fixture
+def log(tmp_path):
+    """A good log as a file."""
+    path = tmp_path / "log.csv"
+    path.write_text(text(columns(recording())))
+    return path
+
+
+def identify(*arguments):
+    """Exit code of the command."""
+    return main(["identify", *map(str, arguments)])
+
+
+def found(folder, method):
+    """Estimates of a method from the JSON file, shape (9,)."""
+    result = json.loads((folder / "parameters.json").read_text())
+    rows = next(m for m in result["methods"] if m["method"] == method)["parameters"]
+    assert [row["name"] for row in rows] == list(NAMES)
+    return np.array([row["estimate"] for row in rows])
+
+
+def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert identify(log, "--method", "ordinary", "--method", "consistent", "-o", out) == 0
+    assert {path.name for path in out.iterdir()} == WRITTEN
+    for method in ("ordinary", "consistent"):
+        assert found(out, method) == pytest.approx(BETA, rel=0.02)
+    table = pd.read_csv(out / "parameters.csv")
+    assert len(table) == 18
+    told = capsys.readouterr().out
+    for name in NAMES:
+        assert f"  {name} = " in told
+    assert "known to" in told
+
+
+def test_the_log_is_described_before_anything_is_computed(log, tmp_path, capsys, no_figures):
+    assert identify(log, "--method", "ordinary", "-o", tmp_path / "out") == 0
+    lines = capsys.readouterr().err.splitlines()
+    rate = next(k for k, line in enumerate(lines) if "rate: 200 Hz" in line)
+    done = next(k for k, line in enumerate(lines) if "ordinary least squares: done" in line)
+    assert rate < done
+
+
+def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys, no_figures):
+    out = tmp_path / "out"
+    validate = [CAPTURES / f"T{k}.bin" for k in (1, 4)]
+    assert identify(CAPTURES / "ID.bin", "--validate", *validate, "--method", "consistent", "-o", out) == 0
+    result = json.loads((out / "parameters.json").read_text())
+    assert result["simulated"]
+    assert "(simulated)" in capsys.readouterr().out
+    assert "simulated" in (out / "report.html").read_text()
+    scores = result["methods"][0]["validation"]
+    assert [score["log"] for score in scores] == ["T1.bin", "T4.bin"]
+    assert np.max([score["relative_rms"] for score in scores]) < 0.25
+    assert is_positive_definite(found(out, "consistent"))
+
+
+def test_the_same_command_gives_the_same_bytes(log, tmp_path):
+    for name in ("a", "b"):
+        assert identify(log, "--method", "weighted", "--method", "parsimonious", "-o", tmp_path / name) == 0
+    for path in (tmp_path / "a").iterdir():
+        if path.name == "provenance.json":  # when it was made, the one thing that may differ
+            continue
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
+
+
+def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures):
+    common = (log, "--method", "algorithm1", "--steps", 2, "--threads", 1, "--cache", tmp_path / "cache")
+    assert identify(*common, "-o", tmp_path / "a") == 0
+    assert "training the CNN" in capsys.readouterr().err
+    assert identify(*common, "-o", tmp_path / "b") == 0
+    assert "training the CNN" not in capsys.readouterr().err
+    assert (tmp_path / "a" / "parameters.json").read_bytes() == (tmp_path / "b" / "parameters.json").read_bytes()
+
+
+def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
+    link = tmp_path / "board"
+    command = [sys.executable, "-m", "repro", "simulate", "--as-fast-as-possible", "--link", str(link)]
+    board = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT)
+    out = tmp_path / "out"
+    try:
+        port = board.stdout.readline().strip()
+        config = ROOT / "config" / "config.yaml"
+        assert identify(port, "--config", config, "--method", "consistent", "-o", out) == 0
+    finally:
+        board.send_signal(signal.SIGTERM)
+        board.communicate(timeout=10)
+    assert (tmp_path / "out-recording.bin").read_bytes() == (CAPTURES / "ID.bin").read_bytes()
+    assert (out / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["nothing.csv", "-o", "out"], "nothing.csv"),
+        (["log.csv", "-o", "log.csv"], "a folder"),
+        (["log.csv", "-o", "full"], "--overwrite"),
+        (["log.csv", "-o", "out", "--validate", "gone.csv"], "gone.csv"),
+        (["log.csv", "-o", "out", "--arm", "arm.yaml"], "arm.yaml"),
+        (["log.csv", "-o", "out", "--cutoff", "90"], "at least four times the cut-off"),
+        (["short.csv", "-o", "out"], "short.csv"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, capsys, arguments, expected):
+    monkeypatch.chdir(tmp_path)
+    Path("full").mkdir()
+    Path("full/kept.txt").write_text("mine")
+    Path("arm.yaml").write_text("colour: red\n")
+    Path("short.csv").write_text("".join(log.read_text().splitlines(keepends=True)[:10]))
+    before = sorted(Path().rglob("*"))
+    assert identify(*arguments, "--method", "ordinary") == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert expected in lines[-1]
+    assert not any("Traceback" in line for line in lines)
+    assert sorted(Path().rglob("*")) == before
+    assert Path("full/kept.txt").read_text() == "mine"
+
+
+def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figures):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "notes.txt").write_text("mine")
+    (out / "report.html").write_text("old")
+    assert identify(log, "--method", "ordinary", "-o", out, "--overwrite") == 0
+    assert (out / "notes.txt").read_text() == "mine"
+    assert (out / "report.html").read_text() != "old"

@@ -1,0 +1,86 @@
+"""The logs of a real arm: what ordinary least squares reached on them, and the parameters its owners published."""
+
+import numpy as np
+import pytest
+from realdata import log_file, needs_real_data
+
+from repro.logs.armfile import Arm
+from repro.model.feasibility import is_positive_definite
+from repro.ownarm.job import assemble, resolve, solve_all
+from repro.ownarm.prepared import make_problem, read
+from repro.ownarm.settings import Options
+
+pytestmark = needs_real_data
+
+#: I1, I2, I3, g1, g2 that the arm's owners published.
+OWNERS = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090])
+#: Relative RMS torque error that ordinary least squares reached at 5 Hz, percent, joints 1 and 2.
+REACHED = {
+    "060143.csv": (11.5, 22.0),
+    "060329.csv": (11.4, 23.0),
+    "second half": (5.7, 12.0),
+    "first half": (5.6, 9.6),
+}
+
+
+def silent(*_):
+    """Report to nobody."""
+
+
+def run(cache, cutoff):
+    """All least-squares methods on 061157, judged on the two other logs."""
+    names = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+    options = Options(names, cache, cutoff=cutoff)
+    arm = Arm()
+    logs = [read(log_file(name), arm) for name in ("061157", "060143", "060329")]
+    problem = make_problem(logs[0], tuple(logs[1:]), arm, options)
+    return assemble(problem, solve_all(problem, resolve(options, silent), 1, silent, silent), arm)[0]
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """With everything chosen from the log."""
+    return run(tmp_path_factory.mktemp("cache"), None)
+
+
+def recommended(result):
+    """The method that is recommended."""
+    return next(m for m in result.methods if m.method == result.recommended)
+
+
+def test_recommended_parameters_are_physically_consistent(result):
+    best = recommended(result)
+    assert is_positive_definite(np.array([p.estimate for p in best.parameters]))
+
+
+def test_they_predict_no_worse_than_ordinary_least_squares_did(result):
+    best = recommended(result)
+    found = {s.log: s.relative_rms for s in (*best.validation, *best.halves)}
+    assert found.keys() == REACHED.keys()
+    for log, reached in REACHED.items():
+        assert (100 * np.array(found[log]) <= np.array(reached)).all(), (log, found[log])
+
+
+@pytest.mark.parametrize("cutoff", [None, 3.0, 5.0])
+def test_they_predict_better_than_ordinary_least_squares_through_the_same_filter(cutoff, tmp_path):
+    result = run(tmp_path, cutoff)
+    best, ordinary = recommended(result), result.methods[0]
+    assert best.consistent
+    assert np.mean([s.relative_rms for s in best.validation]) < np.mean([s.relative_rms for s in ordinary.validation])
+
+
+def test_inertia_and_gravity_are_within_15_percent_of_the_owners(result):
+    for method in ("ordinary", "consistent", "parsimonious"):
+        rows = next(m for m in result.methods if m.method == method).parameters[:5]
+        assert np.array([p.estimate for p in rows]) == pytest.approx(OWNERS, rel=0.15), method
+
+
+def test_ordinary_least_squares_gives_the_negative_friction_that_is_known(result):
+    ordinary = next(m for m in result.methods if m.method == "ordinary")
+    assert ordinary.parameters[6].estimate < 0.0
+    assert not ordinary.consistent
+    assert "b2" in ordinary.why_not_consistent
+
+
+def test_nothing_is_said_to_be_simulated(result):
+    assert not result.simulated
