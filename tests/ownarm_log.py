@@ -12,11 +12,22 @@ H, CUTOFF = 0.02, 5.0
 
 
 def regression_of(y, tau, h=H, cutoff=CUTOFF):
-    """A regression of any regressor (2, n, 9) and torque (2, n); its motion is zero."""
+    """A regression of any regressor (2, n, 9) and torque (2, n); its motion is zero, and every row counts."""
     n = y.shape[1]
-    still = np.zeros((2, n))
+    nothing, counts = np.zeros((2, n)), np.ones((2, n), dtype=bool)
     t, settings = h * np.arange(n), FilterSettings(cutoff=cutoff)
-    return Regression(t, y, tau, np.stack([y, y]), still, still, still, h, settings)
+    return Regression(
+        t=t,
+        y=y,
+        tau=tau,
+        interleaved=np.stack([y, y]),
+        q=nothing,
+        dq=nothing,
+        ddq=nothing,
+        moving=counts,
+        h=h,
+        settings=settings,
+    )
 
 
 def exact(moved, beta=BETA, noise=0.0):

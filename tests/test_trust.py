@@ -85,7 +85,7 @@ def test_condition_does_not_depend_on_units():
 def test_base_parameters_in_words_are_what_the_motion_determines(joint, at):
     r = with_joint_fixed(joint, at)
     told = excitation(r)
-    a, moved = unit_length(r)
+    a, _ = unit_length(r)
     c = combinations(told.base_parameters)
     assert told.rank == np.linalg.matrix_rank(a, tol=1e-4) == len(c) < 9
     assert np.linalg.matrix_rank(c) == told.rank
@@ -132,7 +132,7 @@ def test_base_parameters_at_any_fixed_place(pace, at, joint):
     told = excitation(r)
     c = combinations(told.base_parameters)
     hidden = np.linalg.svd(c)[2][told.rank :]
-    a, moved = unit_length(r)
+    a, _ = unit_length(r)
     assert told.rank == len(c) == np.linalg.matrix_rank(a, tol=1e-4 * np.linalg.norm(a, 2))
     assert np.abs(r.y @ hidden.T).max() < 0.01 * np.abs(r.y).max()
 
@@ -285,7 +285,7 @@ def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     length = data.draw(st.integers(1, n))
     rows = redraw(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
     assert rows.shape == (n,)
-    assert 0 <= rows.min()
+    assert rows.min() >= 0
     assert rows.max() < n
     inside = np.arange(1, n) % length != 0
     assert (np.diff(rows)[inside] == 1).all()

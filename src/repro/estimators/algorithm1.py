@@ -89,12 +89,15 @@ def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
     tuple of 2 Method
         They share the trained network through the cache.
     """
-    literal = partial(_literal, settings=settings, report=report)
-    refined = partial(_refined, settings=settings, report=report)
-    return (
-        Method("algorithm1", "Algorithm 1", "leon2022cnn", literal, claims_intervals=False),
-        Method("algorithm1+refinement", "Algorithm 1 + refinement", "leon2022cnn", refined, claims_intervals=False),
+    estimates = {
+        "algorithm1": ("Algorithm 1", partial(_literal, settings=settings, report=report)),
+        "algorithm1+refinement": ("Algorithm 1 + refinement", partial(_refined, settings=settings, report=report)),
+    }
+    literal, refined = (
+        Method(name, title, "leon2022cnn", estimate, claims_intervals=False, needs_all_samples=True)
+        for name, (title, estimate) in estimates.items()
     )
+    return literal, refined
 
 
 def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Report) -> FactoredCNN:

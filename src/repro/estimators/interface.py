@@ -44,6 +44,8 @@ class Method:
         ``estimate(regression)`` gives an `Estimate`.
     claims_intervals : bool
         Whether it is repeated for standard errors and gives intervals.
+    needs_all_samples : bool
+        Whether it sees the log as signals, to which the samples of standstill belong.
     refit : callable or None
         ``refit(regression, choice)`` gives beta with `Estimate.choice` kept, for a method that chooses.
     unbiased : Method or None
@@ -56,6 +58,7 @@ class Method:
     citation: str
     estimate: Callable[[Regression], Estimate]
     claims_intervals: bool = True
+    needs_all_samples: bool = False
     refit: Callable[[Regression, float], Array] | None = None
     unbiased: "Method | None" = None
 
@@ -65,8 +68,10 @@ class Method:
 
 
 def joint_variance(regression: Regression, beta: Array) -> Array:
-    """Mean squared torque error of each joint, shape (2, 1), N^2 m^2, never zero."""
+    """Mean squared torque error of each joint where it moves, shape (2, 1), N^2 m^2, never zero."""
     error = regression.tau - regression.y @ beta
-    floor = np.finfo(np.float64).eps * np.mean(regression.tau**2)
-    variance: Array = np.maximum(np.mean(error**2, axis=-1, keepdims=True), floor)
+    count = np.maximum(regression.moving.sum(-1, keepdims=True), 1)
+    floor = np.finfo(np.float64).eps * np.sum(regression.tau**2, axis=-1, keepdims=True) / count
+    floor = np.where(floor > 0.0, floor, 1.0)
+    variance: Array = np.maximum(np.sum(error**2 * regression.moving, axis=-1, keepdims=True) / count, floor)
     return variance

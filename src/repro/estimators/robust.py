@@ -5,6 +5,7 @@ least squares where errors are normal, and little moved by collisions, stiction 
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.estimators.interface import Estimate, Method
 from repro.model.parameters import Array
@@ -17,9 +18,11 @@ ROUNDS = 25
 SETTLED = 1e-3
 
 
-def _scale(error: Array) -> Array:
-    """Standard deviation of each joint's error by its median, shape (2, 1)."""
-    scale: Array = 1.4826 * np.median(np.abs(error), axis=-1, keepdims=True)
+def _scale(error: Array, moving: NDArray[np.bool_]) -> Array:
+    """Standard deviation of each joint's error by its median where it moves, shape (2, 1)."""
+    scale = np.array(
+        [[1.4826 * np.median(np.abs(e[m])) if m.any() else 0.0] for e, m in zip(error, moving, strict=True)]
+    )
     return np.where(scale > 0.0, scale, 1.0)
 
 
@@ -39,14 +42,14 @@ def estimate(regression: Regression) -> Estimate:
     y, tau = regression.y, regression.tau
     error = tau - y @ solve(y, tau)
     for _ in range(ROUNDS):
-        scale = _scale(error)
+        scale = _scale(error, regression.moving)
         size = np.abs(error) / scale
         weight = HUBER / np.maximum(size, HUBER)
         beta = solve(y, tau, weight / scale**2)
         before, error = error, tau - y @ beta
         if np.max(np.abs(error - before) / scale) < SETTLED:
             break
-    lowered = 100.0 * float(np.mean(weight < 1.0))
+    lowered = 100.0 * float(np.mean(weight[regression.moving] < 1.0))
     return Estimate(beta, (f"{lowered:.3g} % of the samples count less than the rest",))
 
 

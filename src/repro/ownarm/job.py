@@ -10,7 +10,7 @@ from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.judge import Found, find, judge
 from repro.ownarm.prepared import Problem
-from repro.ownarm.recommend import recommend, warnings
+from repro.ownarm.recommend import against_least_squares, recommend, warnings
 from repro.ownarm.result import Curves, Excitation, MethodResult, Preparation, Result, Signals
 from repro.ownarm.settings import Options
 from repro.prediction.motion import position_errors
@@ -107,6 +107,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
     logs = (problem.fitted, *(told for told, _ in problem.others))
     positions = [position_errors(told.log, problem.settings, betas) for told in logs]
     methods = tuple(judge(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(found))
+    methods = against_least_squares(methods, NETWORK_METHODS)
     recommended, reason = recommend(methods)
     best = betas[[m.method for m in methods].index(recommended)]
     told = _excitation(problem.regression, best)

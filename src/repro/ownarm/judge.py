@@ -72,7 +72,7 @@ def find(method: Method, problem: Problem, seed: int, halves: bool, report: Call
     Found
         All that needs the method to be run.
     """
-    r = problem.regression
+    r = problem.regression if method.needs_all_samples else problem.moving
     estimate = method.estimate(r)
     spread = None
     if method.claims_intervals:
@@ -81,9 +81,10 @@ def find(method: Method, problem: Problem, seed: int, halves: bool, report: Call
     scores = []
     if halves:
         middle = r.t.size // 2
-        first, second = r.take(np.arange(middle)), r.take(np.arange(middle, r.t.size))
+        first, second = np.arange(middle), np.arange(middle, r.t.size)
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
-            scores.append(score(name, predicted, method.estimate(used).beta, None))
+            beta = method.estimate(r.take(used)).beta
+            scores.append(score(name, problem.regression.take(predicted), beta, None))
     return Found(method, estimate, spread, tuple(scores))
 
 

@@ -16,6 +16,7 @@ from repro.ownarm.settings import Options
 from repro.regression.cutoff import Cutoff, choose_cutoff
 from repro.regression.delay import REACH, estimate_delay
 from repro.regression.prepare import FilterSettings, Regression, prepare
+from repro.regression.standstill import without_standstill
 from repro.regression.steepness import choose_steepness
 from repro.trust.bootstrap import AS_GOOD
 
@@ -45,9 +46,11 @@ class Problem:
     fitted : Told
         The log to fit.
     regression : Regression
-        Made of it.
+        Made of it, all samples: what methods are judged on.
+    moving : Regression
+        The same without standstill: what methods are fitted to.
     as_good : tuple of Regression
-        Made of it by filters that would have been as good a choice.
+        As `moving`, by filters that would have been as good a choice.
     others : tuple of (Told, Regression)
         Logs to predict.
     settings : FilterSettings
@@ -58,6 +61,7 @@ class Problem:
 
     fitted: Told
     regression: Regression
+    moving: Regression
     as_good: tuple[Regression, ...]
     others: tuple[tuple[Told, Regression], ...]
     settings: FilterSettings
@@ -134,11 +138,14 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
     if arm.delay is None:
         settings = replace(settings, delay=estimate_delay(log, settings))
     as_good = tuple(
-        prepare(log, replace(settings, cutoff=settings.cutoff * cut, width=settings.width * width / cut))
+        without_standstill(
+            prepare(log, replace(settings, cutoff=settings.cutoff * cut, width=settings.width * width / cut))
+        )
         for cut, width in AS_GOOD
     )
     predicted = tuple((told, prepare(told.log, settings)) for told in others)
-    return Problem(fitted, prepare(log, settings), as_good, predicted, settings, chosen)
+    regression = prepare(log, settings)
+    return Problem(fitted, regression, without_standstill(regression), as_good, predicted, settings, chosen)
 
 
 def delay_at_limit(settings: FilterSettings) -> bool:

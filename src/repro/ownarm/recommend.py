@@ -1,6 +1,7 @@
 """Which method's parameters to use, and what to beware of."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from repro.ownarm.result import Excitation, MethodResult, Score
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
 #: validation error over fit error, relative RMS error of the fit.
 CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
+#: A network whose validation error is more than this times the best least squares' has its reason told; fits whose
+#: similarities differ by less than the second are equally good.
+WORSE_THAN_BEST, SAME_FIT = 1.2, 0.005
 
 
 def prediction_error(method: MethodResult) -> float:
@@ -50,6 +54,47 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     if len(methods) == 1:
         return best.method, "the only method asked for"
     return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
+
+
+def against_least_squares(methods: Sequence[MethodResult], networks: Sequence[str]) -> tuple[MethodResult, ...]:
+    """Add to each method that runs a network how it does beside the best of the others.
+
+    Parameters
+    ----------
+    methods : sequence of MethodResult
+        All that were run.
+    networks : sequence of str
+        Names of those that run a network.
+
+    Returns
+    -------
+    tuple of MethodResult
+        The same, with a note more where both kinds were validated.
+    """
+    others = [m for m in methods if m.method not in networks and m.validation]
+    if not others:
+        return tuple(methods)
+    best = min(others, key=prediction_error)
+    noted = []
+    for m in methods:
+        if m.method in networks and m.validation:
+            ratio = prediction_error(m) / max(prediction_error(best), np.finfo(np.float64).tiny)
+            note = f"mean validation error {ratio:.3g} times that of the best least squares ({best.method})"
+            if ratio > WORSE_THAN_BEST:
+                gap = np.mean(m.fit.similarity) - np.mean(best.fit.similarity)
+                note += (
+                    f"; on the log itself its similarity is {100 * abs(gap):.2g} points "
+                    f"{'higher' if gap > 0 else 'lower'}: "
+                    + (
+                        "the similarity it maximises does not see the difference"
+                        if gap > -SAME_FIT
+                        else "it fits worse"
+                    )
+                )
+            noted.append(replace(m, notes=(*m.notes, note)))
+        else:
+            noted.append(m)
+    return tuple(noted)
 
 
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:

@@ -65,6 +65,8 @@ class Regression:
         if that of the samples is.
     q, dq, ddq : arrays of shape (2, n)
         Smoothed motion.
+    moving : bool array of shape (2, n)
+        Where the rows of a joint count, see `repro.regression.standstill`.
     h : float
         Time between kept samples, s.
     settings : FilterSettings
@@ -78,6 +80,7 @@ class Regression:
     q: Array
     dq: Array
     ddq: Array
+    moving: NDArray[np.bool_]
     h: float
     settings: FilterSettings
 
@@ -92,6 +95,7 @@ class Regression:
             q=self.q[:, rows],
             dq=self.dq[:, rows],
             ddq=self.ddq[:, rows],
+            moving=self.moving[:, rows],
         )
 
 
@@ -170,4 +174,5 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
         halves.append(CubicSpline(log.t[there], half, axis=1)(log.t[keep]))
     tau = filtered_torque(log.tau, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
-    return Regression(log.t[keep], y[:, keep], tau[:, keep], np.stack(halves), q, dq, ddq, step * h, settings)
+    counts = np.ones(q.shape, dtype=np.bool_)
+    return Regression(log.t[keep], y[:, keep], tau[:, keep], np.stack(halves), q, dq, ddq, counts, step * h, settings)
