@@ -32,9 +32,19 @@ def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=
 def problem(y, tau, interleaved=None):
     """A regression of given regressor and torque, 20 ms apart."""
     n = y.shape[1]
-    still = np.zeros((2, n))
     halves = np.stack([y, y]) if interleaved is None else interleaved
-    return Regression(0.02 * np.arange(n), y, tau, halves, still, still, still, 0.02, FilterSettings())
+    return Regression(
+        t=0.02 * np.arange(n),
+        y=y,
+        tau=tau,
+        interleaved=halves,
+        q=np.zeros((2, n)),
+        dq=np.zeros((2, n)),
+        ddq=np.zeros((2, n)),
+        moving=np.ones((2, n), dtype=bool),
+        h=0.02,
+        settings=FilterSettings(),
+    )
 
 
 def random_regressor(rng, n=60):

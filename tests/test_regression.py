@@ -23,7 +23,8 @@ from repro.regression.steepness import choose_steepness
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
-SIGNALS = ("t", "y", "tau", "interleaved", "q", "dq", "ddq")
+#: Axis of the samples.
+SIGNALS = {"t": 0, "y": 1, "tau": 1, "interleaved": 2, "q": 1, "dq": 1, "ddq": 1, "moving": 1}
 
 every_filter = pytest.mark.parametrize("name", sorted(FILTERS))
 
@@ -131,12 +132,11 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
 def test_take_gives_the_samples_asked_for_in_their_order(rows):
     found = prepare(LOG, FilterSettings())
     taken = found.take(np.array(rows))
-    axis = {"t": 0, "y": 1, "tau": 1, "interleaved": 2, "q": 1, "dq": 1, "ddq": 1}
-    for field in SIGNALS:
+    for field, axis in SIGNALS.items():
         for place, row in enumerate(rows):
-            ours = np.take(getattr(taken, field), place, axis[field])
-            np.testing.assert_array_equal(ours, np.take(getattr(found, field), row, axis[field]))
-        assert getattr(taken, field).shape[axis[field]] == len(rows)
+            ours = np.take(getattr(taken, field), place, axis)
+            np.testing.assert_array_equal(ours, np.take(getattr(found, field), row, axis))
+        assert getattr(taken, field).shape[axis] == len(rows)
     assert (taken.h, taken.settings) == (found.h, found.settings)
 
 

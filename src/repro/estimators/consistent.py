@@ -5,6 +5,8 @@ is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the para
 Gravity may have either sign: it depends on where zero is.
 """
 
+import warnings
+
 import cvxpy as cp
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -13,10 +15,12 @@ from repro.estimators.interface import Estimate, Method
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
-from repro.regression.solve import nine_rows
+from repro.regression.solve import nine_rows, snap
 
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MARGIN = 1e-3
+#: Friction torque over the largest torque of a parameter below which friction is held at zero.
+HAIR = 1e-6
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 #: Friction is zero or more, the rest is free.
@@ -43,17 +47,22 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
     RuntimeError
         If the solver ends without a solution.
     """
+    size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
     z = cp.Variable(9)
     beta = cp.multiply(z, 1.0 / scale)
     off = beta[1] / 2.0
     inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
-    problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c)), [inertia >> margin * np.eye(2), beta[5:] >= 0.0])
-    problem.solve(solver=cp.CLARABEL)
+    conditions = [inertia >> margin / size * np.eye(2), beta[5:] >= 0.0]
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c / size)), conditions)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of inaccuracy, which `is_positive_definite` is there to catch
+        problem.solve(solver=cp.CLARABEL)
     if z.value is None:
         raise RuntimeError(f"consistent parameters: the solver ended with {problem.status!r}.")
-    found: Array = np.asarray(z.value) / scale
-    found[5:] = np.maximum(found[5:], 0.0)
-    return found
+    solution: Array = size * np.asarray(z.value)
+    # The solver stays inside its bounds by a hair: what it leaves of a friction that is held is no friction.
+    solution[5:] = np.maximum(snap(solution, HAIR)[5:], 0.0)
+    return solution / scale
 
 
 def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
@@ -72,8 +81,9 @@ def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
     array of shape (9,), bool
         beta; False if it is the unconditional least-squares solution.
     """
-    bounded = lsq_linear(r, c, bounds=(FRICTION_BOUNDS, np.inf), method="bvls").x / scale
-    bounded[5:] = np.maximum(bounded[5:], 0.0)
+    z = lsq_linear(r, c, bounds=(FRICTION_BOUNDS, np.inf), method="bvls").x
+    z[5:] = np.maximum(snap(z, 1e-12)[5:], 0.0)
+    bounded = z / scale
     margin = MARGIN * max(abs(float(bounded[0] + bounded[2])), np.finfo(np.float64).tiny)
     if is_positive_definite(bounded - margin * INERTIA_MARGIN):
         return bounded, bool((bounded[5:] == 0.0).any())

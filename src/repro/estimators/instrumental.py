@@ -1,6 +1,7 @@
-"""Instrumental variables: least squares that noise in the position does not bias.
+"""Instrumental variables: least squares whose inertia and gravity noise in the position does not bias.
 
-Noise in the regressor, e.g. of an encoder, pulls least squares towards zero. Instruments are signals that follow the
+Noise in the regressor, e.g. of an encoder, pulls least squares towards zero. (What it does to the tanh of Coulomb
+friction is not undone: that is not linear in the noise.) Instruments are signals that follow the
 motion but not that noise. Here they come from the log itself, without a model of the controller: the regressor of
 every other sample is the instrument of the regressor of the samples between, whose noise is independent of it.
 Each half serves as the other's instrument, and the two sets of equations are added.

@@ -36,6 +36,7 @@ def _prediction_errors(regression: Regression) -> Array:
     n = regression.t.size
     edges = np.linspace(0, n, BLOCKS + 1).astype(int)
     energy = np.mean(regression.tau**2, axis=-1)
+    energy = np.where(energy > 0.0, energy, 1.0)
     errors = np.empty((len(PENALTIES), BLOCKS))
     for k in range(BLOCKS):
         inside = np.zeros(n, dtype=bool)

@@ -17,7 +17,7 @@ from repro.prediction.motion import position_errors
 from repro.regression.filters import FILTERS
 from repro.regression.prepare import Regression
 from repro.signals.dct import spectrum
-from repro.trust.excitation import EXCITED, excitation, torque_share
+from repro.trust.excitation import EXCITED, torque_share
 
 #: Names of the methods that run a network; the others are in `repro.estimators.methods`.
 NETWORK_METHODS = ("algorithm1", "algorithm1+refinement")
@@ -110,7 +110,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
     methods = against_least_squares(methods, NETWORK_METHODS)
     recommended, reason = recommend(methods)
     best = betas[[m.method for m in methods].index(recommended)]
-    told = _excitation(problem.regression, best)
+    told = _excitation(problem, best)
     s, r = problem.settings, problem.regression
     result = Result(
         arm=arm.name,
@@ -136,19 +136,16 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
     return result, _curves(problem, methods, betas)
 
 
-def _excitation(regression: Regression, beta: Array) -> Excitation:
-    found, share = excitation(regression), torque_share(regression, beta)
-    still = tuple(
-        name for name, moves, value in zip(NAMES, share, beta, strict=True) if moves <= EXCITED and value != 0.0
-    )
-    zero = torque_share(regression, np.ones(9)) == 0.0
-    still += tuple(name for name, never in zip(NAMES, zero, strict=True) if never and name not in still)
+def _excitation(problem: Problem, beta: Array) -> Excitation:
+    found, share = problem.excited, torque_share(problem.moving, beta)
+    still = torque_share(problem.moving, np.ones(9)) == 0.0
+    weak = (share <= EXCITED) & (beta != 0.0)
     return Excitation(
         found.rank,
         found.condition,
         tuple(share.tolist()),
         found.friction_correlation,
-        still,
+        tuple(name for name, none in zip(NAMES, still | weak, strict=True) if none),
         found.base_parameters,
     )
 

@@ -115,7 +115,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
     return MethodResult(
         method=found.method.name,
         title=found.method.title,
-        parameters=_parameters(found, torque_share(r, np.where(beta == 0.0, 1.0, beta))),
+        parameters=_parameters(found, torque_share(problem.moving, beta), problem.excited.determined),
         claims_intervals=found.spread is not None,
         consistent=consistent,
         why_not_consistent="" if consistent else why_not_consistent(beta),
@@ -143,19 +143,17 @@ def why_not_consistent(beta: Array) -> str:
     return "; ".join(broken)
 
 
-def _parameters(found: Found, share: Array) -> tuple[Parameter, ...]:
-    """The nine with their verdicts. `share` takes a parameter of zero for one, to tell held from not excited."""
+def _parameters(found: Found, share: Array, determined: tuple[bool, ...]) -> tuple[Parameter, ...]:
+    """The nine with their verdicts; what is held, or not determined by itself, gets no interval."""
     beta, spread = found.estimate.beta, found.spread
     rows = []
     for k, name in enumerate(NAMES):
         held = bool(beta[k] == 0.0)
-        excited = bool(share[k] > (0.0 if held else EXCITED))
-        interval = None if spread is None or held or not excited else spread
         error, low, high = (
             (None, None, None)
-            if interval is None
-            else (float(interval.standard_error[k]), float(interval.low[k]), float(interval.high[k]))
+            if spread is None or held or not determined[k]
+            else (float(spread.standard_error[k]), float(spread.low[k]), float(spread.high[k]))
         )
-        words = verdict(float(beta[k]), low, high, excited, held)
+        words = verdict(float(beta[k]), low, high, bool(share[k] > EXCITED), held, determined[k])
         rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, words))
     return tuple(rows)

@@ -24,6 +24,9 @@ from repro.ownarm.tables import parameters_table, scores_table
 
 PAGE = "report.html"
 
+#: Files that are written or not, as the result has it.
+EITHER = {"arm.urdf", "arm.xml", "no-links.txt"}
+
 #: Sources of what every run uses, beside those of its methods.
 ALWAYS = ("leon2022cnn",)
 SOLVERS = {
@@ -76,12 +79,16 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
     list of str
         Names of the files.
     """
-    out.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    near = out.absolute().parent
+    while not near.is_dir():
+        near = near.parent
+    made = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=near))
     try:
         _fill(made, result, curves, arm)
         names = sorted(path.name for path in made.iterdir())
-        out.mkdir(exist_ok=True)
+        out.mkdir(parents=True, exist_ok=True)
+        for name in EITHER - set(names):  # of an earlier run, which this one contradicts
+            (out / name).unlink(missing_ok=True)
         for name in names:
             (made / name).replace(out / name)
         return names

@@ -19,6 +19,7 @@ from repro.regression.prepare import FilterSettings, Regression, prepare
 from repro.regression.standstill import without_standstill
 from repro.regression.steepness import choose_steepness
 from repro.trust.bootstrap import AS_GOOD
+from repro.trust.excitation import Excited, excitation
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,10 @@ class Problem:
         Of all of them.
     cutoff : Cutoff
         How the cut-off was chosen.
+    excited : Excited
+        What the motion tells about the parameters.
+    delay_was_found : bool
+        Whether the delay was looked for in the log.
     """
 
     fitted: Told
@@ -66,6 +71,8 @@ class Problem:
     others: tuple[tuple[Told, Regression], ...]
     settings: FilterSettings
     cutoff: Cutoff
+    excited: Excited
+    delay_was_found: bool
 
 
 def read(path: Path, arm: Arm) -> Told:
@@ -145,9 +152,12 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
     )
     predicted = tuple((told, prepare(told.log, settings)) for told in others)
     regression = prepare(log, settings)
-    return Problem(fitted, regression, without_standstill(regression), as_good, predicted, settings, chosen)
+    moving = without_standstill(regression)
+    return Problem(
+        fitted, regression, moving, as_good, predicted, settings, chosen, excitation(moving), arm.delay is None
+    )
 
 
-def delay_at_limit(settings: FilterSettings) -> bool:
+def delay_at_limit(problem: Problem) -> bool:
     """Whether the delay was found at the end of what is looked at."""
-    return abs(settings.delay) >= 0.99 * REACH
+    return problem.delay_was_found and abs(problem.settings.delay) >= 0.99 * REACH

@@ -47,12 +47,14 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
         Where none is consistent, the one that predicts best, and the reason says so.
     """
     consistent = [m for m in methods if m.consistent]
-    best = min(consistent or methods, key=prediction_error)
-    on = "the validation logs" if best.validation else "each half from the other"
+    best = min(consistent or methods, key=lambda m: (prediction_error(m), float(np.mean(m.fit.relative_rms))))
     if not consistent:
         return best.method, "no method asked for gives physically consistent parameters; this one predicts best"
     if len(methods) == 1:
         return best.method, "the only method asked for"
+    if prediction_error(best) == np.inf:
+        return best.method, "smallest error on the log it was fitted to; give --validate a log to judge by"
+    on = "the validation logs" if best.validation else "each half from the other"
     return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
 
 
@@ -147,7 +149,7 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
             f"on logs not used the torque error reaches {100 * worst:.3g} %, on the log itself "
             f"{100 * max(best.fit.relative_rms):.3g} %: the logs excite different things"
         )
-    if delay_at_limit(problem.settings):
+    if delay_at_limit(problem):
         found.append(
             f"the delay of the torque is at the end of the range looked at ({1e3 * problem.settings.delay:.3g} ms)"
         )

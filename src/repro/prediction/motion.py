@@ -8,7 +8,6 @@ is that within windows.
 import numpy as np
 
 from repro.logs.log import Log
-from repro.model.dynamics import forward_dynamics
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import FilterSettings, motion
@@ -20,6 +19,8 @@ MOST_WINDOWS = 40
 #: Longest step of the integration, s, and its largest product with the fastest decay of friction.
 STEP = 2.5e-3
 STABLE = 1.0
+#: Steps that a sample is divided into at most: M(q) that asks for more is nearly singular.
+MOST_PARTS = 40
 
 
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
@@ -37,19 +38,32 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
     Returns
     -------
     list of (float, float) or None
-        RMS over the windows of each joint, rad; None where M(q) is not positive definite, friction is negative, or the
-        model runs away.
+        RMS over the windows of each joint, rad; None where M(q) is not positive definite or nearly singular, or the
+        model runs away. Negative friction is simulated as it is.
     """
-    able = [bool(is_positive_definite(np.concatenate([b[:5], np.maximum(b[5:], 0.0)]))) for b in betas]
+    h = float(np.median(np.diff(log.t)))
+    parts = np.array([_parts(b, h, settings.friction_steepness) for b in betas])
+    able = parts <= MOST_PARTS
     errors: list[tuple[float, float] | None] = [None] * len(betas)
-    if any(able):
-        for k, error in zip(np.flatnonzero(able), _simulate(log, settings, betas[able]), strict=True):
+    if able.any():
+        found = _simulate(log, settings, betas[able], int(parts[able].max()))
+        for k, error in zip(np.flatnonzero(able), found, strict=True):
             if np.isfinite(error).all():
                 errors[k] = (float(error[0]), float(error[1]))
     return errors
 
 
-def _simulate(log: Log, settings: FilterSettings, betas: Array) -> Array:
+def _parts(beta: Array, h: float, steepness: float) -> float:
+    """Steps that a sample is divided into, by the fastest decay of friction; infinity if M(q) is not definite."""
+    if not is_positive_definite(np.concatenate([beta[:5], np.maximum(beta[5:], 0.0)])):
+        return np.inf
+    i1, i2, i3 = beta[:3]
+    smallest = min(i3 - 0.25 * i2**2 / (i1 - i3), i1 - i3 - 0.25 * i2**2 / i3)  # of a joint with the other free
+    decay = float(np.max(np.abs(beta[5:7]) + steepness * np.abs(beta[7:9]))) / smallest
+    return float(np.ceil(h * max(1.0 / STEP, decay / STABLE)))
+
+
+def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> Array:
     """RMS position error, shape (m, 2), all windows and parameter sets side by side."""
     h = float(np.median(np.diff(log.t)))
     margin = max(round(settings.cut / h), 1)
@@ -59,9 +73,6 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array) -> Array:
     if not starts.size:
         return np.full((len(betas), 2), np.nan)
     starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MOST_WINDOWS)).astype(int)]
-    smallest = np.min(betas[:, 2] - 0.25 * betas[:, 1] ** 2 / (betas[:, 0] - betas[:, 2]))
-    decay = np.max(np.abs(betas[:, 5:7]) + settings.friction_steepness * np.abs(betas[:, 7:9])) / smallest
-    parts = int(np.ceil(h * max(1.0 / STEP, decay / STABLE)))
     parameters = betas[:, None, :]
     shape = (len(betas), starts.size, 2)
     x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
@@ -85,11 +96,26 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array) -> Array:
 
 def _step(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
     """One step of the classical Runge-Kutta method of order 4."""
-    a1 = forward_dynamics(x, v, tau, beta, steepness)
+    a1 = _acceleration(x, v, tau, beta, steepness)
     v2 = v + 0.5 * h * a1
-    a2 = forward_dynamics(x + 0.5 * h * v, v2, tau, beta, steepness)
+    a2 = _acceleration(x + 0.5 * h * v, v2, tau, beta, steepness)
     v3 = v + 0.5 * h * a2
-    a3 = forward_dynamics(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    a3 = _acceleration(x + 0.5 * h * v2, v3, tau, beta, steepness)
     v4 = v + h * a3
-    a4 = forward_dynamics(x + h * v3, v4, tau, beta, steepness)
+    a4 = _acceleration(x + h * v3, v4, tau, beta, steepness)
     return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+
+
+def _acceleration(x: Array, v: Array, tau: Array, beta: Array, steepness: float) -> Array:
+    """Eq. 1 solved for ddq as `repro.model.dynamics.forward_dynamics` does, without its checks: it may run away."""
+    i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
+    q1, q2, v1, v2 = x[..., 0], x[..., 1], v[..., 0], v[..., 1]
+    rest = tau - beta[..., 5:7] * v - beta[..., 7:9] * np.tanh(steepness * v)
+    swing = 0.5 * i2 * np.sin(q2)
+    load = g2 * np.sin(q1 + q2)
+    r1 = rest[..., 0] + swing * v2 * (2.0 * v1 + v2) - g1 * np.sin(q1) - load
+    r2 = rest[..., 1] - swing * v1**2 - load
+    coupling = i3 + 0.5 * i2 * np.cos(q2)
+    m11 = i1 + i2 * np.cos(q2)
+    determinant = m11 * i3 - coupling**2
+    return np.stack([i3 * r1 - coupling * r2, m11 * r2 - coupling * r1], axis=-1) / determinant[..., None]

@@ -70,7 +70,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Returns
     -------
     Cutoff
-        Between 1 and 10 Hz, and at most a tenth of the sampling rate.
+        Between 1 and 10 Hz, but at most a tenth of the sampling rate.
     """
     rate = 1.0 / float(np.median(np.diff(log.t)))
     highest = min(HIGHEST, rate / 10.0)

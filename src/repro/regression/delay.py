@@ -7,6 +7,7 @@ squared errors of ordinary least squares is close to a parabola about the true d
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from repro.logs.log import Log
 from repro.regression.prepare import FilterSettings, prepare
@@ -38,7 +39,8 @@ def estimate_delay(log: Log, settings: FilterSettings) -> float:
     inside = slice(*np.searchsorted(t, [t[0] + REACH, t[-1] - REACH]))
     y = plain.y[:, inside]
     fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
-    tau = np.stack([[np.interp(t[inside] - d, fine.t, joint) for joint in fine.tau] for d in late])
+    curve_of = CubicSpline(fine.t, fine.tau, axis=-1)
+    tau = np.stack([curve_of(t[inside] - d) for d in late])
     error = np.array([np.sum((x - y @ solve(y, x)) ** 2) for x in tau])
     best = int(np.clip(error.argmin(), 1, POINTS - 2))
     curve, slope, _ = np.polyfit(late[best - 1 : best + 2] - late[best], error[best - 1 : best + 2], 2)

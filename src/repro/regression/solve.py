@@ -10,6 +10,10 @@ from repro.model.parameters import Array
 
 #: Singular values below this share of the largest are taken for zero, columns having unit length.
 RANK_TOLERANCE = 1e-6
+#: Columns shorter than this share of the longest are rounding of a joint that does not move, and count as zero.
+MOVED = 1e-9
+#: Rows that pull to zero, with columns of unit length, what nothing else determines.
+PULL = 1e-7
 
 
 def unit_columns(y: Array) -> tuple[Array, Array]:
@@ -23,14 +27,15 @@ def unit_columns(y: Array) -> tuple[Array, Array]:
     Returns
     -------
     a : array of shape (2 n, 9)
-        Scaled; a column that is zero stays so.
+        Scaled; a column that is nothing but rounding is zero.
     scale : array of shape (9,)
         beta = z / scale solves the problem that z solves for `a`.
     """
     a = y.reshape(-1, y.shape[-1])
     length = np.sqrt(np.einsum("np,np->p", a, a))
-    scale = np.where(length > 0.0, length, 1.0)
-    return a / scale, scale
+    moved = length > MOVED * length.max(initial=0.0)
+    scale = np.where(moved, length, 1.0)
+    return np.where(moved, a / scale, 0.0), scale
 
 
 def pseudo_solve(gram: Array, right: Array) -> Array:
@@ -43,7 +48,9 @@ def pseudo_solve(gram: Array, right: Array) -> Array:
 
 
 def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
-    """Parameters with the smallest sum of squared torque errors, of the smallest length if they are not unique.
+    """Parameters with the smallest sum of squared torque errors.
+
+    Where they are not unique, those of the smallest length in units of the columns' length.
 
     Parameters
     ----------
@@ -63,11 +70,13 @@ def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
         root = np.sqrt(np.broadcast_to(weight, tau.shape))
         y, tau = y * root[..., None], tau * root
     a, scale = unit_columns(y)
-    return pseudo_solve(a.T @ a, a.T @ tau.reshape(-1)) / scale
+    return pseudo_solve(a.T @ a, a.T @ tau.reshape(-1)) * a.any(axis=0) / scale
 
 
 def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
-    """The least-squares problem in nine rows or fewer: |R z - c|^2 is |Y beta - tau|^2 but for a constant.
+    """The least-squares problem in few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant.
+
+    The last nine pull z to zero too weakly to be seen where anything else determines it, so that the solution is one.
 
     Parameters
     ----------
@@ -79,7 +88,7 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     Returns
     -------
     R : array of shape (k, 9)
-        One row for each direction that the motion determines.
+        One row for each direction that the motion determines, and nine.
     c : array of shape (k,)
         Right side.
     scale : array of shape (9,)
@@ -89,5 +98,12 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     values, vectors = np.linalg.eigh(a.T @ a)
     kept = values > RANK_TOLERANCE**2 * values.max()
     root = np.sqrt(values[kept])
-    directions = vectors[:, kept].T
-    return root[:, None] * directions, directions @ (a.T @ tau.reshape(-1)) / root, scale
+    directions = vectors[:, kept].T * a.any(axis=0)
+    rows = np.vstack([root[:, None] * directions, PULL * np.eye(len(scale))])
+    right = np.concatenate([directions @ (a.T @ tau.reshape(-1)) / root, np.zeros(len(scale))])
+    return rows, right, scale
+
+
+def snap(z: Array, share: float) -> Array:
+    """Numbers smaller than a share of the largest set to zero: what a solver leaves of a bound that holds."""
+    return np.where(np.abs(z) > share * np.abs(z).max(initial=0.0), z, 0.0)

@@ -12,6 +12,9 @@ from repro.regression.prepare import Regression
 
 #: Speed below which a joint stands still, rad/s.
 STILL = 0.02
+#: Share of the time that a joint must move for its standstill to be left out: of a joint that hardly moves there
+#: would be nothing left.
+MOVES = 0.2
 
 
 def without_standstill(regression: Regression) -> Regression:
@@ -29,6 +32,7 @@ def without_standstill(regression: Regression) -> Regression:
         `Regression.moving`.
     """
     moving = np.abs(regression.dq) >= STILL
+    moving |= moving.mean(-1, keepdims=True) < MOVES
     rows = moving[..., None]
     return replace(
         regression,

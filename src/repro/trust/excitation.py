@@ -8,6 +8,7 @@ finds independent columns, and the others are their combinations.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from repro.model.parameters import NAMES, Array
@@ -18,7 +19,7 @@ from repro.regression.solve import unit_columns
 SAME = 1e-4
 #: A parameter that moves less than this share of the RMS torque of its joint is not excited.
 EXCITED = 2e-3
-#: Coefficients smaller than this are left out of a combination.
+#: Shares of torque smaller than this are left out of a combination.
 VISIBLE = 1e-3
 
 
@@ -35,6 +36,8 @@ class Excited:
     friction_correlation : tuple of 2 floats
         Correlation of the least-squares estimates of viscous and Coulomb friction of each joint; 0 where one of them
         is not excited.
+    determined : tuple of 9 bool
+        Whether each parameter is determined on its own, not in a combination alone.
     base_parameters : tuple of str
         Combinations that are determined.
     """
@@ -42,6 +45,7 @@ class Excited:
     rank: int
     condition: float
     friction_correlation: tuple[float, float]
+    determined: tuple[bool, ...]
     base_parameters: tuple[str, ...]
 
 
@@ -60,17 +64,29 @@ def excitation(regression: Regression) -> Excited:
     """
     a, scale = unit_columns(regression.y)
     moved = np.flatnonzero(np.linalg.norm(a, axis=0) > 0.0)
-    singular = np.linalg.svd(a[:, moved], compute_uv=False)
+    if not moved.size:
+        return Excited(0, np.inf, (0.0, 0.0), (False,) * len(NAMES), ())
+    _, singular, right = np.linalg.svd(a[:, moved], full_matrices=False)
     rank = int((singular > SAME * singular[0]).sum())
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
-    covariance: Array = np.linalg.pinv(a.T @ a, rcond=SAME**2, hermitian=True).astype(np.float64)
-    correlation = tuple(_correlation(covariance, 5 + j, 7 + j) for j in range(2))
-    return Excited(rank, condition, (correlation[0], correlation[1]), _combinations(a[:, moved], scale, moved, rank))
+    # What the determined directions hold of each parameter: all of it, or it is determined in a combination alone.
+    held = np.zeros(len(NAMES))
+    held[moved] = np.sum(right[:rank] ** 2, axis=0)
+    covariance = np.asarray(np.linalg.inv(a.T @ a + SAME**2 * np.eye(len(NAMES))), dtype=np.float64)
+    correlation = tuple(_correlation(covariance, 5 + j, 7 + j, moved) for j in range(2))
+    return Excited(
+        rank,
+        condition,
+        (correlation[0], correlation[1]),
+        tuple((held > 1.0 - VISIBLE).tolist()),
+        _combinations(a[:, moved], scale, moved, rank),
+    )
 
 
-def _correlation(covariance: Array, i: int, j: int) -> float:
-    size = np.sqrt(covariance[i, i] * covariance[j, j])
-    return float(covariance[i, j] / size) if size > 0.0 else 0.0
+def _correlation(covariance: Array, i: int, j: int, moved: NDArray[np.intp]) -> float:
+    if i not in moved or j not in moved:
+        return 0.0
+    return float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j]))
 
 
 def _combinations(
@@ -84,10 +100,11 @@ def _combinations(
         return tuple(NAMES[k] for k in moved)
     # Columns D = P K of unit length; beta_P s_P + K beta_D s_D is determined, per unit of beta_P.
     size = scale[moved[order]]
-    share = solve_triangular(r[:rank, :rank], r[:rank, rank:]) * size[rank:] / size[:rank, None]
+    mix = solve_triangular(r[:rank, :rank], r[:rank, rank:])
+    share = mix * size[rank:] / size[:rank, None]
     words = []
-    for name, row in zip(names[:rank], share, strict=True):
-        others = (f"{c:+.3g} {other}" for c, other in zip(row, names[rank:], strict=True) if abs(c) > VISIBLE)
+    for name, row, visible in zip(names[:rank], share, np.abs(mix) > VISIBLE, strict=True):
+        others = (f"{c:+.3g} {other}" for c, other, told in zip(row, names[rank:], visible, strict=True) if told)
         words.append(" ".join([name, *(f"{text[0]} {text[1:]}" for text in others)]))
     return tuple(sorted(words, key=lambda text: NAMES.index(text.split()[0])))
 

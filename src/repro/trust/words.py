@@ -6,7 +6,13 @@ import math
 KNOWN, ROUGHLY = 0.5, 1.0
 
 
-def verdict(estimate: float, low: float | None, high: float | None, excited: bool, held: bool) -> str:
+NOT_EXCITED = "not excited by this motion"
+COMBINED = "determined in a combination only, see the base parameters"
+
+
+def verdict(
+    estimate: float, low: float | None, high: float | None, excited: bool, held: bool, determined: bool = True
+) -> str:
     """What a roboticist may say about a parameter.
 
     Parameters
@@ -16,23 +22,25 @@ def verdict(estimate: float, low: float | None, high: float | None, excited: boo
     low, high : float or None
         Ends of the 95 % interval, if there is one.
     excited : bool
-        Whether the motion moves a torque through it.
+        Whether the motion moves a torque through it that is worth mentioning.
     held : bool
         Whether a condition of the method holds it at its bound.
+    determined : bool
+        Whether the motion determines it by itself.
 
     Returns
     -------
     str
         One phrase.
     """
-    if not excited:
-        return "not excited by this motion"
+    if not determined:
+        return COMBINED if excited else NOT_EXCITED
     if held:
         return "held at zero: the log alone would make it negative"
     if low is None or high is None:
-        return "no interval claimed by this method"
+        return "no interval claimed by this method" if excited else NOT_EXCITED
     if low <= 0.0 <= high:
-        return "not told from zero"
+        return "not told from zero" if excited else NOT_EXCITED
     share = 0.5 * (high - low) / abs(estimate)
     if share <= KNOWN:
         return f"known to {_percent(share)} %"
