@@ -130,6 +130,8 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["log.csv", "-o", "out", "--arm", "arm.yaml"], "arm.yaml"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "at least four times the cut-off"),
         (["short.csv", "-o", "out"], "short.csv"),
+        (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
+        (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, capsys, arguments, expected):

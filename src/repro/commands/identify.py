@@ -3,6 +3,7 @@
 import argparse
 import logging
 import os
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,6 @@ from repro.commands.options import add_config, positive_integer, whole_number
 from repro.errors import InputError
 
 if TYPE_CHECKING:
-    from repro.logs.armfile import Arm
     from repro.ownarm.judge import Found
     from repro.ownarm.prepared import Told
     from repro.ownarm.result import Result
@@ -106,6 +106,11 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.steps,
         arguments.threads,
     )
+    if set(names) & set(ALGORITHM1):
+        _check_cache(options.cache)
+    for path in arguments.validate:
+        if path.exists() and Path(arguments.log).exists() and path.samefile(arguments.log):
+            raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
     fitted = read(_source(arguments), arm)
     others = tuple(read(path, arm) for path in arguments.validate)
     for told in (fitted, *others):
@@ -119,9 +124,16 @@ def run(arguments: argparse.Namespace) -> int:
     def report(what: str, done: int, total: int, note: str) -> None:
         progress.setdefault(what, Progress(what))(done, total, note)
 
-    found = solve_all(problem, resolve(options, report), options.seed, report, lambda f: _found(f, len(names)))
+    methods = resolve(options, report)
+    quick = [m for m in methods if m.name not in ALGORITHM1]
+    found = solve_all(problem, quick, options.seed, report, _found)
+    if found and len(quick) < len(methods):
+        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, found, arm)[0]))
+    found += solve_all(problem, [m for m in methods if m not in quick], options.seed, report, _found)
+    if not found:
+        raise InputError.at(fitted.description.name, "no solution by any method", "a log that tells more, see above")
     result, curves = assemble(problem, found, arm)
-    print(summary(result, arm), flush=True)
+    print(summary(result), flush=True)
     files = write_all(arguments.out, result, curves, arm)
     write_provenance(arguments.out / "provenance.json", Path(__file__).parent, options.threads)
     print(f"written to {arguments.out}: {', '.join(files)}")
@@ -157,19 +169,29 @@ def _tell(told: "Told") -> None:
         _LOG.warning("  WARNING: %s", warning)
 
 
-def _found(found: "Found", total: int) -> None:
-    _LOG.info("%s: done%s", found.method.title, "" if total == 1 else f", {'; '.join(found.estimate.notes)}")
+def _found(found: "Found") -> None:
+    _LOG.info("%s", "; ".join((f"{found.method.title}: done", *found.estimate.notes)))
 
 
-def summary(result: "Result", arm: "Arm") -> str:
+def _check_cache(cache: Path) -> None:
+    """Refuse a cache that cannot be written before minutes of training are spent."""
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=cache):
+            pass
+    except OSError as error:
+        raise InputError.at(
+            f"--cache {cache}", error.strerror or "no folder", "a folder that can be written"
+        ) from error
+
+
+def summary(result: "Result") -> str:
     """What to know without opening the report.
 
     Parameters
     ----------
     result : Result
         What was found.
-    arm : Arm
-        The arm.
 
     Returns
     -------
@@ -177,7 +199,7 @@ def summary(result: "Result", arm: "Arm") -> str:
         The recommended parameters with their verdicts, each method's errors, warnings.
     """
     best = next(m for m in result.methods if m.method == result.recommended)
-    lines = [f"{arm.name}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
+    lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     for p in best.parameters:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
     lines.append("torque error, relative RMS of joint 1 / joint 2 in %:")

@@ -11,7 +11,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from repro.estimators.interface import Estimate, Method
+from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
@@ -44,7 +44,7 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
 
     Raises
     ------
-    RuntimeError
+    NoSolutionError
         If the solver ends without a solution.
     """
     size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
@@ -58,7 +58,7 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
         warnings.simplefilter("ignore", UserWarning)  # of inaccuracy, which `is_positive_definite` is there to catch
         problem.solve(solver=cp.CLARABEL)
     if z.value is None:
-        raise RuntimeError(f"consistent parameters: the solver ended with {problem.status!r}.")
+        raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
     solution: Array = size * np.asarray(z.value)
     # The solver stays inside its bounds by a hair: what it leaves of a friction that is held is no friction.
     solution[5:] = np.maximum(snap(solution, HAIR)[5:], 0.0)

@@ -9,6 +9,10 @@ from repro.model.parameters import Array
 from repro.regression.prepare import Regression
 
 
+class NoSolutionError(Exception):
+    """A method found no parameters for a regression, in one line."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """What a method found.

@@ -1,10 +1,11 @@
 """From logs to a result: the whole of `repro identify` but for files and words on the screen."""
 
+import logging
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from repro.estimators.interface import Method
+from repro.estimators.interface import Method, NoSolutionError
 from repro.estimators.methods import METHODS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
@@ -21,6 +22,8 @@ from repro.trust.excitation import EXCITED, torque_share
 
 #: Names of the methods that run a network; the others are in `repro.estimators.methods`.
 NETWORK_METHODS = ("algorithm1", "algorithm1+refinement")
+
+_LOG = logging.getLogger(__name__)
 
 Report = Callable[[str, int, int, str], None]
 
@@ -73,7 +76,7 @@ def solve_all(
     Returns
     -------
     list of Found
-        In the same order.
+        In the same order; a method that finds no solution is told and left out.
     """
     found = []
     for method in methods:
@@ -81,8 +84,12 @@ def solve_all(
         def tell(k: int, n: int, title: str = method.title) -> None:
             report(f"standard errors, {title}", k, n, "")
 
-        found.append(find(method, problem, seed, method.name not in NETWORK_METHODS, tell))
-        done(found[-1])
+        try:
+            found.append(find(method, problem, seed, method.name not in NETWORK_METHODS, tell))
+        except NoSolutionError as error:
+            _LOG.warning("%s: no result, %s", method.title, error)
+        else:
+            done(found[-1])
     return found
 
 

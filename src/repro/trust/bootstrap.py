@@ -10,12 +10,13 @@ that, not noise, is what limits it. A method that is biased on purpose adds its 
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import t as student
 
-from repro.estimators.interface import Estimate, Method
+from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
 
@@ -118,14 +119,23 @@ def bootstrap(
     -------
     Spread
         Student's t with one degree of freedom less than there are blocks.
+
+    Raises
+    ------
+    NoSolutionError
+        If the method has no solution on most replicates, or on the log through another filter.
     """
     n, beta = regression.t.size, first.beta
     length = block_length(regression.tau - regression.y @ beta, regression.h)
-    drawn = np.empty((replicates, beta.size))
+    drawn = []
     for k in range(replicates):
-        drawn[k] = method.repeat(regression.take(redraw(n, length, rng)), first)
+        replicate = regression.take(redraw(n, length, rng))
+        with suppress(NoSolutionError):  # a stretch drawn so often that it determines too little
+            drawn.append(method.repeat(replicate, first))
         report(k + 1, replicates)
-    variance = drawn.var(0, ddof=1)
+    if len(drawn) < max(replicates // 2, 2):
+        raise NoSolutionError("most replicates of the bootstrap have no solution")
+    variance = np.var(drawn, axis=0, ddof=1)
     if as_good:
         variance += np.mean([(method.repeat(other, first) - beta) ** 2 for other in as_good], axis=0)
     if method.unbiased is not None:
