@@ -15,7 +15,7 @@ from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
-from repro.regression.solve import nine_rows, snap
+from repro.regression.solve import PULL, nine_rows, snap
 
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MARGIN = 1e-3
@@ -60,6 +60,7 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
     if z.value is None:
         raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
     solution: Array = size * np.asarray(z.value)
+    solution[5:] *= (np.abs(r) > PULL).any(axis=0)[5:]  # the solver does not feel the pull on friction of a joint at rest
     # The solver stays inside its bounds by a hair: what it leaves of a friction that is held is no friction.
     solution[5:] = np.maximum(snap(solution, HAIR)[5:], 0.0)
     return solution / scale

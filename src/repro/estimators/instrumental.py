@@ -12,7 +12,7 @@ import numpy as np
 from repro.estimators.interface import Estimate, Method, joint_variance
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
-from repro.regression.solve import pseudo_solve
+from repro.regression.solve import MOVED, pseudo_solve
 
 
 def _solve(regression: Regression, variance: Array) -> Array:
@@ -20,10 +20,11 @@ def _solve(regression: Regression, variance: Array) -> Array:
     weight = 1.0 / np.sqrt(variance)
     odd, even = (half.reshape(-1, half.shape[-1]) for half in regression.interleaved * weight[..., None])
     length = np.sqrt(np.linalg.norm(odd, axis=0) * np.linalg.norm(even, axis=0))
-    scale = np.where(length > 0.0, length, 1.0)
-    odd, even = odd / scale, even / scale
+    moved = length > MOVED * length.max(initial=0.0)
+    scale = np.where(moved, length, 1.0)
+    odd, even = (np.where(moved, half / scale, 0.0) for half in (odd, even))
     tau = (regression.tau * weight).reshape(-1)
-    return pseudo_solve(odd.T @ even + even.T @ odd, (odd + even).T @ tau) / scale
+    return pseudo_solve(odd.T @ even + even.T @ odd, (odd + even).T @ tau) * moved / scale
 
 
 def estimate(regression: Regression) -> Estimate:

@@ -5,7 +5,7 @@ import hashlib
 import re
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -51,7 +51,7 @@ class Picture:
 def render_page(
     result: Result, curves: Curves, figures: Mapping[str, bytes], files: Sequence[str] = tuple(FILES)
 ) -> str:
-    """Lay out the report.
+    """Lay out the report, the recommended method before the others.
 
     Parameters
     ----------
@@ -78,6 +78,7 @@ def render_page(
     found = [method for method in result.methods if method.method == result.recommended]
     if len(found) != 1:
         raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
+    result = replace(result, methods=(found[0], *(method for method in result.methods if method is not found[0])))
     style = _style()
     return (
         _environment()

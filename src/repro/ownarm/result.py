@@ -78,7 +78,7 @@ class MethodResult:
     halves : tuple of Score
         Each half predicted from the other; empty for a method too slow for it.
     whiteness : tuple of 2 floats
-        Lag-1 autocorrelation of the residual of each joint at the analysed rate: 0 is white.
+        Autocorrelation of the residual of each joint at a lag of one period of the cut-off: 0 is white.
     notes : tuple of str
         What the method says about itself: weights, rejected samples, shrinkage chosen ...
     citation : str
