@@ -60,7 +60,8 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
     if z.value is None:
         raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
     solution: Array = size * np.asarray(z.value)
-    solution[5:] *= (np.abs(r) > PULL).any(axis=0)[5:]  # the solver does not feel the pull on friction of a joint at rest
+    # The pull on what does not move is below the solver's tolerance: friction of a joint at rest is set to zero.
+    solution[5:] *= (np.abs(r) > PULL).any(axis=0)[5:]
     # The solver stays inside its bounds by a hair: what it leaves of a friction that is held is no friction.
     solution[5:] = np.maximum(snap(solution, HAIR)[5:], 0.0)
     return solution / scale
