@@ -205,7 +205,7 @@ def test_recordings_with_holes_are_refused(data, reason, told):
 
 def test_the_table_has_the_frames():
     table = to_table(decode_capture(FRAMES, ABOUT))
-    names = "time_s q1_rad q2_rad tau1_Nm tau2_Nm q1_counts q2_counts pwm1 pwm2 gap"
+    names = "time_s q1_rad q2_rad tau1_Nm tau2_Nm q1_counts q2_counts pwm1 pwm2 gap simulated"
     assert list(table.columns) == names.split()
     assert len(table) == 400
     np.testing.assert_array_equal(table[["pwm1", "pwm2"]].to_numpy().T, PWM)

@@ -207,6 +207,9 @@ def test_a_decoded_capture_is_the_same_log(tmp_path, read):
     np.testing.assert_allclose(log.q, whole.q, atol=1e-12)
     np.testing.assert_allclose(log.tau, whole.tau, atol=1e-12)
     assert "q1 is read from q1_rad, in rad, of q1_rad, q1_counts" in log.notes
+    assert log.simulated == whole.simulated
+    assert read(table.assign(simulated=1).to_csv(index=False), name="T4.csv").simulated
+    assert not read(table.assign(simulated=0).to_csv(index=False), name="T4.csv").simulated
 
 
 def test_a_short_capture_is_refused(tmp_path):

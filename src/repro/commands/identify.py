@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from repro.commands.options import add_config, positive_integer, whole_number
 from repro.errors import InputError
+from repro.estimators.names import names
 
 if TYPE_CHECKING:
     from repro.ownarm.judge import Found
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+LEAST_SQUARES = names()
 ALGORITHM1 = ("algorithm1", "algorithm1+refinement")
 GROUPS = {"all": (*LEAST_SQUARES, *ALGORITHM1), "least-squares": LEAST_SQUARES}
 FILTERS = ("dct", "savitzky-golay", "butterworth")
@@ -96,9 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     check_folder(arguments.out, arguments.overwrite)
     arm = read_arm(arguments.arm)
-    names = tuple(dict.fromkeys(n for m in arguments.method or ("all",) for n in GROUPS.get(m, (m,))))
+    chosen = tuple(dict.fromkeys(n for m in arguments.method or ("all",) for n in GROUPS.get(m, (m,))))
     options = Options(
-        names,
+        chosen,
         arguments.cache.expanduser(),
         arguments.filter,
         arguments.cutoff,
@@ -106,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.steps,
         arguments.threads,
     )
-    if set(names) & set(ALGORITHM1):
+    if set(chosen) & set(ALGORITHM1):
         _check_cache(options.cache)
     for path in arguments.validate:
         if path.exists() and Path(arguments.log).exists() and path.samefile(arguments.log):
@@ -114,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
     fitted = read(_source(arguments), arm)
     others = tuple(read(path, arm) for path in arguments.validate)
     for told in (fitted, *others):
-        _tell(told)
+        _tell(told, briefly=told is not fitted)
     problem = make_problem(fitted, others, arm, options)
     s = problem.settings
     _LOG.info("cut-off %.3g Hz: %s", s.cutoff, problem.cutoff.reason)
@@ -134,8 +135,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError.at(fitted.description.name, "no solution by any method", "a log that tells more, see above")
     result, curves = assemble(problem, found, arm)
     print(summary(result), flush=True)
-    files = write_all(arguments.out, result, curves, arm)
-    write_provenance(arguments.out / "provenance.json", Path(__file__).parent, options.threads)
+    files = [*write_all(arguments.out, result, curves, arm), "provenance.json"]
+    write_provenance(arguments.out / files[-1], Path(__file__).parent, options.threads)
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 
@@ -158,11 +159,12 @@ def _source(arguments: argparse.Namespace) -> Path:
     return capture
 
 
-def _tell(told: "Told") -> None:
+def _tell(told: "Told", briefly: bool) -> None:
     d = told.description
     _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
     for label, value in d.facts:
-        _LOG.info("  %s: %s", label, value)
+        if not briefly or label in ("length", "rate", "gaps"):
+            _LOG.info("  %s: %s", label, value)
     for note in d.notes:
         _LOG.info("  note: %s", note)
     for warning in d.warnings:

@@ -1,1 +1,1 @@
-"""Methods that turn a regression into nine parameters: one file each, one interface, listed in `methods`."""
+"""Methods that turn a regression into nine parameters: one file each, one interface, found by `methods`."""

@@ -6,7 +6,7 @@ from scipy.optimize import lsq_linear
 from repro.estimators.interface import Estimate, Method
 from repro.model.parameters import NAMES
 from repro.regression.prepare import Regression
-from repro.regression.solve import nine_rows, snap
+from repro.regression.solve import asked, nine_rows, snap
 
 
 def estimate(regression: Regression) -> Estimate:
@@ -23,7 +23,8 @@ def estimate(regression: Regression) -> Estimate:
         With the names of the parameters held at their bound.
     """
     r, c, scale = nine_rows(regression.y, regression.tau)
-    beta = snap(np.maximum(lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x, 0.0), 1e-12) / scale
+    z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(r, c)
+    beta = snap(np.maximum(z, 0.0), 1e-12) / scale
     held = [name for name, value in zip(NAMES, beta, strict=True) if value == 0.0]
     return Estimate(beta, (f"held at zero: {', '.join(held)}",) if held else ())
 

@@ -15,7 +15,7 @@ from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import Regression
-from repro.regression.solve import PULL, nine_rows, snap
+from repro.regression.solve import asked, nine_rows, snap
 
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MARGIN = 1e-3
@@ -60,8 +60,8 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
     if z.value is None:
         raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
     solution: Array = size * np.asarray(z.value)
-    # The pull on what does not move is below the solver's tolerance: friction of a joint at rest is set to zero.
-    solution[5:] *= (np.abs(r) > PULL).any(axis=0)[5:]
+    # The pull to zero is below the solver's tolerance. The inertia keeps what its condition asks for instead.
+    solution[5:] *= asked(r, c)[5:]
     # The solver stays inside its bounds by a hair: what it leaves of a friction that is held is no friction.
     solution[5:] = np.maximum(snap(solution, HAIR)[5:], 0.0)
     return solution / scale
@@ -84,6 +84,7 @@ def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
         beta; False if it is the unconditional least-squares solution.
     """
     z = lsq_linear(r, c, bounds=(FRICTION_BOUNDS, np.inf), method="bvls").x
+    z *= asked(r, c)  # which leaves no rounding in the rows that pull
     z[5:] = np.maximum(snap(z, 1e-12)[5:], 0.0)
     bounded = z / scale
     margin = MARGIN * max(abs(float(bounded[0] + bounded[2])), np.finfo(np.float64).tiny)

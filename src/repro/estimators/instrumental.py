@@ -24,7 +24,8 @@ def _solve(regression: Regression, variance: Array) -> Array:
     scale = np.where(moved, length, 1.0)
     odd, even = (np.where(moved, half / scale, 0.0) for half in (odd, even))
     tau = (regression.tau * weight).reshape(-1)
-    return pseudo_solve(odd.T @ even + even.T @ odd, (odd + even).T @ tau) * moved / scale
+    beta: Array = pseudo_solve(odd.T @ even + even.T @ odd, (odd + even).T @ tau) * moved / scale
+    return beta
 
 
 def estimate(regression: Regression) -> Estimate:

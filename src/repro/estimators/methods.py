@@ -1,9 +1,8 @@
-"""The methods that solve a regression; a new one is a new file and a line here."""
+"""The methods that solve a regression: every file of this folder that is named in `repro.estimators.names`."""
 
-from repro.estimators import bounded, consistent, instrumental, ordinary, parsimonious, robust, weighted
+from importlib import import_module
+
 from repro.estimators.interface import Method
+from repro.estimators.names import names
 
-METHODS: dict[str, Method] = {
-    module.METHOD.name: module.METHOD
-    for module in (ordinary, weighted, robust, instrumental, bounded, consistent, parsimonious)
-}
+METHODS: dict[str, Method] = {name: import_module(f"repro.estimators.{name}").METHOD for name in names()}

@@ -143,8 +143,8 @@ def to_table(capture: Capture) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``time_s, q1_rad, q2_rad, tau1_Nm, tau2_Nm, q1_counts, q2_counts, pwm1, pwm2, gap``; `gap` is 1 where
-        samples are missing before this one.
+        ``time_s, q1_rad, q2_rad, tau1_Nm, tau2_Nm, q1_counts, q2_counts, pwm1, pwm2, gap, simulated``; `gap` is 1
+        where samples are missing before this one, `simulated` is 1 throughout for a recording of the simulated board.
     """
     gap = np.zeros(len(capture.index) + 1, dtype=np.int64)
     gap[[each.next_frame for each in capture.gaps if each.lost]] = 1
@@ -156,4 +156,4 @@ def to_table(capture: Capture) -> pd.DataFrame:
         (("pwm1", "pwm2"), capture.pwm),
     ):
         columns |= dict(zip(names, rows, strict=True))
-    return pd.DataFrame(columns | {"gap": gap[:-1]})
+    return pd.DataFrame(columns | {"gap": gap[:-1], "simulated": int(capture.about.source == "simulated")})

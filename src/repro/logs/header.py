@@ -17,6 +17,9 @@ _CURRENT = ("current", "cur")
 _PWM = ("pwm",)
 _JOINT_NAMES = ("shoulder", "elbow")
 
+#: Column of `repro decode` that says whether the simulated board made a recording.
+SIMULATED: Final = "simulated"
+
 _BRACKETS = re.compile(r"(.+?)\s*[\[({]\s*([^\d\s].*?)\s*[\])}]\Z")
 
 
@@ -42,7 +45,7 @@ class Column:
 def _names() -> dict[str, tuple[Signal, str | None]]:
     """Squeezed names of columns, each with its signal and the unit that the name implies."""
     names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(
-        ("time", "t", "times", "timestamp", "timestamps"), ("time", None)
+        ("time", "t", "timestamp", "timestamps"), ("time", None)
     )
     for signals, words, unit in (
         (("q1", "q2"), _POSITION, None),
@@ -106,7 +109,7 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         if signal in found and other not in found:
             notes.append(f"{found.pop(signal).header} is ignored, because the other joint has no velocity column")
     used = {column.index for column in found.values()}
-    ignored = [name for index, name in enumerate(header) if name and index not in used]
+    ignored = [name for index, name in enumerate(header) if name and index not in used and name != SIMULATED]
     if ignored:
         notes.append(f"columns ignored: {_listed(ignored)}")
     return _with_units(found, file, notes), tuple(notes)

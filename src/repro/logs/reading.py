@@ -11,7 +11,7 @@ from repro.fpga.capture import read_capture
 from repro.fpga.recorded import samples
 from repro.logs.armfile import Arm
 from repro.logs.checks import check_signals, check_time
-from repro.logs.header import find_columns
+from repro.logs.header import SIMULATED, find_columns
 from repro.logs.log import Log
 from repro.logs.table import read_table
 from repro.logs.uniform import longest_stretch
@@ -82,7 +82,8 @@ def _from_table(path: Path, arm: Arm) -> Log:
     q, tau, dq = (np.stack([si[a], si[b]]) if a in si else None for a, b in pairs)
     assert q is not None
     assert tau is not None
-    return Log(path.name, time - time[0], q, tau, dq, notes)
+    simulated = SIMULATED in table.header and bool(np.any(table.numbers(table.header.index(SIMULATED)) != 0.0))
+    return Log(path.name, time - time[0], q, tau, dq, notes, simulated)
 
 
 def _to_eq1(log: Log, arm: Arm) -> Log:

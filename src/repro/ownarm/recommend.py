@@ -14,6 +14,8 @@ CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
 #: A network whose validation error is more than this times the best least squares' has its reason told; fits whose
 #: similarities differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.2, 0.005
+#: Errors that differ by less than this factor are equally good.
+AS_GOOD_AS = 1.01
 
 
 def prediction_error(method: MethodResult) -> float:
@@ -33,6 +35,11 @@ def prediction_error(method: MethodResult) -> float:
     return float(np.mean([s.relative_rms for s in scores])) if scores else np.inf
 
 
+def fit_error(method: MethodResult) -> float:
+    """Mean relative RMS torque error over both joints of the log that was fitted."""
+    return float(np.mean(method.fit.relative_rms))
+
+
 def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     """The physically consistent method that predicts best what it has not seen.
 
@@ -44,10 +51,13 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     Returns
     -------
     name, reason : str
-        Where none is consistent, the one that predicts best, and the reason says so.
+        Of methods whose errors are within 1 % of the smallest the first asked for. Where none is consistent, the one
+        that predicts best, and the reason says so.
     """
     consistent = [m for m in methods if m.consistent]
-    best = min(consistent or methods, key=lambda m: (prediction_error(m), float(np.mean(m.fit.relative_rms))))
+    able = consistent or methods
+    errors = [prediction_error(m) if np.isfinite(prediction_error(m)) else fit_error(m) for m in able]
+    best = next(m for m, error in zip(able, errors, strict=True) if error <= AS_GOOD_AS * min(errors))
     if not consistent:
         return best.method, "no method asked for gives physically consistent parameters; this one predicts best"
     if len(methods) == 1:

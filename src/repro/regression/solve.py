@@ -5,6 +5,7 @@ digits remain, and a method can be repeated hundreds of times for its standard e
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.model.parameters import Array
 
@@ -102,6 +103,12 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     rows = np.vstack([root[:, None] * directions, PULL * np.eye(len(scale))])
     right = np.concatenate([directions @ (a.T @ tau.reshape(-1)) / root, np.zeros(len(scale))])
     return rows, right, scale
+
+
+def asked(r: Array, c: Array) -> NDArray[np.bool_]:
+    """Parameters that rows R z = c ask for: the others share no row with them and are exactly 0 in the solution."""
+    alone = np.count_nonzero(r.T @ r, axis=0) == 1
+    return ~(alone & (r.T @ c == 0.0))
 
 
 def snap(z: Array, share: float) -> Array:

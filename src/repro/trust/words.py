@@ -2,8 +2,8 @@
 
 import math
 
-#: Half an interval over the estimate: below the first the parameter is known, below the second roughly.
-KNOWN, ROUGHLY = 0.5, 1.0
+#: Half an interval over the estimate: up to this the parameter is known.
+KNOWN = 0.5
 
 
 NOT_EXCITED = "not excited by this motion"
@@ -44,7 +44,7 @@ def verdict(
     share = 0.5 * (high - low) / abs(estimate)
     if share <= KNOWN:
         return f"known to {_percent(share)} %"
-    return "sign known, size only roughly" if share <= ROUGHLY else "sign known, size not"
+    return "sign known, size only roughly"
 
 
 def _percent(share: float) -> str:
