@@ -6,10 +6,13 @@ out.
 """
 
 import argparse
+import os
 import statistics
 import tempfile
 import time
 from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as `repro identify` does
 
 import numpy as np
 

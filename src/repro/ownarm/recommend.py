@@ -56,7 +56,9 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     """
     consistent = [m for m in methods if m.consistent]
     able = consistent or methods
-    errors = [prediction_error(m) if np.isfinite(prediction_error(m)) else fit_error(m) for m in able]
+    errors = [prediction_error(m) for m in able]
+    if min(errors) == np.inf:
+        errors = [fit_error(m) for m in able]
     best = next(m for m, error in zip(able, errors, strict=True) if error <= AS_GOOD_AS * min(errors))
     if not consistent:
         return best.method, "no method asked for gives physically consistent parameters; this one predicts best"

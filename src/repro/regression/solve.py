@@ -36,7 +36,7 @@ def unit_columns(y: Array) -> tuple[Array, Array]:
     length = np.sqrt(np.einsum("np,np->p", a, a))
     moved = length > MOVED * length.max(initial=0.0)
     scale = np.where(moved, length, 1.0)
-    return np.where(moved, a / scale, 0.0), scale
+    return a * np.where(moved, 1.0 / scale, 0.0), scale
 
 
 def pseudo_solve(gram: Array, right: Array) -> Array:
@@ -71,7 +71,8 @@ def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
         root = np.sqrt(np.broadcast_to(weight, tau.shape))
         y, tau = y * root[..., None], tau * root
     a, scale = unit_columns(y)
-    return pseudo_solve(a.T @ a, a.T @ tau.reshape(-1)) * a.any(axis=0) / scale
+    gram = a.T @ a
+    return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
 
 
 def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
@@ -96,10 +97,11 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
         beta = z / scale.
     """
     a, scale = unit_columns(y)
-    values, vectors = np.linalg.eigh(a.T @ a)
+    gram = a.T @ a
+    values, vectors = np.linalg.eigh(gram)
     kept = values > RANK_TOLERANCE**2 * values.max()
     root = np.sqrt(values[kept])
-    directions = vectors[:, kept].T * a.any(axis=0)
+    directions = vectors[:, kept].T * (gram.diagonal() > 0.0)
     rows = np.vstack([root[:, None] * directions, PULL * np.eye(len(scale))])
     right = np.concatenate([directions @ (a.T @ tau.reshape(-1)) / root, np.zeros(len(scale))])
     return rows, right, scale
@@ -108,7 +110,7 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
 def asked(r: Array, c: Array) -> NDArray[np.bool_]:
     """Parameters that rows R z = c ask for: the others share no row with them and are exactly 0 in the solution."""
     alone = np.count_nonzero(r.T @ r, axis=0) == 1
-    return ~(alone & (r.T @ c == 0.0))
+    return np.asarray(~(alone & (r.T @ c == 0.0)))
 
 
 def snap(z: Array, share: float) -> Array:
