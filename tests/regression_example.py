@@ -1,5 +1,6 @@
 """Logs of a known arm with content up to any frequency, and regressions made without a log."""
 
+import log_example
 import numpy as np
 from log_example import BETA
 
@@ -27,6 +28,15 @@ def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=
     t = np.arange(round(seconds * rate)) / rate
     tau = inverse_dynamics(*motion(t + delay), beta, steepness)
     return Log("log.csv", t, motion(t)[0], tau)
+
+
+def resting(joint, at, rate=200.0, seconds=12.0, noise=0.02, seed=0):
+    """The known motion with one joint fixed at an angle, a little noise in the torque."""
+    t = np.arange(round(seconds * rate)) / rate
+    q, dq, ddq = log_example.motion(t)
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    tau = inverse_dynamics(q, dq, ddq, BETA) + noise * np.random.default_rng(seed).normal(size=q.shape)
+    return Log("log.csv", t, q, tau)
 
 
 def problem(y, tau, interleaved=None):

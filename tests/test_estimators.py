@@ -1,5 +1,6 @@
 """Every method against an oracle: SciPy's solvers, conditions of optimality, or Monte Carlo with known truth."""
 
+import warnings
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ from conftest import feasible_betas, seeds
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import log_from, problem, random_regressor
+from regression_example import log_from, problem, random_regressor, resting
 from scipy.optimize import least_squares, nnls
 
 from repro.estimators import parsimonious
@@ -21,8 +22,10 @@ from repro.export.bibtex import entries
 from repro.model.dynamics import mass_matrix, regressor
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
+from repro.regression.filters import FILTERS
 from repro.regression.prepare import FilterSettings, prepare
 from repro.regression.solve import nine_rows, solve
+from repro.regression.standstill import without_standstill
 
 CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
 
@@ -75,12 +78,64 @@ def test_the_same_input_gives_the_same_bytes_and_is_left_alone(name):
 
 
 @every_method
-@pytest.mark.parametrize("factor", [0.1, 3.0, 50.0])
+@pytest.mark.parametrize("factor", [1e-4, 0.1, 3.0, 50.0, 3000.0])
 def test_stronger_torque_is_a_stronger_arm(name, factor):
     rng = np.random.default_rng(8)
     noisy = replace(CLEAN, tau=CLEAN.tau + 0.02 * rng.normal(size=CLEAN.tau.shape))
     one, other = beta_of(name, noisy), beta_of(name, replace(noisy, tau=factor * noisy.tau))
     np.testing.assert_allclose(other, factor * one, rtol=1e-5, atol=1e-7 * factor)
+
+
+# Joints that do not move.
+
+#: What Eq. 1 says of a joint fixed at an angle: combinations that are determined, and parameters that move nothing.
+ALONE = {name: {name: 1.0} for name in NAMES}
+STRAIGHT = [{"I1": 1.0, "I2": 1.0}, {"I2": 0.5, "I3": 1.0}, *(ALONE[name] for name in ("g1", "g2", "b1", "k1"))]
+BENT = [ALONE[name] for name in ("I1", "I2", "I3", "g1", "g2", "b1", "k1")]
+SECOND = [ALONE[name] for name in ("I2", "I3", "g2", "b2", "k2")]
+AT_REST = [(0, 0.0, SECOND), (0, 0.3, [ALONE["g1"], *SECOND]), (0, 0.7, [ALONE["g1"], *SECOND])]
+AT_REST += [(1, 0.0, STRAIGHT), (1, 0.3, BENT), (1, 0.7, BENT)]
+
+
+@pytest.mark.parametrize("filter_name", sorted(FILTERS))
+@pytest.mark.parametrize(("joint", "at", "known"), AT_REST)
+def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
+    """What the log tells is found, what it does not tell stays a number, and friction that nothing moves is zero."""
+    regression = without_standstill(prepare(resting(joint, at), FilterSettings(name=filter_name, cutoff=5.0)))
+    # Choosing parsimonious' penalty takes half a second where the solver of `consistent` has to run.
+    slow = filter_name != "savitzky-golay" or (joint, at) in {(0, 0.0), (0, 0.7)}
+    names = [name for name in METHODS if not (slow and name == "parsimonious")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = {name: beta_of(name, regression) for name in names}
+    for name, beta in found.items():
+        assert np.isfinite(beta).all()
+        assert np.abs(beta).max() < 100.0, (name, beta)
+        left = np.linalg.norm(regression.tau - regression.y @ beta, axis=1) / np.linalg.norm(regression.tau, axis=1)
+        assert left.max() < 0.02, name
+        for combination in known:
+            row = np.array([combination.get(each, 0.0) for each in NAMES])
+            assert row @ beta == pytest.approx(row @ BETA, rel=0.03), (name, combination)
+        assert (beta[[5 + joint, 7 + joint]] == 0.0).all(), (name, beta)
+
+
+@every_method
+@pytest.mark.parametrize("joint", [0, 1])
+def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
+    """Rounding of a fixed joint, of another size in each half of the samples."""
+    rng = np.random.default_rng(joint)
+    q, dq, ddq = (size * rng.normal(size=(2, 80)) for size in (1.0, 2.0, 5.0))
+    q[joint], dq[joint], ddq[joint] = 0.5, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    unmoved = np.flatnonzero(~y.any(axis=(0, 1)))
+    halves = np.stack([y, y])
+    halves[..., unmoved] = 1e-13 * rng.normal(size=(2, 2, 80, unmoved.size)) ** 9
+    y[..., unmoved] = halves[..., unmoved].mean(0)
+    regression = problem(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), halves)
+    beta, moved = beta_of(name, regression), np.setdiff1d(np.arange(9), unmoved)
+    np.testing.assert_allclose(beta[moved], BETA[moved], rtol=0.1)
+    assert (beta[[5 + joint, 7 + joint]] == 0.0).all()
+    assert np.abs(beta).max() < 100.0
 
 
 @every_method
@@ -291,6 +346,21 @@ def test_bounded_is_scipy_s_nonnegative_solution(seed):
     assert told <= held
 
 
+@given(seeds, st.sampled_from([0, 1]), st.floats(0.1, 1.4), st.booleans())
+def test_bounded_on_a_joint_at_rest_is_scipy_s_nonnegative_solution(seed, joint, at, hostile_signs):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = (size * rng.normal(size=(2, 60)) for size in (1.0, 2.0, 5.0))
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    truth = BETA * rng.choice([-1.0, 1.0, 1.0], 9) if hostile_signs else BETA
+    regression = problem(y, y @ truth + 0.05 * rng.normal(size=(2, 60)))
+    expected, _ = nnls(y.reshape(-1, 9), regression.tau.reshape(-1))
+    found = beta_of("bounded", regression)
+    assert cost(regression, found) <= (1.0 + 1e-9) * cost(regression, expected)
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+    assert (found[~y.any(axis=(0, 1))] == 0.0).all()
+
+
 @given(seeds)
 def test_a_bound_that_holds_nothing_changes_nothing(seed):
     rng = np.random.default_rng(seed)
@@ -412,6 +482,40 @@ def test_consistent_says_when_it_is_held(seed):
     if not is_positive_definite(ordinary):
         assert held
         assert cost(regression, found.beta) > cost(regression, ordinary)
+
+
+@pytest.mark.parametrize("factor", [1e-4, 3000.0])
+@pytest.mark.parametrize("name", ["consistent", "parsimonious"])
+def test_what_is_held_does_not_depend_on_the_size_of_the_torque(name, factor):
+    """The solver's tolerances are for numbers about 1, torques are not; and it warns of nothing."""
+    held = 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for seed in range(20 if name == "consistent" else 2):
+            one = hostile(seed)
+            other = replace(one, tau=factor * one.tau)
+            weak, strong = beta_of(name, one), beta_of(name, other)
+            size = np.linalg.norm(one.y, axis=(0, 1))
+            atol = 1e-4 * np.linalg.norm(one.tau)
+            np.testing.assert_allclose(size * strong / factor, size * weak, rtol=0, atol=atol)
+            assert cost(other, strong) == pytest.approx(factor**2 * cost(one, weak), rel=1e-5)
+            np.testing.assert_array_equal(strong[5:] == 0.0, weak[5:] == 0.0)
+            assert is_positive_definite(strong)
+            held += np.sum(weak[5:] == 0.0)
+    assert held >= 2
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_friction_that_is_held_is_held_at_zero_exactly(seed):
+    """By the slope of the cost: it rises with friction that is held, and is level with friction that is not."""
+    regression = hostile(seed)
+    beta = beta_of("consistent", regression)
+    slope = np.einsum("jnp,jn->p", regression.y, regression.y @ beta - regression.tau)
+    slope = slope / np.linalg.norm(regression.y, axis=(0, 1)) / np.linalg.norm(regression.tau)
+    assert (beta[5:][slope[5:] > 1e-3] == 0.0).all()
+    assert (beta[5:][np.abs(slope[5:]) < 1e-9] >= 0.0).all()
+    torque = beta * np.linalg.norm(regression.y, axis=(0, 1)) / np.linalg.norm(regression.tau)
+    assert not ((torque[5:] > 0.0) & (torque[5:] < 1e-7)).any()
 
 
 @given(seeds)

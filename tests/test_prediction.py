@@ -1,5 +1,6 @@
 """How well parameters predict: torque errors by hand, motions against SciPy's integrator and the simulated board."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -173,6 +174,51 @@ def test_inertia_that_is_not_positive_definite_has_no_motion(held):
     inside = BETA.copy()
     inside[1] = 0.9 * edge
     assert error(held, inside) is not None
+
+
+def test_negative_friction_is_simulated_as_it_is():
+    driven = BETA.copy()
+    driven[5:] = -0.03, 0.04, 0.2, -0.05
+    log = log_of(recording(beta=driven))
+    true = error(log, driven, FilterSettings())
+    assert max(true) < 3e-3
+    for name in ("b1", "k2"):
+        assert max(error(log, changed(name, 0.0, driven), FilterSettings())) > 5 * max(true)
+
+
+#: Friction so negative that the speed overflows within a window, more or less stiff.
+RUN_AWAY = [changed("b1", -500.0), changed("b2", -400.0), changed("b2", -1000.0)]
+#: M(q) positive definite by a hair only.
+EDGE = 2.0 * np.sqrt(BETA[2] * (BETA[0] - BETA[2]))
+NEARLY_SINGULAR = [np.array([BETA[0], sign * (1.0 - by) * EDGE, *BETA[2:]]) for sign, by in ((1, 1e-9), (-1, 1e-13))]
+NEARLY_SINGULAR += [changed("I3", 1e-9, changed("I2", 0.0)), 1e-9 * BETA]
+
+
+@pytest.mark.parametrize("beta", [*RUN_AWAY, *NEARLY_SINGULAR])
+def test_a_model_that_runs_away_or_is_nearly_singular_has_no_motion(held, beta):
+    begin = time.perf_counter()
+    assert error(held, beta) is None
+    assert time.perf_counter() - begin < 5.0  # with steps short enough for it, minutes
+
+
+@pytest.mark.parametrize("beta", [np.zeros(9), -BETA, 1e9 * BETA, np.full(9, 1e-30)])
+def test_numbers_that_are_no_arm_raise_nothing(held, beta):
+    found = position_errors(held, HELD, np.stack([beta, BETA]))
+    assert found[0] is None or np.isfinite(found[0]).all()
+    assert found[1] == error(held, BETA)
+
+
+def test_a_bad_set_neither_spoils_nor_slows_the_others(held):
+    good = [BETA, changed("g1", 1.2)]
+    alone = position_errors(held, HELD, np.stack(good))
+    begin = time.perf_counter()
+    together = position_errors(held, HELD, np.stack([NEARLY_SINGULAR[0], good[0], NEARLY_SINGULAR[3], good[1]]))
+    assert time.perf_counter() - begin < 5.0
+    assert together == [None, alone[0], None, alone[1]]
+    beside = position_errors(held, HELD, np.stack([*RUN_AWAY, *good]))
+    assert beside[: len(RUN_AWAY)] == [None] * len(RUN_AWAY)
+    for found, expected in zip(beside[len(RUN_AWAY) :], alone, strict=True):
+        assert found == pytest.approx(expected, rel=1e-3, abs=1e-6)  # steps are shorter
 
 
 def test_several_at_once_are_each_alone(held):

@@ -9,7 +9,7 @@ from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import broadband, log_from, random_regressor
+from regression_example import broadband, log_from, random_regressor, resting
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
@@ -18,7 +18,8 @@ from repro.regression.cutoff import choose_cutoff
 from repro.regression.delay import estimate_delay
 from repro.regression.filters import FILTERS
 from repro.regression.prepare import FilterSettings, motion, prepare
-from repro.regression.solve import nine_rows, solve
+from repro.regression.solve import nine_rows, snap, solve, unit_columns
+from repro.regression.standstill import without_standstill
 from repro.regression.steepness import choose_steepness
 
 LOG = log_from(log_example.motion)
@@ -180,6 +181,36 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
     assert estimate_delay(log, FilterSettings()) == pytest.approx(np.sign(late) * 0.02, abs=1e-4)
 
 
+# Standstill.
+
+
+@every_filter
+@pytest.mark.parametrize(("joint", "at"), [(0, 0.3), (1, 0.0), (1, 0.7)])
+def test_a_joint_that_never_moves_keeps_its_rows(name, joint, at):
+    """Static friction or not, it is all there is: gravity and the other joint act on it."""
+    whole = prepare(resting(joint, at), FilterSettings(name=name))
+    kept = without_standstill(whole)
+    assert kept.moving[joint].all()
+    np.testing.assert_array_equal(kept.tau[joint], whole.tau[joint])
+    np.testing.assert_array_equal(kept.y[joint], whole.y[joint])
+    still = np.abs(whole.dq[1 - joint]) < 0.02
+    assert still.any()
+    np.testing.assert_array_equal(kept.moving[1 - joint], ~still)
+    assert not kept.tau[1 - joint, still].any()
+
+
+@pytest.mark.parametrize(("share", "all_count"), [(0.05, True), (0.19, True), (0.21, False), (0.6, False)])
+def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all_count):
+    whole = prepare(LOG, FilterSettings())
+    n = whole.t.size
+    moves = np.arange(n) < share * n
+    held = replace(whole, dq=np.stack([np.where(moves, 1.0, 0.01), np.ones(n)]))
+    kept = without_standstill(held)
+    np.testing.assert_array_equal(kept.moving[0], moves | all_count)
+    assert kept.moving[1].all()
+    assert kept.tau[0, ~moves].any() == all_count
+
+
 # Cut-off.
 
 
@@ -269,8 +300,10 @@ def test_a_parameter_that_the_motion_does_not_move_is_zero(seed, still):
     y = rng.normal(size=(2, 40, 9))
     y[..., sorted(still)] = 0.0
     tau = rng.normal(size=(2, 40))
+    # A joint that does not move leaves rounding, which is no motion.
+    y[..., sorted(still)] += rng.choice([0.0, 1e-13]) * rng.normal(size=(2, 40, len(still)))
     beta, moving = solve(y, tau), [k for k in range(9) if k not in still]
-    assert np.abs(beta[sorted(still)]).max() < 1e-14
+    assert (beta[sorted(still)] == 0.0).all()
     expected, *_ = np.linalg.lstsq(y[..., moving].reshape(80, -1), tau.reshape(-1))
     np.testing.assert_allclose(beta[moving], expected, rtol=1e-8, atol=1e-10)
 
@@ -294,7 +327,8 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
 @given(seeds)
 def test_units_of_a_column_do_not_matter(seed):
     rng = np.random.default_rng(seed)
-    y, tau, unit = random_regressor(rng), rng.normal(size=(2, 60)), 10.0 ** rng.uniform(-6, 6, 9)
+    # Over seven decades: a column nine below another is taken for rounding.
+    y, tau, unit = random_regressor(rng), rng.normal(size=(2, 60)), 10.0 ** rng.uniform(-3.5, 3.5, 9)
     np.testing.assert_allclose(solve(y * unit, tau) * unit, solve(y, tau), rtol=1e-6, atol=1e-9)
 
 
@@ -309,11 +343,54 @@ def test_nine_rows_hold_the_whole_cost(seed, kind):
         y[..., 6] = 2.0 * y[..., 8]
     tau = rng.normal(size=(2, 50))
     r, c, scale = nine_rows(y, tau)
-    assert len(r) == len(c) == np.linalg.matrix_rank(y.reshape(-1, 9), tol=1e-8) <= 9
+    assert len(r) == len(c) <= 18
     one, other = rng.normal(size=(2, 9))
     whole = np.sum((y @ one - tau) ** 2) - np.sum((y @ other - tau) ** 2)
     rows = np.sum((r @ (scale * one) - c) ** 2) - np.sum((r @ (scale * other) - c) ** 2)
     assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8)
+
+
+@given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight"]))
+def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = rng.normal(size=(3, 2, 50))
+    if kind in {"joint 2 still", "straight"}:
+        q[1], dq[1], ddq[1] = 0.0 if kind == "straight" else 0.4, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    if kind == "collinear":
+        y[..., 6] = 2.0 * y[..., 8]
+    tau = y @ BETA + 0.1 * rng.normal(size=(2, 50))
+    r, c, scale = nine_rows(y, tau)
+    assert np.linalg.matrix_rank(r, tol=1e-9) == 9
+    found = np.linalg.lstsq(r, c, rcond=1e-12)[0] / scale
+    np.testing.assert_allclose(scale * found, scale * solve(y, tau), rtol=0, atol=1e-6 * np.linalg.norm(tau))
+
+
+@given(seeds)
+def test_rounding_is_not_scaled_up(seed):
+    rng = np.random.default_rng(seed)
+    y = random_regressor(rng)
+    y[..., [0, 6]] = 1e-14 * rng.normal(size=(2, 60, 2))
+    a, scale = unit_columns(y)
+    assert not a[:, [0, 6]].any()
+    np.testing.assert_allclose(np.linalg.norm(np.delete(a, [0, 6], axis=1), axis=0), 1.0)
+    np.testing.assert_allclose(np.delete(a * scale, [0, 6], axis=1), np.delete(y.reshape(120, 9), [0, 6], axis=1))
+    assert (scale > 0.0).all()
+
+
+def test_no_motion_at_all_has_no_parameters():
+    y, tau = np.zeros((2, 20, 9)), np.ones((2, 20))
+    assert (solve(y, tau) == 0.0).all()
+    r, c, _ = nine_rows(y, tau)
+    assert not c.any()
+    assert np.linalg.matrix_rank(r) == 9
+
+
+def test_what_is_snapped_is_small_beside_the_largest():
+    z = np.array([0.0, -3.0, 2.9e-6, -2.9e-6, 3.1e-6, -3.1e-6, 1.0])
+    np.testing.assert_array_equal(snap(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
+    np.testing.assert_array_equal(snap(1e-9 * z, 1e-6), 1e-9 * snap(z, 1e-6))
+    np.testing.assert_array_equal(snap(np.zeros(3), 1e-6), np.zeros(3))
 
 
 @given(seeds)

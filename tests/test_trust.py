@@ -16,7 +16,7 @@ from repro.model.parameters import NAMES
 from repro.trust.bootstrap import block_length, bootstrap, correlation_time, redraw
 from repro.trust.excitation import excitation, torque_share
 from repro.trust.residuals import lag_one
-from repro.trust.words import verdict
+from repro.trust.words import COMBINED, NOT_EXCITED, verdict
 
 N = 1500
 T = H * np.arange(N)
@@ -127,6 +127,7 @@ def test_a_straight_arm_shows_sums_of_inertias_only():
 @given(st.floats(0.3, 1.2), st.floats(-1.5, 1.5), st.sampled_from([0, 1]))
 def test_base_parameters_at_any_fixed_place(pace, at, joint):
     q, dq, ddq = slowed(pace)
+    at = round(at, 2)  # at a billionth of a radian gravity is rounding
     q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
     r = exact((q, dq, ddq))
     told = excitation(r)
@@ -135,6 +136,63 @@ def test_base_parameters_at_any_fixed_place(pace, at, joint):
     a, _ = unit_length(r)
     assert told.rank == len(c) == np.linalg.matrix_rank(a, tol=1e-4 * np.linalg.norm(a, 2))
     assert np.abs(r.y @ hidden.T).max() < 0.01 * np.abs(r.y).max()
+
+
+@pytest.mark.parametrize(
+    ("joint", "at", "alone"),
+    [
+        (1, 0.0, {"g1", "g2", "b1", "k1"}),
+        (1, 0.7, {"I1", "I2", "I3", "g1", "g2", "b1", "k1"}),
+        (0, 0.0, {"I2", "I3", "g2", "b2", "k2"}),
+        (0, 0.5, {"I2", "I3", "g1", "g2", "b2", "k2"}),
+        (None, 0.0, set(NAMES)),
+    ],
+)
+def test_a_parameter_is_determined_where_no_other_can_stand_in_for_it(joint, at, alone):
+    r = exciting(N) if joint is None else with_joint_fixed(joint, at)
+    told = excitation(r)
+    assert {name for name, by_itself in zip(NAMES, told.determined, strict=True) if by_itself} == alone
+    a = rows_of(r)
+    for k, name in enumerate(NAMES):
+        others = np.delete(a, k, axis=1)
+        left = a[:, k] - others @ np.linalg.lstsq(others, a[:, k], rcond=1e-8)[0]
+        assert (np.linalg.norm(left) > 1e-3 * np.linalg.norm(a[:, k])) == (name in alone)
+        assert (name in told.base_parameters) == (name in alone)
+
+
+def test_no_motion_at_all_tells_nothing():
+    told = excitation(regression_of(np.zeros((2, 50, 9)), np.ones((2, 50))))
+    assert told.rank == 0
+    assert told.condition == np.inf
+    assert told.friction_correlation == (0.0, 0.0)
+    assert told.determined == (False,) * 9
+    assert told.base_parameters == ()
+
+
+def test_base_parameters_leave_out_what_moves_no_torque_and_not_what_has_a_small_number():
+    """Columns in units that make a coefficient of a millionth half of the torque, and one of a thousand nothing."""
+    rng = np.random.default_rng(4)
+    y = rng.normal(size=(2, 300, 9))
+    y[..., 4] = 1e-6 * (y[..., 3] + y[..., 0])  # g2 in combination with g1 and I1, its torque a millionth
+    y[..., 8] = 1e-4 * y[..., 6] + 1e-7 * y[..., 5]  # k2 with b2, and with b1 too little to be seen
+    told = excitation(regression_of(y, np.ones((2, 300))))
+    c = combinations(told.base_parameters)
+    assert told.rank == len(c) == 7
+    assert told.determined == tuple(name in {"I2", "I3", "b1", "k1"} for name in NAMES)
+    seen = np.zeros((2, 9))
+    seen[0, [3, 4]] = 1.0, 1e-6
+    seen[1, [0, 4]] = 1.0, 1e-6
+    friction = np.zeros((1, 9))
+    friction[0, [6, 8]] = 1.0, 1e-4
+    for row in (*seen, *friction):
+        assert np.linalg.matrix_rank(scaled_to_torque(np.vstack([c, row]), y), tol=1e-2) == 7
+    assert "b1" in told.base_parameters
+
+
+def scaled_to_torque(combination, y):
+    """Rows of coefficients in units of the torque that each parameter moves, of length one."""
+    rows = combination / np.linalg.norm(y, axis=(0, 1))
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
 
 def test_friction_correlation_is_that_of_the_least_squares_covariance():
@@ -153,6 +211,24 @@ def test_slow_motion_does_not_tell_viscous_from_coulomb_friction_but_slow_and_fa
     assert (of_slow > 0.99).all()
     assert (of_both < 0.65).all()
     assert (of_both < of_fast).all()
+
+
+@pytest.mark.parametrize("pace", [0.01, 0.001, 1e-4])
+def test_of_collinear_friction_more_of_one_is_less_of_the_other(pace):
+    """Below the tanh's knee viscous and Coulomb torque are one signal, and their estimates trade against each other."""
+    assert max(excitation(exact(slowed(pace))).friction_correlation) < -0.9
+
+
+@given(st.floats(0.01, 100.0))
+def test_exactly_collinear_friction_has_a_correlation_of_minus_one(ratio):
+    r = exciting(300)
+    y = r.y.copy()
+    y[..., 7:9] = ratio * y[..., 5:7]
+    told = excitation(regression_of(y, r.tau))
+    assert told.friction_correlation == pytest.approx((-1.0, -1.0), abs=1e-3)
+    y[..., 7:9] *= -1.0
+    assert excitation(regression_of(y, r.tau)).friction_correlation == pytest.approx((1.0, 1.0), abs=1e-3)
+    assert told.determined == (True,) * 5 + (False,) * 4
 
 
 def test_friction_of_a_fixed_joint_has_no_correlation():
@@ -418,14 +494,27 @@ def test_words_at_their_limits(share, words, estimate):
 
 
 def test_words_without_a_number():
-    assert verdict(2.0, 1.9, 2.1, excited=False, held=False) == "not excited by this motion"
-    assert verdict(0.0, None, None, excited=False, held=True) == "not excited by this motion"
+    assert verdict(2.0, -0.1, 4.1, excited=False, held=False) == NOT_EXCITED == "not excited by this motion"
+    assert verdict(2.0, None, None, excited=False, held=False) == NOT_EXCITED
     assert verdict(0.0, None, None, excited=True, held=True) == "held at zero: the log alone would make it negative"
     assert verdict(2.0, None, None, excited=True, held=False) == "no interval claimed by this method"
     assert verdict(2.0, -0.1, 4.1, excited=True, held=False) == "not told from zero"
     assert verdict(-2.0, -4.0, 0.0, excited=True, held=False) == "not told from zero"
     assert verdict(0.0, -0.1, 0.1, excited=True, held=False) == "not told from zero"
-    assert verdict(0.1, 0.05, 4.0, excited=True, held=False) == "sign known, size not"
+    assert verdict(0.1, 0.05, 4.0, excited=True, held=False) == "sign known, size only roughly"
+
+
+@pytest.mark.parametrize(("share", "words"), [(0.03, "known to 3 %"), (0.7, "sign known, size only roughly")])
+def test_a_parameter_that_is_told_from_zero_is_known_however_little_torque_it_moves(share, words):
+    assert within(share, 1e-7, excited=False) == within(share, 1e-7, excited=True) == words
+
+
+def test_of_a_combination_no_parameter_is_known():
+    for low, high, held in ((1.99, 2.01, False), (None, None, False), (None, None, True), (-1.0, 5.0, False)):
+        assert verdict(2.0, low, high, excited=True, held=held, determined=False) == COMBINED
+        assert verdict(2.0, low, high, excited=False, held=held, determined=False) == NOT_EXCITED
+    assert "combination" in COMBINED
+    assert "base parameters" in COMBINED
 
 
 @given(st.floats(0.0, 0.4999), st.floats(1e-9, 1e9))

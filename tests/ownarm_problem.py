@@ -1,0 +1,87 @@
+"""Problems, judgements and whole runs of `repro identify` on a known arm, for the tests of `repro.ownarm`."""
+
+from dataclasses import replace
+
+import numpy as np
+from log_example import BETA, columns, log_of, motion, recording, text
+from ownarm_log import H, exact, other_motion
+
+from repro.estimators.methods import METHODS
+from repro.logs.armfile import Arm
+from repro.logs.description import Description
+from repro.model.dynamics import inverse_dynamics
+from repro.ownarm.job import assemble, resolve, solve_all
+from repro.ownarm.judge import find, judge
+from repro.ownarm.prepared import Problem, Told, make_problem, read
+from repro.ownarm.settings import Options
+from repro.regression.cutoff import Cutoff
+from repro.regression.prepare import FilterSettings
+from repro.trust.excitation import excitation
+
+ARM = Arm(name="test arm")
+FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]
+FILES += ["residuals.csv", "scores.csv"]
+
+
+def silent(*_):
+    """A progress nobody looks at."""
+
+
+def told(log):
+    return Told(log, Description(log.name, (("samples", str(log.t.size)),)))
+
+
+def problem_of(regression, others=(), moving=None, delay_was_found=True, **settings):
+    """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
+    nothing = np.zeros(0)
+    moving = regression if moving is None else moving
+    return Problem(
+        fitted=told(log_of(recording())),
+        regression=regression,
+        moving=moving,
+        as_good=(),
+        others=tuple(others),
+        settings=FilterSettings(**settings),
+        cutoff=Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0),
+        excited=excitation(moving),
+        delay_was_found=delay_was_found,
+    )
+
+
+def noisy(beta, seed=0, size=0.02, n=1200):
+    noise = size * np.random.default_rng(seed).normal(size=(2, n))
+    return exact(motion(H * np.arange(n)), beta, noise)
+
+
+def judged(name, regression, seed=1):
+    problem = problem_of(regression)
+    return judge(find(METHODS[name], problem, seed, True, silent), problem, (None,))
+
+
+def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness=20.0, late=0.0):
+    """A recording of the arm as a CSV file; the torque is recorded so much before it acts."""
+    t = np.arange(round(seconds * rate)) / rate
+    q, dq, _ = moved(t)
+    tau = inverse_dynamics(*moved(t + late), beta, steepness)
+    r = recording(t)
+    path.write_text(text(columns(replace(r, q=q, dq=dq, tau=tau))), encoding="utf-8")
+    return path
+
+
+def made(folder, arm=ARM, options=None, **log):
+    options = options or Options(("ordinary",), folder)
+    return make_problem(read(write_log(folder / "log.csv", **log), arm), (), arm, options)
+
+
+def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
+    """All of `repro identify` but its files: problem, result and curves."""
+    options = Options(methods, folder / "cache")
+    fitted = read(write_log(folder / "log.csv", **log), arm)
+    others = (read(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
+    problem = make_problem(fitted, others, arm, options)
+    found = solve_all(problem, resolve(options, silent), options.seed, silent, silent)
+    return (problem, *assemble(problem, found, arm))
+
+
+def tree(folder):
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

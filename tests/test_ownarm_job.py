@@ -1,0 +1,271 @@
+"""The whole of `repro identify` but its command line, on a known arm."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from log_example import BETA, columns, motion, recording, text
+from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent, tree, write_log
+
+from repro.errors import InputError
+from repro.estimators.interface import Estimate
+from repro.estimators.methods import METHODS
+from repro.model.parameters import NAMES
+from repro.ownarm.job import assemble, resolve, solve_all
+from repro.ownarm.judge import Found
+from repro.ownarm.outputs import write_all
+from repro.ownarm.prepared import make_problem, read
+from repro.ownarm.settings import Options
+from repro.trust.excitation import torque_share
+from repro.trust.words import COMBINED, NOT_EXCITED
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return identify(tmp_path_factory.mktemp("whole"))
+
+
+def test_every_method_finds_the_arm(whole):
+    _, result, _ = whole
+    assert [m.method for m in result.methods] == list(METHODS)
+    for m in result.methods:
+        found = np.array([p.estimate for p in m.parameters])
+        assert found == pytest.approx(BETA, rel=0.02), m.method
+        assert found[:5] == pytest.approx(BETA[:5], rel=0.002), m.method
+        assert m.consistent
+        assert all(p.verdict.startswith("known to") for p in m.parameters)
+        assert all(p.low < p.estimate < p.high and p.standard_error > 0.0 for p in m.parameters)
+
+
+def test_every_method_predicts_another_motion(whole):
+    _, result, _ = whole
+    for m in result.methods:
+        (s,) = m.validation
+        assert s.log == "other.csv"
+        for each in (s, m.fit, *m.halves):
+            assert max(each.relative_rms) < 0.01
+            assert min(each.similarity) > 0.99
+        assert max(s.position_rms) < 2e-3
+        assert max(m.fit.position_rms) < 2e-3
+        assert [h.log for h in m.halves] == ["second half", "first half"]
+        assert all(h.position_rms is None for h in m.halves)
+
+
+def test_the_result_says_what_was_done(whole):
+    problem, result, _ = whole
+    assert result.arm == "test arm"
+    assert not result.simulated
+    assert (result.log.name, [d.name for d in result.validation_logs]) == ("log.csv", ["other.csv"])
+    assert result.recommended in METHODS
+    assert result.reason.startswith("smallest mean torque error on the validation logs")
+    assert result.warnings == ()
+    p = result.preparation
+    assert p.cutoff == problem.settings.cutoff
+    assert 1.0 <= p.cutoff <= 10.0
+    assert p.cutoff_reason == problem.cutoff.reason
+    assert p.delay == pytest.approx(0.0, abs=2e-4)
+    assert p.friction_steepness == 20.0
+    assert p.samples == problem.regression.t.size
+    assert p.rate == pytest.approx((p.samples - 1) / np.ptp(problem.regression.t))
+    e = result.excitation
+    assert (e.rank, e.unexcited, e.base_parameters) == (9, (), NAMES)
+    assert all(0.0 < share < 2.0 for share in e.share)
+    assert sum(e.share) > 1.0
+
+
+def test_the_curves_are_those_of_both_logs(whole):
+    problem, result, curves = whole
+    assert [s.name for s in curves.signals] == ["log.csv", "other.csv"]
+    assert curves.cutoff is problem.cutoff
+    for s in curves.signals:
+        n = s.t.size
+        assert set(s.rebuilt) == set(s.rebuilt_spectrum) == set(METHODS)
+        assert s.rebuilt[result.recommended] == pytest.approx(s.tau, abs=0.02)
+        # The squares of the amplitudes hold the energy of the signal (Parseval).
+        assert 0.5 * n * np.sum(s.tau_spectrum**2, axis=-1) == pytest.approx(np.sum(s.tau**2, axis=-1), rel=1e-9)
+        assert s.frequency[0] == 0.0
+        assert s.frequency[-1] == pytest.approx(0.5 * (n - 1) / np.ptp(s.t) * (n - 1) / n)
+    # The fastest sinusoid of either position is at 1.3 Hz, so most of the torque's energy is below 3 Hz.
+    s = curves.signals[0]
+    assert np.sum(s.tau_spectrum[:, s.frequency < 3.0] ** 2) > 0.95 * np.sum(s.tau_spectrum**2)
+
+
+def test_each_method_is_judged_by_its_own_parameters(whole):
+    problem, _, _ = whole
+    names, betas = ("ordinary", "bounded"), (1.1 * BETA, BETA)
+    found = [Found(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
+    result, curves = assemble(problem, found, ARM)
+    assert result.recommended == "bounded"
+    assert result.excitation.share == pytest.approx(torque_share(problem.moving, BETA))
+    for m, beta in zip(result.methods, betas, strict=True):
+        assert [p.estimate for p in m.parameters] == list(beta)
+        for s, each in zip(curves.signals, (m.fit, *m.validation), strict=True):
+            error = np.linalg.norm(s.tau - s.rebuilt[m.method], axis=1) / np.linalg.norm(s.tau, axis=1)
+            assert each.relative_rms == pytest.approx(tuple(error), rel=1e-9)
+            assert max(each.relative_rms) == pytest.approx(beta[0] / BETA[0] - 1.0, abs=0.01)
+            assert (max(each.position_rms) < 2e-3) == (beta is betas[1])
+
+
+def test_the_whole_gives_the_same_bytes_twice(tmp_path):
+    for name in ("one", "two"):
+        folder = tmp_path / name
+        folder.mkdir()
+        _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
+        write_all(folder / "out", result, curves, ARM)
+    assert tree(tmp_path / "one") == tree(tmp_path / "two")
+    assert set(FILES) == {path.name for path in (tmp_path / "one" / "out").iterdir()}
+
+
+def test_least_squares_loads_no_torch(tmp_path):
+    code = f"""
+import sys
+from pathlib import Path
+from ownarm_problem import ARM, identify
+from repro.ownarm.outputs import write_all
+folder = Path({str(tmp_path)!r})
+_, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
+print([m.method for m in result.methods], "torch" in sys.modules)
+"""
+    places = os.pathsep.join((str(ROOT / "src"), str(ROOT / "tests")))
+    environment = {**os.environ, "PYTHONPATH": places}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    assert run.stdout == "['ordinary', 'consistent'] False\n", run.stderr
+
+
+def test_methods_come_in_the_order_asked_for(tmp_path):
+    names = ("robust", "ordinary", "consistent")
+    assert [m.name for m in resolve(Options(names, tmp_path), silent)] == list(names)
+    with pytest.raises(KeyError):
+        resolve(Options(("guess",), tmp_path), silent)
+
+
+def test_progress_is_reported_and_methods_are_told_when_done():
+    problem, reported, done = problem_of(noisy(BETA, n=200)), [], []
+    methods = [METHODS[name] for name in ("ordinary", "weighted")]
+    found = solve_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
+    assert done == found
+    for m in methods:
+        steps = [(k, n) for what, k, n, _ in reported if m.title in what]
+        assert steps == [(k, steps[0][1]) for k in range(1, steps[0][1] + 1)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"methods": ()}, "at least one"),
+        ({"filter": "median"}, "filter: must be one of"),
+        ({"cutoff": 0.0}, "cutoff: must be positive"),
+        ({"cutoff": -1.0}, "cutoff: must be positive"),
+        ({"cutoff": float("nan")}, "cutoff: must be positive"),
+        ({"cutoff": float("inf")}, "cutoff: must be positive"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(tmp_path, changes, words):
+    with pytest.raises(ValueError, match=words):
+        Options(**{"methods": ("ordinary",), "cache": tmp_path, **changes})
+
+
+@pytest.mark.parametrize("late", [-0.006, 0.0, 0.005])
+def test_the_delay_is_found(tmp_path, late):
+    assert made(tmp_path, late=late).settings.delay == pytest.approx(late, abs=3e-4)
+
+
+def test_a_delay_that_is_given_is_used(tmp_path):
+    problem = made(tmp_path, replace(ARM, delay=0.004), late=0.01)
+    assert problem.settings.delay == 0.004
+
+
+@pytest.mark.parametrize("steepness", [10.0, 50.0])
+def test_the_steepness_of_friction_is_found_where_it_is_not_given(tmp_path, steepness):
+    auto = made(tmp_path, replace(ARM, friction_steepness=None), steepness=steepness)
+    assert auto.settings.friction_steepness == steepness
+    given_one = made(tmp_path, replace(ARM, friction_steepness=33.0), steepness=steepness)
+    assert given_one.settings.friction_steepness == 33.0
+
+
+def test_a_cutoff_that_is_given_is_used(tmp_path):
+    problem = made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
+    assert problem.settings.cutoff == problem.cutoff.hertz == 3.5
+    assert problem.cutoff.reason == "given by the user"
+    wide = [r.settings.cutoff for r in problem.as_good]
+    assert min(wide) < 3.5 < max(wide)
+    with pytest.raises(InputError, match=r"log\.csv: rate: found 200 Hz, expected at least four times .* 60 Hz"):
+        made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=60.0))
+
+
+def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):
+    log = read(write_log(tmp_path / "log.csv"), ARM)
+    slow = read(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
+    with pytest.raises(InputError, match=r"slow\.csv: rate: found 10 Hz"):
+        make_problem(log, (slow,), ARM, Options(("ordinary",), tmp_path, cutoff=5.0))
+
+
+def test_a_log_is_told_of_as_it_was_recorded(tmp_path):
+    t = np.arange(2400) / 200.0
+    jitter = t + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, t.size)
+    r = recording(jitter)
+    (tmp_path / "log.csv").write_text(text(columns(r)), encoding="utf-8")
+    found = read(tmp_path / "log.csv", ARM)
+    assert np.diff(found.log.t) == pytest.approx(np.median(np.diff(found.log.t)), rel=1e-6)
+    assert any("resampled" in note for note in found.description.notes)
+    assert len(set(found.description.notes)) == len(found.description.notes)
+    assert set(found.log.notes) <= set(found.description.notes)
+    assert dict(found.description.facts)["samples"] == "2400"
+
+
+@pytest.mark.parametrize("name", ["savitzky-golay", "butterworth"])
+def test_other_filters_find_the_arm_too(tmp_path, name):
+    problem = made(tmp_path, options=Options(("ordinary",), tmp_path, filter=name))
+    found = METHODS["ordinary"].estimate(problem.regression).beta
+    assert found[:5] == pytest.approx(BETA[:5], rel=0.01)
+    assert found[5:] == pytest.approx(BETA[5:], rel=0.03)
+
+
+def stretched(t):
+    """The motion with joint 2 held straight."""
+    q, dq, ddq = motion(t)
+    q[1], dq[1], ddq[1] = 0.0, 0.0, 0.0
+    return q, dq, ddq
+
+
+def test_an_arm_with_a_joint_at_rest_is_told_what_its_log_can_tell(tmp_path):
+    names = tuple(sorted(set(METHODS) - {"parsimonious"}))  # whose penalty takes seconds to choose
+    problem, result, _ = identify(tmp_path, names, moved=stretched)
+    e = result.excitation
+    assert (e.rank, len(e.base_parameters)) == (6, 6)
+    assert {"g1", "g2", "b1", "k1"} < set(e.base_parameters)
+    assert {"b2", "k2"} <= set(e.unexcited)
+    assert not {"g1", "b1", "k1"} & set(e.unexcited)
+    assert any("6 combinations" in line for line in result.warnings)
+    assert problem.moving.moving[1].all()  # of a joint that never moves all samples count
+    for m in result.methods:
+        p = dict(zip(NAMES, m.parameters, strict=True))
+        assert {p[name].verdict for name in ("I1", "I2", "I3")} == {COMBINED}
+        assert {p[name].verdict for name in ("b2", "k2")} == {NOT_EXCITED}
+        assert {(p[name].estimate, p[name].low, p[name].high) for name in ("b2", "k2")} == {(0.0, None, None)}
+        for name in ("g1", "g2", "b1", "k1"):
+            assert p[name].estimate == pytest.approx(BETA[NAMES.index(name)], rel=0.02), (m.method, name)
+        assert p["I1"].estimate + p["I2"].estimate == pytest.approx(BETA[0] + BETA[1], rel=0.01), m.method
+        assert max(m.fit.relative_rms) < 0.01
+
+
+def test_weak_and_strong_motors_are_judged_alike(tmp_path):
+    """The same arm a million times stronger: words and shares are the same, numbers grow with the torque."""
+    results = []
+    for factor in (1e-3, 1e3):
+        folder = tmp_path / f"{factor:g}"
+        folder.mkdir()
+        results.append(identify(folder, ("ordinary", "bounded", "consistent"), validate=False, beta=factor * BETA)[1])
+    weak, strong = results
+    assert weak.excitation.share == pytest.approx(strong.excitation.share, rel=1e-4)
+    for one, other in zip(weak.methods, strong.methods, strict=True):
+        assert [p.verdict for p in one.parameters] == [p.verdict for p in other.parameters]
+        found = [p.estimate for p in other.parameters]
+        assert [1e6 * p.estimate for p in one.parameters] == pytest.approx(found, rel=1e-4)
+        assert one.fit.relative_rms == pytest.approx(other.fit.relative_rms, rel=0.05)

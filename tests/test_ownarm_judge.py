@@ -1,0 +1,261 @@
+"""One method on one problem: verdicts, intervals, consistency and scores."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from log_example import BETA, log_of, motion, recording
+from ownarm_log import H, exact, exciting
+from ownarm_problem import judged, noisy, problem_of, silent, told
+
+from repro.estimators.interface import Estimate, Method, NoSolutionError
+from repro.estimators.methods import METHODS
+from repro.model.dynamics import mass_matrix
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
+from repro.ownarm.job import solve_all
+from repro.ownarm.judge import Found, find, judge, why_not_consistent
+from repro.prediction.torque import relative_rms
+from repro.trust.bootstrap import Spread
+from repro.trust.words import COMBINED, NOT_EXCITED
+
+HELD = "held at zero: the log alone would make it negative"
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9))
+def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
+    beta = np.array(beta)
+    why = why_not_consistent(beta)
+    assert (why == "") == bool(is_positive_definite(beta))
+    for k, name in enumerate(NAMES):
+        assert (f"{name} = {beta[k]:.3g} is negative" in why) == bool(k >= 5 and beta[k] < 0.0)
+    poses = np.stack([np.zeros(181), np.linspace(0.0, np.pi, 181)], axis=-1)
+    if np.linalg.eigvalsh(mass_matrix(poses, beta)).min() < -1e-9:
+        assert "inertia matrix is not positive definite" in why
+
+
+def test_the_reason_holds_the_numbers():
+    beta = np.array([0.125, 0.2, 0.025, 3.3, 1.1, -0.07, 0.04, 0.2, -0.15])
+    assert why_not_consistent(beta) == (
+        "the inertia matrix is not positive definite: I3 (I1 - I3) = 0.0025 is not above I2^2 / 4 = 0.01; "
+        "b1 = -0.07 is negative; k2 = -0.15 is negative"
+    )
+
+
+def test_a_method_on_a_clean_log_is_judged():
+    m = judged("ordinary", noisy(BETA))
+    assert m.consistent
+    assert m.why_not_consistent == ""
+    assert m.claims_intervals
+    assert [(p.name, p.unit, p.description) for p in m.parameters] == list(zip(NAMES, UNITS, DESCRIPTIONS, strict=True))
+    for p, true in zip(m.parameters, BETA, strict=True):
+        assert p.low < true < p.high
+        assert p.low < p.estimate < p.high
+        assert p.verdict.startswith("known to")
+    assert m.validation == ()
+    assert (m.method, m.citation) == ("ordinary", "gautier1992exciting")
+
+
+def at_rest(joint, at, n=1200):
+    """The known arm with one joint fixed, a little noise in its torque."""
+    q, dq, ddq = motion(H * np.arange(n))
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    return exact((q, dq, ddq), noise=0.02 * np.random.default_rng(0).normal(size=(2, n)))
+
+
+def no_interval(p):
+    return (p.standard_error, p.low, p.high) == (None, None, None)
+
+
+@pytest.mark.parametrize("name", sorted(set(METHODS) - {"parsimonious"}))  # whose penalty takes seconds to choose
+def test_parameters_that_the_motion_does_not_move_have_no_interval(name):
+    p = dict(zip(NAMES, judged(name, at_rest(1, 0.4)).parameters, strict=True))
+    for unmoved in ("b2", "k2"):
+        assert (p[unmoved].verdict, p[unmoved].estimate) == (NOT_EXCITED, 0.0)
+        assert no_interval(p[unmoved])
+    for known in ("g1", "g2", "b1", "k1"):
+        assert p[known].verdict.startswith("known to")
+        assert p[known].low < BETA[NAMES.index(known)] < p[known].high
+
+
+@pytest.mark.parametrize("name", ["ordinary", "bounded", "instrumental"])
+def test_what_a_straight_arm_shows_in_sums_alone_is_not_said_to_be_known(name):
+    # q2 = 0: Eq. 1 holds I1 + I2 and I2 / 2 + I3, so that no inertia is known, however well the torque fits.
+    problem = problem_of(at_rest(1, 0.0))
+    m = judge(find(METHODS[name], problem, 1, False, silent), problem, (None,))
+    p = dict(zip(NAMES, m.parameters, strict=True))
+    for mixed in ("I1", "I2", "I3"):
+        assert p[mixed].verdict == COMBINED
+        assert no_interval(p[mixed])
+    assert p["I1"].estimate + p["I2"].estimate == pytest.approx(BETA[0] + BETA[1], rel=0.01)
+    assert p["I2"].estimate / 2 + p["I3"].estimate == pytest.approx(BETA[1] / 2 + BETA[2], rel=0.03)
+    for alone in ("g1", "g2", "b1", "k1"):
+        assert p[alone].verdict.startswith("known to")
+        assert p[alone].low < BETA[NAMES.index(alone)] < p[alone].high
+    for unmoved in ("b2", "k2"):
+        assert (p[unmoved].verdict, p[unmoved].estimate) == (NOT_EXCITED, 0.0)
+    assert problem.excited.rank == len(problem.excited.base_parameters) == 6
+    assert {"g1", "g2", "b1", "k1"} < set(problem.excited.base_parameters)
+    assert not {"I1", "I2", "I3"} & set(problem.excited.base_parameters)
+
+
+def test_what_a_method_makes_of_an_unmoved_inertia_is_not_said_to_be_known():
+    # Joint 1 fixed: nothing moves I1, but a consistent inertia matrix needs one.
+    p = dict(zip(NAMES, judged("consistent", at_rest(0, 0.3)).parameters, strict=True))
+    for unmoved in ("I1", "b1", "k1"):
+        assert p[unmoved].verdict == NOT_EXCITED
+        assert no_interval(p[unmoved])
+    assert p["I1"].estimate > p["I3"].estimate
+    assert (p["b1"].estimate, p["k1"].estimate) == (0.0, 0.0)
+    for known in ("I2", "I3", "g1", "g2", "k2"):
+        assert p[known].low < BETA[NAMES.index(known)] < p[known].high
+
+
+def test_parameters_held_at_zero_have_no_interval():
+    beta = BETA.copy()
+    beta[6] = -0.02
+    p = dict(zip(NAMES, judged("bounded", noisy(beta)).parameters, strict=True))
+    assert p["b2"].verdict == HELD
+    assert (p["b2"].estimate, p["b2"].standard_error, p["b2"].low, p["b2"].high) == (0.0, None, None, None)
+    free = judged("ordinary", noisy(beta))
+    assert free.parameters[6].low < -0.02 < free.parameters[6].high
+    assert not free.consistent
+    assert free.why_not_consistent == f"b2 = {free.parameters[6].estimate:.3g} is negative"
+
+
+@pytest.mark.parametrize("factor", [1e-4, 3000.0])
+def test_a_condition_that_holds_is_told_whatever_the_size_of_the_torque(factor):
+    # Inertia that is not positive definite without the condition, and viscous friction that would be negative.
+    beta = BETA.copy()
+    beta[2], beta[6] = 0.005, -0.05
+    r = noisy(beta, n=300)
+    r = replace(r, tau=factor * r.tau)
+    m = judged("consistent", r)
+    b2 = m.parameters[6]
+    assert (b2.verdict, b2.estimate) == (HELD, 0.0)
+    assert no_interval(b2)
+    assert m.consistent
+    assert [p.verdict for p in m.parameters].count(HELD) == 1
+    alike = factor * METHODS["consistent"].estimate(noisy(beta, n=300)).beta[0]
+    assert m.parameters[0].estimate == pytest.approx(alike, rel=1e-4)
+
+
+def with_interval(share, reach):
+    """The verdict on b2 that moves a share of joint 2's RMS torque, known to this share of it."""
+    r, beta = exciting(400), BETA.copy()
+    beta[6] = share * np.sqrt(np.mean(r.tau[1] ** 2)) / np.sqrt(np.mean(r.y[1, :, 6] ** 2))
+    far = np.full(9, reach * beta[6])
+    found = Found(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
+    b2 = judge(found, problem_of(r), (None,)).parameters[6]
+    assert (b2.estimate, b2.standard_error) == pytest.approx((beta[6], 0.5 * far[6]))
+    assert (b2.low, b2.high) == pytest.approx((beta[6] - far[6], beta[6] + far[6]))
+    return b2.verdict
+
+
+def test_a_parameter_that_moves_next_to_nothing_is_not_excited_unless_it_is_known():
+    # Just below and above a five-hundredth of the RMS torque of joint 2, told from zero or not.
+    assert with_interval(0.0019, 1.5) == NOT_EXCITED
+    assert with_interval(0.0021, 1.5) == "not told from zero"
+    assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == "known to 3 %"
+    assert with_interval(1e-5, 0.3) == "known to 30 %"
+
+
+def test_a_tiny_parameter_that_the_log_tells_keeps_its_interval():
+    # Friction that is a thousandth of the torque, and noise that is far smaller.
+    beta = BETA.copy()
+    beta[[6, 8]] = 1e-4, 1e-4
+    m = judged("ordinary", noisy(beta, size=1e-5))
+    for k in (6, 8):
+        p = m.parameters[k]
+        assert p.verdict.startswith("known to")
+        assert p.low < 1e-4 < p.high
+        assert p.standard_error > 0.0
+
+
+def test_a_method_without_intervals_says_so():
+    plain = Method("algorithm1", "A", "leon2022cnn", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False)
+    problem = problem_of(noisy(BETA))
+    (found,) = solve_all(problem, [plain], 1, silent, silent)
+    assert found.spread is None
+    assert found.halves == ()  # each would train a network of its own
+    m = judge(found, problem, ((0.1, 0.2),))
+    assert not m.claims_intervals
+    assert {p.verdict for p in m.parameters} == {"no interval claimed by this method"}
+    assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
+    assert m.notes == ("a note",)
+    assert m.fit.position_rms == (0.1, 0.2)
+
+
+def test_each_half_is_predicted_from_the_other():
+    r = noisy(BETA, size=0.3, n=800)
+    found = find(METHODS["ordinary"], problem_of(r), 1, True, silent)
+    assert [s.log for s in found.halves] == ["second half", "first half"]
+    first, second = (slice(0, 400), slice(400, 800))
+    for s, fitted, predicted in zip(found.halves, (first, second), (second, first), strict=True):
+        y, tau = r.y[:, fitted].reshape(-1, 9), r.tau[:, fitted].reshape(-1)
+        error = r.tau[:, predicted] - r.y[:, predicted] @ np.linalg.lstsq(y, tau, rcond=None)[0]
+        expected = np.linalg.norm(error, axis=1) / np.linalg.norm(r.tau[:, predicted], axis=1)
+        assert s.relative_rms == pytest.approx(tuple(expected), rel=1e-9)
+        assert s.position_rms is None
+
+
+def test_standstill_is_left_out_of_the_fit_and_judged():
+    # Where the arm stands still, static friction adds a torque that Eq. 1 does not hold.
+    r = exciting(800)
+    still = np.zeros((2, 800), dtype=bool)
+    still[:, 100:140] = still[1, 500:530] = True
+    held = replace(r, tau=r.tau + 0.3 * still)
+    counts = ~still
+    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, moving=counts)
+    problem = problem_of(held, moving=moving)
+    found = find(METHODS["ordinary"], problem, 1, True, silent)
+    assert found.estimate.beta == pytest.approx(BETA, rel=1e-6)
+    assert found.spread.standard_error == pytest.approx(np.zeros(9), abs=1e-6)
+    expected = 0.3 * np.sqrt(still.mean(1)) / np.sqrt(np.mean(held.tau**2, axis=1))
+    assert judge(found, problem, (None,)).fit.relative_rms == pytest.approx(tuple(expected), rel=1e-6)
+    # The first half, which holds most of the standstill, is predicted with it and fitted without it.
+    second, first = found.halves
+    late = 0.3 * np.sqrt(still[:, 400:].mean(1)) / np.sqrt(np.mean(held.tau[:, 400:] ** 2, axis=1))
+    assert second.relative_rms == pytest.approx(tuple(late), rel=1e-6, abs=1e-9)
+    assert min(first.relative_rms) > 0.01
+    # A method that sees the log as signals is given all of it.
+    seen = []
+    plain = Method("a", "A", "", lambda x: seen.append(x) or Estimate(BETA), False, needs_all_samples=True)
+    find(plain, problem, 1, False, silent)
+    assert seen == [held]
+
+
+def test_a_seed_gives_the_same_intervals_again():
+    problem = problem_of(noisy(BETA, n=300))
+    one, again, other = (find(METHODS["ordinary"], problem, seed, False, silent).spread for seed in (1, 1, 2))
+    assert (one.low == again.low).all()
+    assert (one.low != other.low).all()
+
+
+def test_validation_logs_are_scored_under_their_names():
+    r, faster = noisy(BETA), noisy(1.1 * BETA, 5, size=0.002)
+    other = told(replace(log_of(recording()), name="other.csv"))
+    problem = problem_of(r, [(other, faster)])
+    found = Found(METHODS["ordinary"], Estimate(BETA), None, ())
+    m = judge(found, problem, (None, (0.01, 0.02)))
+    (s,) = m.validation
+    assert s.log == "other.csv"
+    assert s.position_rms == (0.01, 0.02)
+    assert s.relative_rms == relative_rms(faster, BETA)
+    assert s.relative_rms == pytest.approx((0.1 / 1.1,) * 2, rel=0.05)
+
+
+def test_a_method_without_a_solution_is_left_out_and_told(caplog):
+    def none(_):
+        raise NoSolutionError("the convex solver ended with 'infeasible'")
+
+    done, problem = [], problem_of(noisy(BETA, n=200))
+    methods = [Method("none", "hopeless least squares", "", none), METHODS["ordinary"]]
+    found = solve_all(problem, methods, 1, silent, done.append)
+    assert [f.method.name for f in found] == ["ordinary"]
+    assert done == found
+    (line,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    assert "hopeless least squares" in line
+    assert "the convex solver ended with 'infeasible'" in line

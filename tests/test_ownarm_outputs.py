@@ -1,0 +1,263 @@
+"""The files of `repro identify`: all of them or none, and none that contradicts the others."""
+
+import io
+import json
+import os
+from dataclasses import asdict, replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from ownarm_example import LOGS, example_curves, example_result, parameters, score
+from ownarm_problem import ARM, FILES, tree
+from PIL import Image
+
+from repro.errors import InputError
+from repro.estimators.methods import METHODS
+from repro.export.bibtex import bibtex, entries
+from repro.export.links import links_of
+from repro.ownarm import outputs
+from repro.ownarm.job import NETWORK_METHODS
+from repro.ownarm.outputs import check_folder, citations, write_all
+
+SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "leon2022cnn"}
+
+
+def example(recommended="consistent", **changes):
+    """The made-up result with sources that exist, and its curves."""
+    result = example_result(recommended=recommended, **changes)
+    result = replace(result, methods=tuple(replace(m, citation=SOURCES[m.method]) for m in result.methods))
+    return result, example_curves(3.0)
+
+
+@pytest.fixture
+def small_figures(monkeypatch):
+    """A dot for every figure: what is drawn is another test's concern."""
+    dot = io.BytesIO()
+    Image.new("P", (1, 1)).save(dot, "PNG")
+    monkeypatch.setattr(outputs, "figures_of", lambda result, curves: {"parameters": dot.getvalue()})
+
+
+def everything(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*"))
+
+
+def refuse_constant(name):
+    raise AssertionError(name)
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_the_files_of_a_result(tmp_path):
+    result, curves = example()
+    assert write_all(tmp_path / "new" / "out", result, curves, ARM) == FILES
+    assert everything(tmp_path) == ["new", "new/out", *(f"new/out/{name}" for name in FILES)]
+    page = (tmp_path / "new" / "out" / "report.html").read_text(encoding="utf-8")
+    assert all(f'href="{name}"' in page for name in FILES if name != "report.html")
+    # As readable as what a program of the user's own writes.
+    mask = os.umask(0)
+    os.umask(mask)
+    assert {(tmp_path / "new" / "out" / name).stat().st_mode & 0o777 for name in FILES} == {0o666 & ~mask}
+    assert (tmp_path / "new" / "out").stat().st_mode & 0o777 == 0o777 & ~mask
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_the_json_holds_the_result_and_no_nan(tmp_path):
+    result, curves = example()
+    endless = replace(result.methods[0], fit=score(LOGS[0], np.inf, 0.2), whiteness=(np.nan, 0.5))
+    result = replace(
+        result,
+        methods=(endless, *result.methods[1:]),
+        excitation=replace(result.excitation, condition=np.inf),
+    )
+    write_all(tmp_path / "out", result, curves, ARM)
+    found = json.loads((tmp_path / "out" / "parameters.json").read_text(), parse_constant=refuse_constant)
+    assert found["methods"][0]["fit"]["relative_rms"] == [None, 0.2]
+    assert found["methods"][0]["whiteness"] == [None, 0.5]
+    assert found["excitation"]["condition"] is None
+    expected = json.loads(json.dumps(asdict(result)))  # tuples become lists
+    for part in (found, expected):
+        del part["methods"][0], part["excitation"]
+    assert found == expected
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_residuals_are_those_of_the_recommended_method(tmp_path):
+    result, curves = example()
+    write_all(tmp_path / "out", result, curves, ARM)
+    table = pd.read_csv(tmp_path / "out" / "residuals.csv")
+    assert list(table.columns) == ["log", "time_s", "joint", "torque_nm", "rebuilt_nm", "residual_nm"]
+    assert len(table) == 2 * sum(s.t.size for s in curves.signals)
+    assert list(dict.fromkeys(table["log"])) == list(LOGS)
+    assert table["residual_nm"].to_numpy() == pytest.approx(table["torque_nm"] - table["rebuilt_nm"], abs=1e-8)
+    for signals in curves.signals:
+        for joint in (1, 2):
+            rows = table[(table["log"] == signals.name) & (table["joint"] == joint)]
+            assert rows["time_s"].to_numpy() == pytest.approx(signals.t, abs=1e-8)
+            assert rows["torque_nm"].to_numpy() == pytest.approx(signals.tau[joint - 1], rel=1e-8)
+            assert rows["rebuilt_nm"].to_numpy() == pytest.approx(signals.rebuilt["consistent"][joint - 1], rel=1e-8)
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_a_second_write_gives_the_same_bytes(tmp_path):
+    for name in ("one", "two"):
+        write_all(tmp_path / name, *example(), ARM)
+    assert tree(tmp_path / "one") == tree(tmp_path / "two")
+    before = tree(tmp_path / "one")
+    write_all(tmp_path / "one", *example(), ARM)
+    assert tree(tmp_path / "one") == before
+
+
+@pytest.mark.usefixtures("small_figures")
+@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals"])
+@pytest.mark.parametrize("there", ["nothing", "an empty folder", "a result"])
+def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, writer, there):
+    out = tmp_path / "new" / "deep" / "out"
+    if there == "an empty folder":
+        out.mkdir(parents=True)
+    if there == "a result":
+        write_all(out, *example(recommended="cnn"), ARM)
+        (out / "notes.txt").write_text("my own")
+    names, files = everything(tmp_path), tree(tmp_path)
+
+    def fail(*_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(outputs, writer, fail)
+    with pytest.raises(OSError, match="no space left"):
+        write_all(out, *example(), ARM)
+    assert everything(tmp_path) == names
+    assert tree(tmp_path) == files
+
+
+def without_links(result):
+    """The result with friction that no set of two links has."""
+    changed = tuple(replace(m, parameters=parameters(1.0, b2=-0.03), consistent=False) for m in result.methods)
+    return replace(result, methods=changed)
+
+
+@pytest.mark.usefixtures("small_figures")
+@pytest.mark.parametrize("links_first", [True, False])
+def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, links_first):
+    out, (result, curves) = tmp_path / "out", example()
+    with_links, none = (result, curves), (without_links(result), curves)
+    first, second = (with_links, none) if links_first else (none, with_links)
+    before = write_all(out, *first, ARM)
+    (out / "arm.sdf").write_text("mine")
+    names = write_all(out, *second, ARM)
+    assert ("arm.urdf" in before, "no-links.txt" in names) == (links_first, links_first)
+    assert everything(out) == sorted([*names, "arm.sdf"])
+    assert (out / "arm.sdf").read_text() == "mine"
+    write_all(tmp_path / "fresh", *second, ARM)
+    kept = tree(out)
+    del kept["arm.sdf"]
+    assert kept == tree(tmp_path / "fresh")
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_overwriting_that_fails_keeps_the_exports_of_before(tmp_path, monkeypatch):
+    out, (result, curves) = tmp_path / "out", example()
+    write_all(out, result, curves, ARM)
+    files = tree(tmp_path)
+
+    def fail(*_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(outputs, "render_page", fail)
+    with pytest.raises(OSError, match="no space left"):
+        write_all(out, without_links(result), curves, ARM)
+    assert tree(tmp_path) == files
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_overwriting_keeps_what_is_not_ours(tmp_path):
+    out = tmp_path / "out"
+    (out / "deep").mkdir(parents=True)
+    foreign = {"notes.txt": "mine", "arm.png": "x", "deep/parameters.json": "{}"}
+    for name, content in foreign.items():
+        (out / name).write_text(content)
+    (out / "parameters.json").write_text("an earlier run")
+    check_folder(out, overwrite=True)
+    write_all(out, *example(), ARM)
+    assert everything(out) == sorted(["deep", *foreign, *FILES])
+    assert {name: (out / name).read_text() for name in foreign} == foreign
+    assert json.loads((out / "parameters.json").read_text())["recommended"] == "consistent"
+
+
+def test_a_folder_that_cannot_be_used_is_refused(tmp_path):
+    full, file = tmp_path / "full", tmp_path / "file"
+    full.mkdir()
+    (full / "x").touch()
+    file.touch()
+    for out, overwrite, words in (
+        (file, False, "a file"),
+        (file, True, "a file"),
+        (full, False, "a folder with files in it"),
+        (file / "out", False, "no permission"),
+        (file / "deep" / "out", True, "no permission"),
+    ):
+        with pytest.raises(InputError, match=words) as refused:
+            check_folder(out, overwrite)
+        assert "\n" not in str(refused.value)
+        assert str(tmp_path) in str(refused.value)
+    assert everything(tmp_path) == ["file", "full", "full/x"]
+
+
+def test_a_folder_that_can_be_used_is_not_touched(tmp_path):
+    (tmp_path / "empty").mkdir()
+    check_folder(tmp_path / "empty", overwrite=False)
+    check_folder(tmp_path / "not" / "yet" / "there", overwrite=False)
+    (tmp_path / "empty" / "x").touch()
+    check_folder(tmp_path / "empty", overwrite=True)
+    assert everything(tmp_path) == ["empty", "empty/x"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_a_folder_without_permission_is_refused(tmp_path):
+    locked = tmp_path / "locked"
+    locked.mkdir(mode=0o500)
+    for out in (locked, locked / "new"):
+        with pytest.raises(InputError, match="no permission to write"):
+            check_folder(out, overwrite=True)
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_links_are_exported_where_there_are_some(tmp_path):
+    result, curves = example()
+    write_all(tmp_path / "out", result, curves, ARM)
+    assert (tmp_path / "out" / "arm.urdf").read_text(encoding="utf-8").startswith("<?xml")
+    assert "<mujoco" in (tmp_path / "out" / "arm.xml").read_text(encoding="utf-8")
+    assert not (tmp_path / "out" / "no-links.txt").exists()
+
+
+@pytest.mark.usefixtures("small_figures")
+@pytest.mark.parametrize(("change", "words"), [({"b2": -0.03}, "b2 = -0.03"), ({}, "I2^2 / 4")])
+def test_without_links_a_file_says_why(tmp_path, change, words):
+    changed = parameters(1.0, **change)
+    if not change:  # an inertia matrix that is not positive definite
+        changed = (changed[0], replace(changed[1], estimate=0.3), *changed[2:])
+    result, curves = example()
+    result = replace(result, methods=tuple(replace(m, parameters=changed, consistent=False) for m in result.methods))
+    names = write_all(tmp_path / "out", result, curves, ARM)
+    assert names == sorted({*FILES, "no-links.txt"} - {"arm.urdf", "arm.xml"})
+    line = (tmp_path / "out" / "no-links.txt").read_text(encoding="utf-8")
+    assert words in line
+    assert line.count("\n") == 1
+    with pytest.raises(ValueError, match="must"):
+        links_of(np.array([p.estimate for p in changed]))
+
+
+@pytest.mark.parametrize("filter_name", ["zero-phase DCT pair", "Savitzky-Golay, cubic"])
+@pytest.mark.parametrize("name", [*METHODS, *NETWORK_METHODS])
+def test_every_source_that_is_cited_exists(name, filter_name):
+    result, _ = example()
+    citation = METHODS[name].citation if name in METHODS else "leon2022cnn"
+    claims = name not in NETWORK_METHODS
+    one = replace(result.methods[0], method=name, citation=citation, claims_intervals=claims)
+    result = replace(result, methods=(one,), preparation=replace(result.preparation, filter=filter_name))
+    keys = citations(result)
+    assert len(set(keys)) == len(keys)
+    assert set(keys) <= set(entries())
+    assert {"leon2022cnn", citation} <= set(keys)
+    assert ("kunsch1989jackknife" in keys) == claims
+    assert ("savitzky1964smoothing" in keys) == filter_name.startswith("Savitzky")
+    assert bibtex(keys).count("@") == len(keys)

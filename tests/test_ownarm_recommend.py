@@ -1,0 +1,227 @@
+"""Which method `repro identify` recommends, why, and what it warns of."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from ownarm_example import method, score
+from ownarm_log import exciting
+from ownarm_problem import ARM, made, problem_of
+
+from repro.model.parameters import NAMES
+from repro.ownarm.prepared import delay_at_limit
+from repro.ownarm.recommend import against_least_squares, prediction_error, recommend, warnings
+from repro.ownarm.result import Excitation
+
+
+def test_a_consistent_method_is_preferred_to_one_that_predicts_better():
+    methods = (method("a", "A", 1.0, consistent=False), method("b", "B", 1.5), method("c", "C", 1.2))
+    name, reason = recommend(methods)
+    assert name == "c"
+    assert reason == "smallest mean torque error on the validation logs among the physically consistent methods"
+
+
+def test_validation_logs_count_before_halves():
+    # Halves say b, the logs not used say a; without such logs it is b.
+    a = method("a", "A", 1.0, halves=(score("second half", 0.5, 0.5),))
+    b = method("b", "B", 1.1, halves=(score("second half", 0.01, 0.01),))
+    assert recommend((a, b))[0] == recommend((b, a))[0] == "a"
+    name, reason = recommend([replace(m, validation=()) for m in (a, b)])
+    assert name == "b"
+    assert reason == "smallest mean torque error on each half from the other among the physically consistent methods"
+
+
+def test_prediction_error_is_the_mean_over_logs_and_joints():
+    a = method("a", "A", validation=(score("x", 0.1, 0.2), score("y", 0.3, 0.6)), halves=(score("h", 0.4, 0.0),))
+    assert prediction_error(a) == pytest.approx(0.3)
+    assert prediction_error(replace(a, validation=())) == pytest.approx(0.2)
+    assert prediction_error(replace(a, validation=(), halves=())) == np.inf
+
+
+def test_a_method_that_was_not_judged_is_not_preferred():
+    slow = method("cnn", "CNN", 0.1, validation=(), halves=())
+    judged_one = method("b", "B", 3.0, validation=())
+    assert recommend((slow, judged_one))[0] == recommend((judged_one, slow))[0] == "b"
+
+
+def test_a_single_method_is_the_only_one():
+    assert recommend((method("a", "A", 9.0),)) == ("a", "the only method asked for")
+
+
+def test_where_none_is_consistent_the_reason_says_so():
+    methods = [method(name, name, worse, consistent=False) for name, worse in (("a", 2.0), ("b", 1.0))]
+    name, reason = recommend(methods)
+    assert name == "b"
+    assert "no method asked for gives physically consistent parameters" in reason
+    assert "no method asked for gives physically consistent parameters" in recommend(methods[:1])[1]
+
+
+GOOD = method(
+    "a",
+    "A",
+    fit=score("log.csv", 0.05, 0.06),
+    validation=(score("x", 0.05, 0.119), score("y", 0.119, 0.1)),
+    whiteness=(0.5, -0.5),
+)
+TELLING = Excitation(9, 100.0, (0.1,) * 9, (-0.9, 0.9), (), NAMES)
+#: Each limit just passed: what is changed, and words of the one warning that it makes.
+PASSED = [
+    ({"rank": 8}, {}, {}, ("8 combinations",)),
+    ({"rank": 7, "condition": 1e16}, {}, {}, ("7 combinations",)),
+    ({"condition": 100.1}, {}, {}, ("condition number 100",)),
+    ({"friction_correlation": (-0.901, 0.9)}, {}, {}, ("friction of joint 1", "-0.90")),
+    ({"friction_correlation": (-0.9, 0.95)}, {}, {}, ("friction of joint 2", "0.95")),
+    ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1 unexplained")),
+    ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2 unexplained")),
+    ({}, {"whiteness": (0.51, 0.1)}, {}, ("far from white", "0.51")),
+    ({}, {"whiteness": (0.1, -0.7)}, {}, ("far from white", "-0.70")),
+    ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "itself 6 %")),
+    ({}, {}, {"delay": 0.02}, ("delay", "20 ms")),
+    ({}, {}, {"delay": -0.02}, ("delay", "-20 ms")),
+    ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("not physically consistent: b2 = -1",)),
+]
+
+
+def warned(excitation, changes, settings, others=()):
+    problem = problem_of(exciting(50), **{"delay": 0.0197, **settings})
+    return warnings(problem, (*others, replace(GOOD, **changes)), "a", replace(TELLING, **excitation))
+
+
+def test_at_its_limits_nothing_is_warned_of():
+    assert warned({}, {}, {}) == ()
+    assert warned({}, {"fit": score("log.csv", 0.3, 0.3)}, {}) == ()
+    assert warned({}, {"validation": ()}, {}) == ()
+    # A tenth is little, however small the error on the log itself.
+    assert warned({}, {"fit": score("log.csv", 0.01, 0.01), "validation": (score("x", 0.1, 0.1),)}, {}) == ()
+    # What another method does is not told.
+    bad = method("b", "B", whiteness=(0.99, 0.99), consistent=False, fit=score("log.csv", 0.9, 0.9))
+    assert warned({}, {}, {}, (bad,)) == ()
+
+
+@pytest.mark.parametrize(("excitation", "changes", "settings", "words"), PASSED)
+def test_each_limit_passed_makes_its_own_warning(excitation, changes, settings, words):
+    (line,) = warned(excitation, changes, settings)
+    assert all(word in line for word in words), line
+    assert "\n" not in line
+
+
+def test_all_that_may_spoil_a_result_is_told_at_once():
+    changes = {key: value for _, part, _, _ in PASSED for key, value in part.items()}
+    lines = warned({"rank": 8, "friction_correlation": (1.0, 1.0)}, changes, {"delay": 0.02})
+    assert len(set(lines)) == len(lines) == 7
+
+
+def test_a_delay_that_was_given_is_not_warned_of():
+    for late in (-0.02, 0.02, 0.05):
+        assert warned({}, {}, {"delay": late, "delay_was_found": False}) == ()
+        assert not delay_at_limit(problem_of(exciting(50), delay=late, delay_was_found=False))
+        assert delay_at_limit(problem_of(exciting(50), delay=late))
+    assert not delay_at_limit(problem_of(exciting(50), delay=0.0197))
+
+
+def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):
+    problem = made(tmp_path, late=0.05)
+    assert problem.delay_was_found
+    (line,) = warnings(problem, (GOOD,), "a", TELLING)
+    assert "delay" in line
+    given = made(tmp_path, replace(ARM, delay=0.05), late=0.05)
+    assert not given.delay_was_found
+    assert warnings(given, (GOOD,), "a", TELLING) == ()
+
+
+# With nothing but the fit to judge by
+
+
+def test_without_a_prediction_the_fit_decides_and_the_reason_says_so():
+    a, b, c = (
+        method(name, name, fit=score("log.csv", *fit), validation=(), halves=(), consistent=consistent)
+        for name, fit, consistent in (("a", (0.2, 0.1), True), ("b", (0.05, 0.12), True), ("c", (0.01, 0.01), False))
+    )
+    for methods in ((a, b, c), (c, b, a)):
+        name, reason = recommend(methods)
+        assert name == "b"
+        assert "on the log it was fitted to" in reason
+        assert "--validate" in reason
+        assert "half" not in reason
+        assert "validation logs" not in reason
+    # Where one was judged on halves, what it predicts counts before the fit.
+    name, reason = recommend((b, replace(a, halves=(score("second half", 0.9, 0.9),))))
+    assert name == "a"
+    assert "each half from the other" in reason
+
+
+@pytest.mark.parametrize("part", ["validation", "halves", "fit"])
+def test_of_errors_within_a_percent_the_first_asked_for_is_taken(part):
+    def with_error(name, error):
+        only = {"validation": (), "halves": (), "fit": score("log.csv", 0.5, 0.5)}
+        one = score("x", error, error)
+        return method(name, name, **{**only, part: one if part == "fit" else (one,)})
+
+    best, as_good, worse = with_error("best", 0.1), with_error("as good", 0.1009), with_error("worse", 0.1011)
+    assert recommend((worse, as_good, best))[0] == "as good"
+    assert recommend((best, as_good, worse))[0] == "best"
+    assert recommend((worse, best))[0] == "best"
+
+
+# Networks beside least squares
+
+
+def network(error, similarity=0.9, name="algorithm1", **changes):
+    """A method with this validation error in both joints, and this similarity on the log itself."""
+    fit = replace(score("log.csv", 0.1, 0.1), similarity=(similarity - 0.01, similarity + 0.01))
+    return method(name, name, fit=fit, validation=(score("x", error, error),), **changes)
+
+
+def note(*methods):
+    """What is added to the first of the methods, the only one that runs a network."""
+    noted = against_least_squares(methods, ("algorithm1",))
+    assert noted[1:] == methods[1:]
+    assert replace(noted[0], notes=methods[0].notes) == methods[0]
+    assert noted[0].notes[: len(methods[0].notes)] == methods[0].notes
+    return "; ".join(noted[0].notes[len(methods[0].notes) :])
+
+
+def test_a_network_is_compared_with_the_best_of_least_squares():
+    good, better, bad = (network(error, name=name) for error, name in ((0.2, "a"), (0.1, "b"), (0.3, "c")))
+    told = note(network(0.05), good, better, bad)
+    assert told == "mean validation error 0.5 times that of the best least squares (b)"
+    assert "1.19 times" in note(network(0.119), good, better)
+    # Consistent or not: the best is the best.
+    assert "(b)" in note(network(0.05), good, replace(better, consistent=False))
+
+
+@pytest.mark.parametrize(
+    ("similarity", "words", "others"),
+    [
+        (0.95, ("5 points higher", "does not see the difference"), ("fits worse",)),
+        (0.897, ("0.3 points lower", "does not see the difference"), ("fits worse",)),
+        (0.85, ("5 points lower", "it fits worse"), ("does not see",)),
+    ],
+)
+def test_a_network_that_predicts_far_worse_has_its_reason_told(similarity, words, others):
+    told = note(network(0.15, similarity), network(0.1, name="a"))
+    assert "1.5 times that of the best least squares (a)" in told
+    assert all(word in told for word in words), told
+    assert not any(word in told for word in others), told
+    # Up to a fifth worse needs no reason.
+    assert ";" not in note(network(0.1199, similarity), network(0.1, name="a"))
+    assert ";" in note(network(0.1201, similarity), network(0.1, name="a"))
+
+
+def test_a_network_is_compared_with_least_squares_on_logs_only_that_both_predicted():
+    alone = (network(0.1),)
+    assert against_least_squares(alone, ("algorithm1",)) == alone
+    unseen = (network(0.1), replace(network(0.2, name="a"), validation=()))
+    assert against_least_squares(unseen, ("algorithm1",)) == unseen
+    unseen = (replace(network(0.1), validation=()), network(0.2, name="a"))
+    assert against_least_squares(unseen, ("algorithm1",)) == unseen
+    none = (network(0.1, name="a"), network(0.2, name="b"))
+    assert against_least_squares(none, ("algorithm1",)) == none
+
+
+def test_every_network_has_its_own_note():
+    methods = (network(0.2), network(0.1, name="a"), network(0.05, name="algorithm1+refinement"))
+    noted = against_least_squares(methods, ("algorithm1", "algorithm1+refinement"))
+    assert [len(m.notes) - len(b.notes) for m, b in zip(noted, methods, strict=True)] == [1, 0, 1]
+    assert noted[0].notes[-1].startswith("mean validation error 2 times")
+    assert noted[2].notes[-1].startswith("mean validation error 0.5 times")
