@@ -347,7 +347,9 @@ def test_nine_rows_hold_the_whole_cost(seed, kind):
     one, other = rng.normal(size=(2, 9))
     whole = np.sum((y @ one - tau) ** 2) - np.sum((y @ other - tau) ** 2)
     rows = np.sum((r @ (scale * one) - c) ** 2) - np.sum((r @ (scale * other) - c) ** 2)
-    assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8)
+    # Where directions are open, the rows that pull on them are in the cost, too.
+    pulled = 1e-6 * max(np.sum((scale * beta) ** 2) for beta in (one, other)) * (kind != "all")
+    assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)
 
 
 @given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight"]))

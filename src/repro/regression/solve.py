@@ -13,8 +13,8 @@ from repro.model.parameters import Array
 RANK_TOLERANCE = 1e-6
 #: Columns shorter than this share of the longest are rounding of a joint that does not move, and count as zero.
 MOVED = 1e-9
-#: Rows that pull to zero, with columns of unit length, what nothing else determines.
-PULL = 1e-7
+#: Weights of the rows that pull to zero, with columns of unit length: directions that nothing determines, and all.
+OPEN, PULL = 1e-3, 1e-7
 
 
 def unit_columns(y: Array) -> tuple[Array, Array]:
@@ -78,7 +78,8 @@ def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
 def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     """The least-squares problem in few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant.
 
-    The last nine pull z to zero too weakly to be seen where anything else determines it, so that the solution is one.
+    Further rows make the solution one: directions that nothing determines are pulled to zero, so that they cannot go
+    anywhere, and so is all of z, too weakly to be seen where anything else determines it.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     Returns
     -------
     R : array of shape (k, 9)
-        One row for each direction that the motion determines, and nine.
+        One row for each direction in which the motion moves anything, and nine.
     c : array of shape (k,)
         Right side.
     scale : array of shape (9,)
@@ -98,12 +99,16 @@ def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     """
     a, scale = unit_columns(y)
     gram = a.T @ a
-    values, vectors = np.linalg.eigh(gram)
-    kept = values > RANK_TOLERANCE**2 * values.max()
+    moved = np.flatnonzero(gram.diagonal() > 0.0)
+    values, vectors = np.linalg.eigh(gram[np.ix_(moved, moved)])
+    kept = values > RANK_TOLERANCE**2 * values.max(initial=0.0)
+    directions = np.zeros((moved.size, len(scale)))
+    directions[:, moved] = vectors.T
     root = np.sqrt(values[kept])
-    directions = vectors[:, kept].T * (gram.diagonal() > 0.0)
-    rows = np.vstack([root[:, None] * directions, PULL * np.eye(len(scale))])
-    right = np.concatenate([directions @ (a.T @ tau.reshape(-1)) / root, np.zeros(len(scale))])
+    open_rows, weak = OPEN * directions[~kept], PULL * np.eye(len(scale))
+    rows = np.vstack([root[:, None] * directions[kept], open_rows, weak])
+    right = np.zeros(len(rows))
+    right[: root.size] = directions[kept] @ (a.T @ tau.reshape(-1)) / root
     return rows, right, scale
 
 
