@@ -9,12 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 
 from repro.logs.log import Log
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 from repro.regression.filters import FILTERS
+
+#: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
+LONG = 4096
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     Parameters
     ----------
     log : Log
-        Uniformly sampled.
+        Uniformly sampled. Of a long one the last few samples, at most 1 in 50, may be left out.
     settings : FilterSettings
         Filters, delay, cut.
 
@@ -160,19 +164,22 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     """
     h = float(np.median(np.diff(log.t)))
     n = log.t.size
+    if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
+        n = prev_fast_len(n)
+    time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]
     margin = max(round(settings.cut / h), 1)
     step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
     keep = np.arange(margin, n - margin, step)
     if keep.size < 2:
         raise ValueError(f"log: {n} samples leave nothing between cuts of {margin} at both ends.")
-    moved = motion(log.q, h, settings)
+    moved = motion(recorded, h, settings)
     y = filtered_regressor(moved, h, settings)
     halves = []
     for first in (0, 1):
         there = slice(first, None, 2)
-        half = filtered_regressor(motion(log.q[:, there], 2 * h, settings), 2 * h, settings)
-        halves.append(CubicSpline(log.t[there], half, axis=1)(log.t[keep]))
-    tau = filtered_torque(log.tau, h, settings)
+        half = filtered_regressor(motion(recorded[:, there], 2 * h, settings), 2 * h, settings)
+        halves.append(CubicSpline(time[there], half, axis=1)(time[keep]))
+    tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     counts = np.ones(q.shape, dtype=np.bool_)
-    return Regression(log.t[keep], y[:, keep], tau[:, keep], np.stack(halves), q, dq, ddq, counts, step * h, settings)
+    return Regression(time[keep], y[:, keep], tau[:, keep], np.stack(halves), q, dq, ddq, counts, step * h, settings)
