@@ -1,9 +1,13 @@
 """`repro identify` as a user runs it: on a table, on captures, on a port; and refused without a trace."""
 
 import json
+import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -157,3 +161,17 @@ def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figu
     assert identify(log, "--method", "ordinary", "-o", out, "--overwrite") == 0
     assert (out / "notes.txt").read_text() == "mine"
     assert (out / "report.html").read_text() != "old"
+
+
+def test_adding_a_method_is_adding_a_file(log, tmp_path):
+    """The example of docs/own-arm.md in a copy of the package."""
+    shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
+    guide = (ROOT / "docs" / "own-arm.md").read_text(encoding="utf-8")
+    example = re.search(r"^    \"\"\"Ridge regression.*?^    METHOD = [^\n]*$", guide, re.MULTILINE | re.DOTALL)[0]
+    example = textwrap.dedent(example).replace("hoerl1970ridge", "gautier1992exciting")
+    (tmp_path / "repro" / "estimators" / "ridge.py").write_text(example)
+    command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert found(tmp_path / "out", "ridge")[3:5] == pytest.approx(BETA[3:5], rel=0.05)

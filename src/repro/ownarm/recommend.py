@@ -13,7 +13,7 @@ from repro.ownarm.result import Excitation, MethodResult, Score
 CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
 #: A network whose validation error is more than this times the best least squares' has its reason told; fits whose
 #: similarities differ by less than the second are equally good.
-WORSE_THAN_BEST, SAME_FIT = 1.2, 0.005
+WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
 #: Errors that differ by less than this factor are equally good.
 AS_GOOD_AS = 1.01
 
