@@ -114,8 +114,8 @@ def run(arguments: argparse.Namespace) -> int:
     for path in arguments.validate:
         if path.exists() and Path(arguments.log).exists() and path.samefile(arguments.log):
             raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
-    fitted = read(_source(arguments), arm)
     others = tuple(read(path, arm) for path in arguments.validate)
+    fitted = read(_source(arguments), arm)
     for told in (fitted, *others):
         _tell(told, briefly=told is not fitted)
     problem = make_problem(fitted, others, arm, options)

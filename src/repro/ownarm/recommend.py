@@ -89,26 +89,21 @@ def against_least_squares(methods: Sequence[MethodResult], networks: Sequence[st
     if not others:
         return tuple(methods)
     best = min(others, key=prediction_error)
-    noted = []
-    for m in methods:
-        if m.method in networks and m.validation:
-            ratio = prediction_error(m) / max(prediction_error(best), np.finfo(np.float64).tiny)
-            note = f"mean validation error {ratio:.3g} times that of the best least squares ({best.method})"
-            if ratio > WORSE_THAN_BEST:
-                gap = np.mean(m.fit.similarity) - np.mean(best.fit.similarity)
-                note += (
-                    f"; on the log itself its similarity is {100 * abs(gap):.2g} points "
-                    f"{'higher' if gap > 0 else 'lower'}: "
-                    + (
-                        "the similarity it maximises does not see the difference"
-                        if gap > -SAME_FIT
-                        else "it fits worse"
-                    )
-                )
-            noted.append(replace(m, notes=(*m.notes, note)))
-        else:
-            noted.append(m)
-    return tuple(noted)
+    return tuple(
+        replace(m, notes=(*m.notes, _beside(m, best))) if m.method in networks and m.validation else m for m in methods
+    )
+
+
+def _beside(method: MethodResult, best: MethodResult) -> str:
+    """How a method's prediction compares with the best least squares', and why it is worse if it is."""
+    ratio = prediction_error(method) / max(prediction_error(best), np.finfo(np.float64).tiny)
+    note = f"mean validation error {ratio:.3g} times that of the best least squares ({best.method})"
+    if ratio <= WORSE_THAN_BEST:
+        return note
+    gap = float(np.mean(method.fit.similarity) - np.mean(best.fit.similarity))
+    why = "the similarity it maximises does not see the difference" if gap > -SAME_FIT else "it fits worse"
+    more = "higher" if gap > 0 else "lower"
+    return f"{note}; on the log itself its similarity is {100 * abs(gap):.2g} points {more}: {why}"
 
 
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
