@@ -27,9 +27,11 @@ def silent(*_):
     """Report to nobody."""
 
 
-def run(cache, cutoff):
-    """All least-squares methods on 061157, judged on the two other logs."""
-    names = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+ALL = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+
+
+def run(cache, cutoff, names=ALL):
+    """Least-squares methods on 061157, judged on the two other logs."""
     options = Options(names, cache, cutoff=cutoff)
     arm = Arm()
     logs = [read(log_file(name), arm) for name in ("061157", "060143", "060329")]
@@ -61,9 +63,9 @@ def test_they_predict_no_worse_than_ordinary_least_squares_did(result):
         assert (100 * np.array(found[log]) <= np.array(reached)).all(), (log, found[log])
 
 
-@pytest.mark.parametrize("cutoff", [None, 3.0, 5.0])
+@pytest.mark.parametrize("cutoff", [3.0, 5.0])
 def test_they_predict_better_than_ordinary_least_squares_through_the_same_filter(cutoff, tmp_path):
-    result = run(tmp_path, cutoff)
+    result = run(tmp_path, cutoff, ("ordinary", "consistent", "parsimonious"))
     best, ordinary = recommended(result), result.methods[0]
     assert best.consistent
     assert np.mean([s.relative_rms for s in best.validation]) < np.mean([s.relative_rms for s in ordinary.validation])

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA, motion
 from ownarm_log import CUTOFF, H, autoregressive, exact, exciting, regression_of
@@ -124,6 +124,7 @@ def test_a_straight_arm_shows_sums_of_inertias_only():
         assert np.linalg.matrix_rank(np.vstack([c, row]), tol=1e-2) == 7, alone
 
 
+@settings(max_examples=40)
 @given(st.floats(0.3, 1.2), st.floats(-1.5, 1.5), st.sampled_from([0, 1]))
 def test_base_parameters_at_any_fixed_place(pace, at, joint):
     q, dq, ddq = slowed(pace)
