@@ -36,7 +36,7 @@ def problem_of(regression, others=(), moving=None, delay_was_found=True, **setti
     nothing = np.zeros(0)
     moving = regression if moving is None else moving
     return Problem(
-        fitted=told(log_of(recording())),
+        fitted=told(log_of(recording(np.arange(0.0, 20.0, 0.005)))),
         regression=regression,
         moving=moving,
         as_good=(),

@@ -88,6 +88,9 @@ def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys
     assert [score["log"] for score in scores] == ["T1.bin", "T4.bin"]
     assert np.max([score["relative_rms"] for score in scores]) < 0.25
     assert is_positive_definite(found(out, "consistent"))
+    # Eq. 10 is too slow to show I2: a length made of it would be off by any factor.
+    assert not (out / "arm.urdf").exists()
+    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. I2: not determined by this motion")
 
 
 def test_the_same_command_gives_the_same_bytes(log, tmp_path):
@@ -132,6 +135,9 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["log.csv", "-o", "full"], "--overwrite"),
         (["log.csv", "-o", "out", "--validate", "gone.csv"], "gone.csv"),
         (["log.csv", "-o", "out", "--arm", "arm.yaml"], "arm.yaml"),
+        (["log.csv", "-o", "out", "--arm", "degrees.yaml"], "degrees: 3.1416"),
+        (["/dev/ttyNOPE", "-o", "out"], "no such port"),
+        (["log.csv", "-o", "o" * 300], "File name too long"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "at least four times the cut-off"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
@@ -143,6 +149,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     Path("full").mkdir()
     Path("full/kept.txt").write_text("mine")
     Path("arm.yaml").write_text("colour: red\n")
+    Path("degrees.yaml").write_text("zero: [180, 0]\nunits: {position: deg}\n")
     Path("short.csv").write_text("".join(log.read_text().splitlines(keepends=True)[:10]))
     before = sorted(Path().rglob("*"))
     assert identify(*arguments, "--method", "ordinary") == 2

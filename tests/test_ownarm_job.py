@@ -64,7 +64,8 @@ def test_the_result_says_what_was_done(whole):
     assert (result.log.name, [d.name for d in result.validation_logs]) == ("log.csv", ["other.csv"])
     assert result.recommended in METHODS
     assert result.reason.startswith("smallest mean torque error on the validation logs")
-    assert result.warnings == ()
+    assert len(result.warnings) == 1
+    assert "the log is short, 12 s" in result.warnings[0]
     p = result.preparation
     assert p.cutoff == problem.settings.cutoff
     assert 1.0 <= p.cutoff <= 10.0

@@ -26,6 +26,7 @@ FILTERS = ("dct", "savitzky-golay", "butterworth")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro identify``."""
+    parser.epilog = "Example: repro identify LOG.csv --validate OTHER.csv -o OUT. Guide: docs/own-arm.md."
     parser.add_argument("log", help="log FILE.csv, capture FILE.bin, or the port of a board to record from")
     parser.add_argument(
         "--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result"
@@ -147,6 +148,8 @@ def _source(arguments: argparse.Namespace) -> Path:
     """The log's file; a port is recorded from first, and the capture is kept beside the result."""
     text = arguments.log
     path: Path = Path(text)
+    if text.startswith("/dev/") and not path.exists():
+        raise InputError.at(text, "no such port", "the port of a board that is plugged in")
     if "://" not in text and not path.is_char_device():
         return path
     from repro.cli import main

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import yaml
 
 from repro.errors import InputError
@@ -129,6 +130,12 @@ def read_arm(path: Path | None) -> Arm:
         twin = next(other for other in columns if columns[other] == header)
         if twin != signal:
             raise InputError.at(f"{path}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
+    for joint, zero in enumerate(content.get("zero", ())):
+        if abs(zero) > 2.0 * np.pi:
+            expected = (
+                f"radians within a turn, whatever the unit of the log (if it is in degrees: {np.radians(zero):.5g})"
+            )
+            raise InputError.at(f"{path}: zero.{joint}", zero, expected)
     return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
 
 

@@ -203,7 +203,7 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
         close = [name for plain, name in free.items() if difflib.get_close_matches(plain, spellings, 1, 0.75)]
         near += [f"{name!r} for {signal}" for name in close[:1]]
     hint = f" (perhaps {', '.join(near)})" if near else ""
-    if any(re.match(r"(q|pos|tau|theta|torque|joint)\W?0", plain) for plain in free):
+    if any(re.search(r"(q|pos|position|tau|theta|torque|effort|joint)\W?0", plain) for plain in free):
         hint = " (joints counted from 0?)"
     expected = f"a column for {', '.join(missing)}{hint}; name it there or as columns.{missing[0]} in the arm file"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)

@@ -1,8 +1,6 @@
 """The files of a result: all of them or none."""
 
-import os
 import shutil
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,6 +19,7 @@ from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import parameters_table, scores_table
+from repro.trust.words import COMBINED, NOT_EXCITED
 
 PAGE = "report.html"
 
@@ -49,17 +48,31 @@ def check_folder(out: Path, overwrite: bool) -> None:
     Raises
     ------
     InputError
-        If `out` is a file, cannot be written, or is not empty.
+        If `out` is a file, is not empty, or cannot be written: that is tried, before anything is computed.
     """
-    if out.exists() and not out.is_dir():
-        raise InputError.at(str(out), "a file", "a folder, or a name that is free")
-    if out.is_dir() and not overwrite and any(out.iterdir()):
-        raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
-    parent = out if out.is_dir() else out.absolute().parent
-    while not parent.exists():
-        parent = parent.parent
-    if not (parent.is_dir() and os.access(parent, os.W_OK)):
-        raise InputError.at(str(parent), "no permission to write", "a folder that can be written")
+    try:
+        there = out.exists()
+        if there and not out.is_dir():
+            raise InputError.at(str(out), "a file", "a folder, or a name that is free")
+        if there and not overwrite and any(out.iterdir()):
+            raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
+        made = _beside(out)
+        made.mkdir(exist_ok=True)
+        shutil.rmtree(made)
+    except OSError as error:
+        raise _unwritable(out, error) from error
+
+
+def _beside(out: Path) -> Path:
+    """Folder that is filled before its files are put into `out`; one that a killed run left is taken again."""
+    near = out.absolute().parent
+    while not near.exists():
+        near = near.parent
+    return near / f".{out.name}.partial"
+
+
+def _unwritable(out: Path, error: OSError) -> InputError:
+    return InputError.at(str(out), error.strerror or str(error), "a folder that can be written, with room")
 
 
 def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
@@ -78,12 +91,16 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
     -------
     list of str
         Names of the files.
+
+    Raises
+    ------
+    InputError
+        If there is no room, or the folder has become unwritable; `out` is as it was then.
     """
-    near = out.absolute().parent
-    while not near.is_dir():
-        near = near.parent
-    made = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=near))
+    made = _beside(out)
+    shutil.rmtree(made, ignore_errors=True)
     try:
+        made.mkdir()
         _fill(made, result, curves, arm)
         names = sorted(path.name for path in made.iterdir())
         out.mkdir(parents=True, exist_ok=True)
@@ -92,6 +109,8 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
         for name in names:
             (made / name).replace(out / name)
         return names
+    except OSError as error:
+        raise _unwritable(out, error) from error
     finally:
         shutil.rmtree(made, ignore_errors=True)
 
@@ -165,6 +184,11 @@ def residuals(result: Result, curves: Curves) -> pd.DataFrame:
 def _export(folder: Path, result: Result, arm: Arm) -> None:
     """URDF and MJCF where a set of two links has these parameters; else a file that says why not."""
     best = next(m for m in result.methods if m.method == result.recommended)
+    unknown = [p.name for p in best.parameters[:5] if p.verdict in (NOT_EXCITED, COMBINED)]
+    if unknown:
+        why = f"{', '.join(unknown)}: not determined by this motion, and masses and lengths would rest on it"
+        write_text(folder / "no-links.txt", f"No URDF or MJCF. {why}.\n")
+        return
     beta = np.array([p.estimate for p in best.parameters])
     try:
         links = links_of(beta, arm.gravity, arm.link_lengths)

@@ -14,6 +14,8 @@ CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
 #: A network whose validation error is more than this times the best least squares' has its reason told; fits whose
 #: similarities differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
+#: A log of fewer seconds deserves a warning.
+SHORT = 15.0
 #: Errors that differ by less than this factor are equally good.
 AS_GOOD_AS = 1.01
 
@@ -106,6 +108,12 @@ def _beside(method: MethodResult, best: MethodResult) -> str:
     return f"{note}; on the log itself its similarity is {100 * abs(gap):.2g} points {more}: {why}"
 
 
+def _known(method: MethodResult, *places: int) -> bool:
+    """Whether a method's intervals of these parameters are small beside the parameters."""
+    found = [method.parameters[place] for place in places]
+    return all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in found)
+
+
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
     """What may spoil the result as a whole, one line each.
 
@@ -134,7 +142,7 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
             f"the motion hardly tells the parameters apart (condition number {told.condition:.3g}): excite more"
         )
     for joint, correlation in enumerate(told.friction_correlation, start=1):
-        if abs(correlation) > CORRELATION:
+        if abs(correlation) > CORRELATION and not _known(best, 4 + joint, 6 + joint):
             found.append(
                 f"viscous and Coulomb friction of joint {joint} are hard to tell apart "
                 f"(correlation {correlation:.2f}): log slow and fast motion"
@@ -156,6 +164,15 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
             f"on logs not used the torque error reaches {100 * worst:.3g} %, on the log itself "
             f"{100 * max(best.fit.relative_rms):.3g} %: the logs excite different things"
         )
+    halves = max((max(s.relative_rms) for s in best.halves), default=0.0)
+    if halves > max(WORSE * max(best.fit.relative_rms), 0.1):
+        found.append(
+            f"one half of the log predicts the other with a torque error of {100 * halves:.3g} %: too short a log, or "
+            "something changed in it"
+        )
+    length = float(problem.fitted.log.t[-1] - problem.fitted.log.t[0])
+    if length < SHORT:
+        found.append(f"the log is short, {length:.3g} s: with {SHORT:g} s or more the intervals can be trusted")
     if delay_at_limit(problem):
         found.append(
             f"the delay of the torque is at the end of the range looked at ({1e3 * problem.settings.delay:.3g} ms)"
