@@ -42,7 +42,7 @@ def test_intervals_hold_the_truth_in_90_to_99_percent_of_cases(problems, name):
     for beta, (regression, as_good) in zip(arms, made, strict=True):
         rng = stream(1, Stream.OWN_BOOTSTRAP)
         first = method.estimate(regression)
-        spread = bootstrap(method, regression, first, as_good, rng)
+        spread = bootstrap(method, regression, first, as_good, rng, replicates=100)
         claimed = first.beta != 0.0
         inside.append(((spread.low <= beta) & (beta <= spread.high))[claimed])
     share = np.mean(np.concatenate(inside))

@@ -93,7 +93,7 @@ def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys
     assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. I2: not determined by this motion")
 
 
-def test_the_same_command_gives_the_same_bytes(log, tmp_path):
+def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):
     for name in ("a", "b"):
         assert identify(log, "--method", "weighted", "--method", "parsimonious", "-o", tmp_path / name) == 0
     for path in (tmp_path / "a").iterdir():
