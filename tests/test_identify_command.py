@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ import pytest
 from log_example import BETA, columns, recording, text
 
 from repro.cli import main
+from repro.cnn import schedule
+from repro.estimators import algorithm1
+from repro.identify.algorithm1 import SearchSettings
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
 
@@ -102,7 +106,15 @@ def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
 
-def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures):
+@pytest.fixture
+def small_budgets(monkeypatch):
+    """A network tested on few images, and a short search with it."""
+    few = SearchSettings(executions=4, inner_limit=3, threshold=0.9237, feasibility="positive-definite")
+    monkeypatch.setattr(schedule, "TrainingSettings", partial(schedule.TrainingSettings, test_samples=64, batch=16))
+    monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few))
+
+
+def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures, small_budgets):
     common = (log, "--method", "algorithm1", "--steps", 2, "--threads", 1, "--cache", tmp_path / "cache")
     assert identify(*common, "-o", tmp_path / "a") == 0
     assert "training the CNN" in capsys.readouterr().err
