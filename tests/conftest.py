@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from repro.model.parameters import Links
 
 # Derandomised: the same examples on every machine, so a failure can be repeated.
-settings.register_profile("repro", deadline=None, derandomize=True, max_examples=50, database=None)
+settings.register_profile("repro", deadline=None, derandomize=True, max_examples=100, database=None)
 settings.load_profile("repro")
 
 seeds = st.integers(min_value=0, max_value=2**32 - 1)

@@ -18,10 +18,12 @@ from log_example import BETA, columns, recording, text
 
 from repro.cli import main
 from repro.cnn import schedule
+from repro.commands import identify as commands
 from repro.estimators import algorithm1
 from repro.identify.algorithm1 import SearchSettings
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
+from repro.regression.filters import FILTERS
 
 ROOT = Path(__file__).resolve().parent.parent
 CAPTURES = ROOT / "data" / "captures"
@@ -29,6 +31,10 @@ WRITTEN = {
     *("parameters.json", "parameters.csv", "scores.csv", "residuals.csv", "report.html", "methods.bib"),
     *("arm.urdf", "arm.xml", "provenance.json"),
 }
+
+
+def test_the_filters_offered_are_those_that_there_are():
+    assert tuple(FILTERS) == commands.FILTERS
 
 
 @pytest.fixture
@@ -170,6 +176,25 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     assert not any("Traceback" in line for line in lines)
     assert sorted(Path().rglob("*")) == before
     assert Path("full/kept.txt").read_text() == "mine"
+
+
+def test_a_log_too_short_for_an_image_is_told_and_no_traceback(log, tmp_path, capsys):
+    brief = tmp_path / "brief.csv"
+    brief.write_text("".join(log.read_text().splitlines(keepends=True)[:442]))
+    assert identify(brief, "--method", "algorithm1", "--cache", tmp_path / "cache", "-o", tmp_path / "out") == 2
+    told = capsys.readouterr().err
+    assert "fewer than the 100 of an image" in told
+    assert "no solution by any method" in told.splitlines()[-1]
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_port_that_cannot_be_opened_is_one_line(tmp_path, capsys):
+    config = ROOT / "config" / "config.yaml"
+    out = tmp_path / "out"
+    assert identify("socket://127.0.0.1:1", "--config", config, "--method", "ordinary", "-o", out) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert line.startswith("socket://127.0.0.1:1")
+    assert not any(tmp_path.iterdir())
 
 
 def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figures):

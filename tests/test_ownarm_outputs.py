@@ -14,10 +14,10 @@ from PIL import Image
 
 from repro.errors import InputError
 from repro.estimators.methods import METHODS
+from repro.estimators.names import NETWORKS
 from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
 from repro.ownarm import outputs
-from repro.ownarm.job import NETWORK_METHODS
 from repro.ownarm.outputs import check_folder, citations, write_all
 
 SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "leon2022cnn"}
@@ -247,11 +247,11 @@ def test_without_links_a_file_says_why(tmp_path, change, words):
 
 
 @pytest.mark.parametrize("filter_name", ["zero-phase DCT pair", "Savitzky-Golay, cubic"])
-@pytest.mark.parametrize("name", [*METHODS, *NETWORK_METHODS])
+@pytest.mark.parametrize("name", [*METHODS, *NETWORKS])
 def test_every_source_that_is_cited_exists(name, filter_name):
     result, _ = example()
     citation = METHODS[name].citation if name in METHODS else "leon2022cnn"
-    claims = name not in NETWORK_METHODS
+    claims = name not in NETWORKS
     one = replace(result.methods[0], method=name, citation=citation, claims_intervals=claims)
     result = replace(result, methods=(one,), preparation=replace(result.preparation, filter=filter_name))
     keys = citations(result)

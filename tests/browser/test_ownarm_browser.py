@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from chromium import Chromium, find_chromium
+from chromium import find_chromium
 from ownarm_example import example_curves, example_result
 from test_report_page import WIDTHS, find_axe
 
@@ -30,20 +30,6 @@ def report(tmp_path_factory):
     result, curves = example_result(simulated=True), example_curves()
     (folder / "report.html").write_text(render_page(result, curves, figures_of(result, curves)), encoding="utf-8")
     return folder / "report.html"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with Chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def page(browser, report):
-    browser.events.clear()
-    browser.resize(1400)
-    browser.open(report)
-    return browser
 
 
 def test_nothing_is_fetched_and_nothing_is_said_on_the_console(page, report):

@@ -10,7 +10,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from chromium import Chromium, find_chromium
+from chromium import find_chromium
 from report_example import make_example
 
 from repro.report.page import write_report
@@ -40,20 +40,6 @@ def report(tmp_path_factory):
     (inputs.figures / "fig24.png").unlink()
     write_report(inputs)
     return inputs.page
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with Chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def page(browser, report):
-    browser.events.clear()
-    browser.resize(1400)
-    browser.open(report)
-    return browser
 
 
 def column(page, number):

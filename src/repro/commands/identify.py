@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from repro.commands.options import add_config, positive_integer, whole_number
 from repro.errors import InputError
-from repro.estimators.names import names
+from repro.estimators.names import NETWORKS, names
 
 if TYPE_CHECKING:
     from repro.ownarm.judge import Found
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 
 LEAST_SQUARES = names()
-ALGORITHM1 = ("algorithm1", "algorithm1+refinement")
-GROUPS = {"all": (*LEAST_SQUARES, *ALGORITHM1), "least-squares": LEAST_SQUARES}
+GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
 FILTERS = ("dct", "savitzky-golay", "butterworth")
 
 
@@ -35,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         action="append",
-        choices=(*GROUPS, *LEAST_SQUARES, *ALGORITHM1),
+        choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
         help="may be given more than once (default: all; least-squares takes seconds, a CNN minutes)",
     )
     parser.add_argument("-o", "--out", required=True, type=Path, help="folder for parameters, report and exports")
@@ -92,10 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from repro.logs.armfile import read_arm
     from repro.ownarm.job import assemble, resolve, solve_all
-    from repro.ownarm.outputs import check_folder, write_all
+    from repro.ownarm.outputs import check_folder, write_all, write_sidecar
     from repro.ownarm.prepared import make_problem, read
     from repro.ownarm.settings import Options
-    from repro.pipeline.provenance import write_provenance
     from repro.progress import Progress
 
     check_folder(arguments.out, arguments.overwrite)
@@ -110,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.steps,
         arguments.threads,
     )
-    if set(chosen) & set(ALGORITHM1):
+    if set(chosen) & set(NETWORKS):
         _check_cache(options.cache)
     for path in arguments.validate:
         if path.exists() and Path(arguments.log).exists() and path.samefile(arguments.log):
@@ -129,7 +127,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress.setdefault(what, Progress(what))(done, total, note)
 
     methods = resolve(options, report)
-    quick = [m for m in methods if m.name not in ALGORITHM1]
+    quick = [m for m in methods if m.name not in NETWORKS]
     found = solve_all(problem, quick, options.seed, report, _found)
     if found and len(quick) < len(methods):
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, found, arm)[0]))
@@ -138,8 +136,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError.at(fitted.description.name, "no solution by any method", "a log that tells more, see above")
     result, curves = assemble(problem, found, arm)
     print(summary(result), flush=True)
-    files = [*write_all(arguments.out, result, curves, arm), "provenance.json"]
-    write_provenance(arguments.out / files[-1], Path(__file__).parent, options.threads)
+    files = [*write_all(arguments.out, result, curves, arm), write_sidecar(arguments.out, options.threads)]
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 
@@ -152,14 +149,16 @@ def _source(arguments: argparse.Namespace) -> Path:
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
     if "://" not in text and not path.is_char_device():
         return path
-    from repro.cli import main
+    from repro.commands import record
 
     capture: Path = arguments.out.parent / f"{arguments.out.name}-recording.bin"
     if capture.exists() and not arguments.overwrite:
         raise InputError.at(str(capture), "a recording", "a new name for the folder, or --overwrite")
-    command = ["record", "--port", text, "--trajectory", arguments.trajectory, "--out", str(capture)]
+    parser = argparse.ArgumentParser()
+    record.add_arguments(parser)
+    command = ["--port", text, "--trajectory", arguments.trajectory, "--out", str(capture)]
     command += ["--config", str(arguments.config)] + ["--overwrite"] * arguments.overwrite
-    if main(command) != 0:
+    if record.run(parser.parse_args(command)) != 0:
         raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")
     return capture
 

@@ -22,7 +22,7 @@ from repro.cnn.factored import FactoredCNN
 from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import fingerprint, train
 from repro.errors import InputError
-from repro.estimators.interface import Estimate, Method
+from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.identify.algorithm1 import Candidates, SearchSettings, search, select
 from repro.identify.prepare import Prepared
 from repro.identify.refinement import RefinementSettings, refine
@@ -138,6 +138,8 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
 
 def _subsampled(regression: Regression) -> tuple[SampledMotion, Prepared]:
     """What the network sees and what candidates are compared on."""
+    if regression.t.size < SAMPLES:
+        raise NoSolutionError(f"{regression.t.size} samples after filtering, fewer than the {SAMPLES} of an image")
     columns = dct2sub(np.moveaxis(regression.y, -1, 0), SAMPLES)  # (9, 2, M)
     y_sub = np.ascontiguousarray(np.moveaxis(columns, 0, -1))
     tau_sub = dct2sub(regression.tau, SAMPLES)

@@ -5,6 +5,8 @@ from pathlib import Path
 
 #: Files of this folder that are no such method; algorithm1 needs a network besides the regression.
 OTHERS = {"algorithm1", "interface", "methods", "names"}
+#: Methods that train a network for the motion; both are in the file algorithm1.
+NETWORKS = ("algorithm1", "algorithm1+refinement")
 #: Order in which methods are told, the simplest first; a new one comes last unless it is put in its place here.
 ORDER = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
 

@@ -222,10 +222,38 @@ def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_stee
     for name, state in (("q", q), ("dq", dq), ("tau", tau)):
         if np.shape(state)[-1:] != (2,) or not np.isfinite(state).all():
             raise ValueError(f"{name}: must be finite with two joints on the last axis, got shape {np.shape(state)}.")
-    dq, beta = np.asarray(dq), check_beta(beta)
-    friction = beta[..., 5:7] * dq + beta[..., 7:9] * np.tanh(friction_steepness * dq)
-    bias = (coriolis_matrix(q, dq, beta) @ dq[..., None])[..., 0] + gravity_torque(q, beta) + friction
-    try:
-        return np.asarray(np.linalg.solve(mass_matrix(q, beta), (tau - bias)[..., None])[..., 0], dtype=np.float64)
-    except np.linalg.LinAlgError as error:
-        raise ValueError("beta: the inertia matrix is singular, so torque does not determine acceleration.") from error
+    q, dq, tau, beta = np.asarray(q), np.asarray(dq), np.asarray(tau), check_beta(beta)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ddq = acceleration(q, dq, tau, beta, friction_steepness)
+    if not np.isfinite(ddq).all():
+        raise ValueError("beta: the inertia matrix is singular, so torque does not determine acceleration.")
+    return ddq
+
+
+def acceleration(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
+    """Eq. 1 solved for ddq without checks, for integrators: a state that runs away gives what is not finite.
+
+    Parameters
+    ----------
+    q, dq, tau : arrays of shape (..., 2)
+        Position (rad), velocity (rad/s) and torque (N m).
+    beta : array of shape (..., 9)
+        Parameter sets, broadcast against `q`.
+    friction_steepness : float
+        lambda of Eq. 1, s/rad.
+
+    Returns
+    -------
+    array of shape (..., 2)
+        Acceleration, rad/s^2.
+    """
+    i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
+    q1, q2, dq1, dq2 = q[..., 0], q[..., 1], dq[..., 0], dq[..., 1]
+    driving = tau - beta[..., 5:7] * dq - beta[..., 7:9] * np.tanh(friction_steepness * dq)
+    swing, load = 0.5 * i2 * np.sin(q2), g2 * np.sin(q1 + q2)
+    r1 = driving[..., 0] + swing * dq2 * (2.0 * dq1 + dq2) - g1 * np.sin(q1) - load
+    r2 = driving[..., 1] - swing * dq1**2 - load
+    m11, m12 = i1 + i2 * np.cos(q2), i3 + 0.5 * i2 * np.cos(q2)
+    determinant = m11 * i3 - m12**2
+    ddq: Array = np.stack([i3 * r1 - m12 * r2, m11 * r2 - m12 * r1], axis=-1) / determinant[..., None]
+    return ddq

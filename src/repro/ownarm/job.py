@@ -7,6 +7,7 @@ import numpy as np
 
 from repro.estimators.interface import Method, NoSolutionError
 from repro.estimators.methods import METHODS
+from repro.estimators.names import NETWORKS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.judge import Found, find, judge
@@ -19,9 +20,6 @@ from repro.regression.filters import FILTERS
 from repro.regression.prepare import Regression
 from repro.signals.dct import spectrum
 from repro.trust.excitation import EXCITED, torque_share
-
-#: Names of the methods that run a network; the others are in `repro.estimators.methods`.
-NETWORK_METHODS = ("algorithm1", "algorithm1+refinement")
 
 _LOG = logging.getLogger(__name__)
 
@@ -44,7 +42,7 @@ def resolve(options: Options, report: Report) -> list[Method]:
         Torch is loaded only if one of them runs a network.
     """
     known = dict(METHODS)
-    if set(options.methods) & set(NETWORK_METHODS):
+    if set(options.methods) & set(NETWORKS):
         from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
         from repro.estimators.algorithm1 import NetworkSearch, methods  # noqa: PLC0415
 
@@ -85,7 +83,7 @@ def solve_all(
             report(f"standard errors, {title}", k, n, "")
 
         try:
-            found.append(find(method, problem, seed, method.name not in NETWORK_METHODS, tell))
+            found.append(find(method, problem, seed, method.name not in NETWORKS, tell))
         except NoSolutionError as error:
             _LOG.warning("%s: no result, %s", method.title, error)
         else:
@@ -114,7 +112,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
     logs = (problem.fitted, *(told for told, _ in problem.others))
     positions = [position_errors(told.log, problem.settings, betas) for told in logs]
     methods = tuple(judge(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(found))
-    methods = against_least_squares(methods, NETWORK_METHODS)
+    methods = against_least_squares(methods, NETWORKS)
     recommended, reason = recommend(methods)
     best = betas[[m.method for m in methods].index(recommended)]
     told = _excitation(problem, best)

@@ -19,6 +19,7 @@ from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import parameters_table, scores_table
+from repro.pipeline.provenance import write_provenance
 from repro.trust.words import COMBINED, NOT_EXCITED
 
 PAGE = "report.html"
@@ -113,6 +114,34 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
         raise _unwritable(out, error) from error
     finally:
         shutil.rmtree(made, ignore_errors=True)
+
+
+def write_sidecar(out: Path, threads: int) -> str:
+    """Write which versions made a result, and when, beside it.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the result.
+    threads : int
+        Threads that the CNN was given.
+
+    Returns
+    -------
+    str
+        Name of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no room.
+    """
+    name = "provenance.json"
+    try:
+        write_provenance(out / name, Path(__file__).parent, threads)
+    except OSError as error:
+        raise _unwritable(out, error) from error
+    return name
 
 
 def _fill(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:

@@ -1,15 +1,14 @@
 """The report of `repro identify` as one HTML text that opens anywhere and fetches nothing."""
 
 import base64
-import hashlib
 import re
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup, escape
 
 from repro.logs.description import Description
@@ -18,6 +17,8 @@ from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
 from repro.render.markup import unit
+from repro.report.embed import Picture
+from repro.report.template import environment, policy
 
 #: Pixels on the screen for one of the picture: drawn at 200 dpi, shown at 1.25 times the printed size.
 _SHOWN = 1.25 * 96.0 / 200.0
@@ -35,17 +36,9 @@ FILES = {
     "scores.csv": "the errors of every method on every log, a row each",
     "arm.urdf": "two links with these inertias, for ROS and most simulators",
     "arm.xml": "the same links for MuJoCo",
+    "no-links.txt": "why there is no URDF or MJCF",
     "methods.bib": "sources of the methods, to cite",
 }
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture in the page: its data URI and the size it is shown at, in CSS pixels."""
-
-    uri: str
-    width: int
-    height: int
 
 
 def render_page(
@@ -87,7 +80,7 @@ def render_page(
             result=result,
             best=found[0],
             style=style,
-            policy=_policy(style),
+            policy=policy(style),
             logs=(result.log, *result.validation_logs),
             facts=_facts((result.log, *result.validation_logs)),
             predictions=predictions(found[0]),
@@ -104,15 +97,8 @@ def render_page(
 
 
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("repro.ownarm", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {
+    filled = environment(Path(__file__).parent)
+    filled.filters |= {
         "unit": lambda text: unit(text).md,
         "symbols": symbols,
         "sentence": sentence,
@@ -120,7 +106,7 @@ def _environment() -> Environment:
         "percent": percent,
         "significant": significant,
     }
-    return environment
+    return filled
 
 
 def symbols(text: str) -> Markup:
@@ -145,12 +131,6 @@ def _style() -> Markup:
     package = Path(__file__).parents[1]
     paths = (package / "report" / "report.css", package / "ownarm" / "page.css")
     return Markup("".join(path.read_text(encoding="utf-8") for path in paths))
-
-
-def _policy(style: str) -> str:
-    """Content security policy: this style, pictures in data URIs, nothing else."""
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    return f"default-src 'none'; img-src data:; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
 
 
 def _picture(name: str, content: bytes) -> Picture:

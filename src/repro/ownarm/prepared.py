@@ -3,14 +3,13 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from repro.errors import InputError
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe
 from repro.logs.description import Description
 from repro.logs.log import Log
 from repro.logs.reading import read_log
+from repro.logs.speed import period
 from repro.logs.uniform import uniform
 from repro.ownarm.settings import Options
 from repro.regression.cutoff import Cutoff, choose_cutoff
@@ -135,7 +134,7 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
         chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
     settings = replace(settings, cutoff=chosen.hertz)
     for told in (fitted, *others):
-        rate = 1.0 / float(np.median(np.diff(told.log.t)))
+        rate = 1.0 / period(told.log)
         if chosen.hertz > 0.25 * rate:
             raise InputError.at(
                 f"{told.log.name}: rate", f"{rate:.4g} Hz", f"at least four times the cut-off of {chosen.hertz:.3g} Hz"

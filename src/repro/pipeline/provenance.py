@@ -9,7 +9,7 @@ from pathlib import Path
 from repro import __version__
 from repro.files import write_json
 
-PACKAGES = ("numpy", "scipy", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
+PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 
 
 def commit(folder: Path) -> str:

@@ -8,6 +8,8 @@ is that within windows.
 import numpy as np
 
 from repro.logs.log import Log
+from repro.logs.speed import period
+from repro.model.dynamics import acceleration
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
 from repro.regression.prepare import FilterSettings, motion
@@ -41,7 +43,7 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
         RMS over the windows of each joint, rad; None where M(q) is not positive definite or nearly singular, or the
         model runs away. Negative friction is simulated as it is.
     """
-    h = float(np.median(np.diff(log.t)))
+    h = period(log)
     parts = np.array([_parts(b, h, settings.friction_steepness) for b in betas])
     able = parts <= MOST_PARTS
     errors: list[tuple[float, float] | None] = [None] * len(betas)
@@ -65,7 +67,7 @@ def _parts(beta: Array, h: float, steepness: float) -> float:
 
 def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> Array:
     """RMS position error, shape (m, 2), all windows and parameter sets side by side."""
-    h = float(np.median(np.diff(log.t)))
+    h = period(log)
     margin = max(round(settings.cut / h), 1)
     q, dq, _ = motion(log.q, h, settings)
     length = max(round(WINDOW / h), 1)
@@ -96,26 +98,11 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> A
 
 def _step(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
     """One step of the classical Runge-Kutta method of order 4."""
-    a1 = _acceleration(x, v, tau, beta, steepness)
+    a1 = acceleration(x, v, tau, beta, steepness)
     v2 = v + 0.5 * h * a1
-    a2 = _acceleration(x + 0.5 * h * v, v2, tau, beta, steepness)
+    a2 = acceleration(x + 0.5 * h * v, v2, tau, beta, steepness)
     v3 = v + 0.5 * h * a2
-    a3 = _acceleration(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    a3 = acceleration(x + 0.5 * h * v2, v3, tau, beta, steepness)
     v4 = v + h * a3
-    a4 = _acceleration(x + h * v3, v4, tau, beta, steepness)
+    a4 = acceleration(x + h * v3, v4, tau, beta, steepness)
     return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-
-
-def _acceleration(x: Array, v: Array, tau: Array, beta: Array, steepness: float) -> Array:
-    """Eq. 1 solved for ddq as `repro.model.dynamics.forward_dynamics` does, without its checks: it may run away."""
-    i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
-    q1, q2, v1, v2 = x[..., 0], x[..., 1], v[..., 0], v[..., 1]
-    rest = tau - beta[..., 5:7] * v - beta[..., 7:9] * np.tanh(steepness * v)
-    swing = 0.5 * i2 * np.sin(q2)
-    load = g2 * np.sin(q1 + q2)
-    r1 = rest[..., 0] + swing * v2 * (2.0 * v1 + v2) - g1 * np.sin(q1) - load
-    r2 = rest[..., 1] - swing * v1**2 - load
-    coupling = i3 + 0.5 * i2 * np.cos(q2)
-    m11 = i1 + i2 * np.cos(q2)
-    determinant = m11 * i3 - coupling**2
-    return np.stack([i3 * r1 - coupling * r2, m11 * r2 - coupling * r1], axis=-1) / determinant[..., None]

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.signal import coherence, welch
 
 from repro.logs.log import Log
+from repro.logs.speed import period
 from repro.model.parameters import Array
 from repro.regression.prepare import FilterSettings, prepare
 from repro.regression.solve import solve
@@ -72,7 +73,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Cutoff
         Between 1 and 10 Hz, but at most a tenth of the sampling rate.
     """
-    rate = 1.0 / float(np.median(np.diff(log.t)))
+    rate = 1.0 / period(log)
     highest = min(HIGHEST, rate / 10.0)
     segment = min(round(SEGMENT * rate), log.t.size // 4)
     frequency, density = welch(log.q, rate, window="blackmanharris", nperseg=segment, axis=-1)

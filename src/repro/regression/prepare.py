@@ -13,6 +13,7 @@ from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 
 from repro.logs.log import Log
+from repro.logs.speed import period
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 from repro.regression.filters import FILTERS
@@ -162,7 +163,7 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     ValueError
         If nothing is left between the cuts.
     """
-    h = float(np.median(np.diff(log.t)))
+    h = period(log)
     n = log.t.size
     if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
         n = prev_fast_len(n)

@@ -1,11 +1,9 @@
 """The report as one HTML text, and writing it."""
 
-import base64
-import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
 from repro.errors import InputError
@@ -17,6 +15,7 @@ from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
 from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text
 from repro.report.ledger import MEANINGS, counts, differences, read_claims
 from repro.report.question import answer
+from repro.report.template import environment, policy
 
 _TEMPLATES = Path(__file__).parent
 
@@ -51,7 +50,7 @@ def build_report(inputs: ReportInputs) -> str:
             inputs=inputs,
             style=style,
             script=script,
-            policy=_policy(style, script),
+            policy=policy(style, script),
             claims=claims,
             claims_link=link(ledger_file, inputs.page) if claims else None,
             counts=counts(claims),
@@ -101,27 +100,9 @@ def _read_own(name: str) -> Markup:
 
 
 def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["slug"] = lambda text: "-".join(str(text).split())
-    return environment
-
-
-def _policy(style: str, script: str) -> str:
-    """Content security policy: this style, this script, pictures in data URIs, nothing else."""
-    style_hash, script_hash = (
-        base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in (style, script)
-    )
-    return (
-        f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; script-src 'sha256-{script_hash}'; "
-        "base-uri 'none'; form-action 'none'"
-    )
+    filled = environment(_TEMPLATES)
+    filled.filters["slug"] = lambda text: "-".join(str(text).split())
+    return filled
 
 
 def _missing(shown: list[Shown], claims: bool, audit: bool) -> list[tuple[str, str]]:
