@@ -4,11 +4,13 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
+from repro import contract
 from repro.pipeline.provenance import write_provenance
 from repro.pipeline.readings import READINGS
 from repro.pipeline.start import accept_config, hold_folder, set_allocator
 
 min_version("9.0")
+contract.set_variables(os.environ)  # of the jobs
 
 
 configfile: "config/config.yaml"

@@ -1,8 +1,13 @@
 """Algorithm 1 for one arm: seconds after loading, and the cost of an image."""
 
 import argparse
+import os
 import time
 from pathlib import Path
+
+from repro import contract
+
+contract.hold(os.environ)
 
 import numpy as np
 import torch

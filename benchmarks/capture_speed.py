@@ -1,15 +1,13 @@
 """Simulated captures: processor time of one arm behind its board, and of one arm in a batch."""
 
-import os
-import sys
-
-if os.environ.get("OMP_NUM_THREADS") != "1":  # BLAS reads it when it is loaded
-    os.environ["OMP_NUM_THREADS"] = "1"
-    os.execv(sys.executable, [sys.executable, *sys.argv])
-
 import argparse
+import os
 import time
 from pathlib import Path
+
+from repro import contract
+
+contract.hold(os.environ)
 
 import numpy as np
 

@@ -12,7 +12,9 @@ import tempfile
 import time
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as `repro identify` does
+from repro import contract
+
+contract.hold(os.environ)
 
 import numpy as np
 

@@ -1,8 +1,13 @@
 """Stream parser: MB/s on clean, faulty and random bytes in pieces of several sizes, and frames found but never sent."""
 
 import argparse
+import os
 import time
 from collections import Counter
+
+from repro import contract
+
+contract.hold(os.environ)
 
 import numpy as np
 

@@ -5,7 +5,10 @@ import os
 import sys
 import time
 
+from repro import contract
 from repro.pipeline.start import ALLOCATOR, set_allocator
+
+contract.hold(os.environ)
 
 if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a process starts
     set_allocator(os.environ)

@@ -1,5 +1,11 @@
 """Strategies that several tests share."""
 
+import os
+
+from repro import contract
+
+contract.hold(os.environ)  # before anything loads numpy
+
 import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from repro.fpga.about import About, trajectory_digest
+from repro.fpga.about import About
 from repro.fpga.controller import ControlConstants, PDController
 from repro.fpga.downlink import Gains, encode_identity, encode_program, parse_start
 from repro.fpga.frames import encode
@@ -36,7 +36,7 @@ def download(desired):
 def about(desired, board=IDENTITY, host=None):
     """What a capture of this motion says of itself."""
     n = desired.shape[1]
-    return About("T4", n, 0, n, 0.0025, trajectory_digest(desired), CONTROL, board, host)
+    return About("T4", n, 0, n, 0.0025, download(desired), CONTROL, board, host)
 
 
 class PlayedBoard:

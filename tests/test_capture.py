@@ -1,12 +1,13 @@
 """Captures: what is written is read, damage is named in one line, and nothing is overwritten."""
 
 import dataclasses
+import hashlib
 import json
 import subprocess
 
 import numpy as np
 import pytest
-from fake_board import CONTROL, about, frames_of, motion
+from fake_board import CONTROL, about, download, frames_of, motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,6 +15,7 @@ from repro.errors import InputError
 from repro.fpga.about import Host
 from repro.fpga.capture import decode_capture, read_capture, write_capture
 from repro.fpga.checksums import verify_folder, write_sums
+from repro.fpga.downlink import Gains, encode_gains, encode_trajectory, parse_program
 from repro.fpga.faults import FaultInjector, FaultSettings
 from repro.fpga.frames import encode
 from repro.fpga.recorded import samples, to_table, verify_control
@@ -21,6 +23,7 @@ from repro.fpga.recorded import samples, to_table, verify_control
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)
 ABOUT = about(DESIRED)
+GAINS = Gains(tuple(CONTROL.kp_counts.tolist()), tuple(CONTROL.kv_counts.tolist()), CONTROL.pwm_hz)
 HOST = Host("socket://127.0.0.1:5000", 115200, "2026-01-31T12:00:00.000+00:00", ((800, 0.05), (3200, 0.1)))
 
 
@@ -57,7 +60,7 @@ def test_what_is_written_is_read(tmp_path, host, board, data, reason):
 def test_a_recording_made_in_process_gives_the_same_files_every_time(tmp_path):
     for name in "ab":
         write_capture(tmp_path / name / "T4.bin", FRAMES, ABOUT)
-    for name in ("T4.bin", "T4.json"):
+    for name in ("T4.bin", "T4.program", "T4.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
@@ -69,7 +72,7 @@ def test_a_capture_is_overwritten_only_if_told(stored):
     write_capture(stored, FRAMES[:80], ABOUT, "silent", overwrite=True)
     assert read_capture(stored).counts.good == 10
     stored.unlink()
-    with pytest.raises(InputError, match=r"T4\.json: found a file"):
+    with pytest.raises(InputError, match=r"T4\.program: found a file"):
         write_capture(stored, FRAMES, ABOUT)
     with pytest.raises(InputError, match=r"T4\.json, where nothing can be written"):
         write_capture(stored.with_suffix(".json") / "T4.bin", FRAMES, ABOUT)
@@ -110,15 +113,17 @@ def change(*keys, to):
 @pytest.mark.parametrize(
     ("apply", "told"),
     [
-        (change("format", to=2), "format: found 2, expected 1"),
-        (change("format", to=True), "format: found True, expected 1"),
+        (change("format", to=3), "format: found 3, expected 2"),
+        (change("format", to=True), "format: found True, expected 2"),
         (change("source", to="real"), "source: found 'real', expected simulated or serial"),
         (change("source", to="serial"), "board: found"),
         (change("sampling_period_s", to="2.5 ms"), "sampling_period_s: found '2.5 ms', expected a positive number"),
         (change("samples_expected", to=400.0), "samples_expected: found 400.0, expected an integer"),
         (change("complete", to=False), "complete: found False, expected true if and only if"),
         (change("reason", to="tired"), "reason: found 'tired', expected one of"),
-        (change("trajectory", "sha256", to="abc"), "trajectory.sha256: found 'abc', expected a SHA-256"),
+        (change("program", "sha256", to="abc"), "program.sha256: found 'abc', expected a SHA-256"),
+        (change("program", "sha256", to="0" * 64), "T4.program: SHA-256: found"),
+        (change("program", "bytes", to=5), "T4.program: size: found"),
         (change("trajectory", "n2", to=401), "trajectory.n2: found 401, expected more than n1"),
         (change("trajectory", to=[]), "trajectory: found [], expected an object"),
         (change("control", "kp", to=[1.0]), "control.kp: found [1.0], expected two positive numbers"),
@@ -214,7 +219,7 @@ def test_the_table_has_the_frames():
 
 
 def test_the_control_law_confirms_every_frame():
-    check = verify_control(decode_capture(FRAMES, ABOUT), DESIRED)
+    check = verify_control(decode_capture(FRAMES, ABOUT))
     assert (check.checked, check.agree, check.disagree.size) == (400, 400, 0)
 
 
@@ -223,7 +228,7 @@ def test_the_control_law_finds_flipped_bits_the_parser_cannot(frame, bit):
     assert (abs(PWM) < 1023).all()  # a saturated torque would not depend on the position
     word = int.from_bytes(FRAMES[8 * frame : 8 * frame + 8], "big") ^ 1 << bit
     capture = decode_capture(FRAMES[: 8 * frame] + word.to_bytes(8, "big") + FRAMES[8 * frame + 8 :], ABOUT)
-    disagree = verify_control(capture, DESIRED).disagree.tolist()
+    disagree = verify_control(capture).disagree.tolist()
     if capture.counts.good == 400:  # else the flip made a torque of -1024 or a jump, which the parser sees
         assert frame in disagree
     assert set(disagree) <= {frame, frame + 1}
@@ -231,14 +236,48 @@ def test_the_control_law_finds_flipped_bits_the_parser_cannot(frame, bit):
 
 def test_after_a_gap_the_check_goes_on():
     capture = decode_capture(FRAMES[:800] + bytes(16) + FRAMES[816:], ABOUT)
-    check = verify_control(capture, DESIRED)
+    check = verify_control(capture)
     # Two frames are damaged, the one before them is not confirmed, and the one behind them has none before it.
     assert (check.checked, check.agree) == (396, 396)
 
 
-def test_another_trajectory_is_not_checked_against():
-    with pytest.raises(InputError, match="expected the one of its sidecar"):
-        verify_control(decode_capture(FRAMES, ABOUT), DESIRED + 1e-3)
+def test_a_capture_brings_what_the_board_was_sent(stored):
+    about = read_capture(stored).about
+    np.testing.assert_array_equal(about.desired, DESIRED.astype(np.float32))
+    gains, _ = parse_program(about.program)
+    assert (gains.kp, gains.kv) == (tuple(CONTROL.kp_counts.tolist()), tuple(CONTROL.kv_counts.tolist()))
+
+
+def vouch_for(stored, program):
+    """Another program beside a capture, with a sidecar that vouches for it."""
+    sent, sidecar = stored.with_suffix(".program"), stored.with_suffix(".json")
+    sent.chmod(0o644)
+    sent.write_bytes(program)
+    content = json.loads(sidecar.read_text())
+    content["program"] |= {"bytes": len(program), "sha256": hashlib.sha256(program).hexdigest()}
+    sidecar.write_text(json.dumps(content))
+
+
+@pytest.mark.parametrize(
+    ("program", "told"),
+    [
+        (download(DESIRED[:, :300]), "has 300 samples, must have the 400"),
+        (download(DESIRED)[:-1], "belong to no intact message"),
+        (b"", "0 of 0 bytes belong to no intact message"),
+        (
+            download(DESIRED).replace(encode_gains(GAINS), encode_gains(dataclasses.replace(GAINS, kp=(1.0, 2.0)))),
+            "gains",
+        ),
+        (encode_gains(GAINS), "has no trajectory"),
+        (encode_gains(GAINS) + encode_trajectory(DESIRED) * 2, "a block begins at sample 0, must begin at 400"),
+        (encode_trajectory(DESIRED), "must be GAINS"),
+    ],
+)
+def test_a_program_that_is_not_what_the_sidecar_says_is_refused(stored, program, told):
+    vouch_for(stored, program)
+    with pytest.raises(InputError, match=told) as caught:
+        read_capture(stored)
+    assert str(caught.value).startswith(f"{stored.with_suffix('.program')}: ")
 
 
 @settings(max_examples=1000)
@@ -255,7 +294,7 @@ def test_faults_never_break_the_reader(seed, rates):
     assert np.all(np.diff(capture.index) > 0)
     assert 400 - 2 * faults - 8 * (faults > 3) <= counts.good <= 400 + injector.counts()["insert"] // 8
     if faults == 0:
-        assert (counts.good, counts.gaps, verify_control(capture, DESIRED).agree) == (400, 0, 400)
+        assert (counts.good, counts.gaps, verify_control(capture).agree) == (400, 0, 400)
     try:
         result = samples(capture)
     except InputError as error:
@@ -270,7 +309,7 @@ def test_a_folder_is_verified_against_its_list(stored):
     with pytest.raises(InputError, match="no readable list"):
         verify_folder(folder)
     write_sums(folder)
-    assert verify_folder(folder) == ("T4.bin", "T4.json")
+    assert verify_folder(folder) == ("T4.bin", "T4.json", "T4.program")
     run = subprocess.run(["sha256sum", "--check", "SHA256SUMS"], cwd=folder, capture_output=True, check=False)
     assert run.returncode == 0
     write_capture(folder / "T3.bin", FRAMES, dataclasses.replace(ABOUT, motion="T3"))

@@ -25,7 +25,7 @@ CONFIG = full_config()
 
 
 def test_every_file_is_the_one_that_the_list_vouches_for():
-    assert verify_folder(CAPTURES) == tuple(sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "json")))
+    assert verify_folder(CAPTURES) == tuple(sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "program", "json")))
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -49,7 +49,7 @@ def test_a_capture_is_of_this_configuration_and_its_every_torque_follows_from_it
     levels, phase = disturbance(CONFIG, CONFIG["experiment"]["seed"])
     arm = {"parameters": true_parameters(CONFIG).tolist(), **asdict(levels), "ripple_phase": phase.tolist()}
     assert capture.about.board["arm"] == {**arm, "seed": CONFIG["experiment"]["seed"]}
-    check = verify_control(capture, program.q)
+    check = verify_control(capture)
     assert check.agree == check.checked == len(capture.index) == program.q.shape[1]
 
 

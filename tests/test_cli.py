@@ -174,7 +174,7 @@ def test_what_is_wrong_is_told_and_writes_nothing(tmp_path, stored, capsys):
     assert "T4.json: found text that is not JSON" in refused(capsys, "decode", stored, "-o", table)
     stored.with_suffix(".json").write_text("{}")
     assert "T4.json: format: found nothing" in refused(capsys, "decode", stored, "-o", table)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["T4.bin", "T4.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["T4.bin", "T4.json", "T4.program"]
 
 
 def test_no_board_writes_nothing(tmp_path, capsys):

@@ -178,9 +178,9 @@ def test_stored_is_a_copy(tmp_path, monkeypatch, motion):
     monkeypatch.chdir(ROOT)
     out = tmp_path / "results" / f"{motion}.bin"
     acquire(motion, out, CONFIG)
-    for end in (".bin", ".json"):
+    for end in (".bin", ".program", ".json"):
         assert out.with_suffix(end).read_bytes() == (CAPTURES / f"{motion}{end}").read_bytes()
-    assert len(list(out.parent.iterdir())) == 2
+    assert len(list(out.parent.iterdir())) == 3
 
 
 @pytest.fixture
@@ -274,7 +274,7 @@ def test_a_port_that_is_not_there_is_one_line_and_nothing_is_written(tmp_path):
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_a_recording_is_in_radians_and_newton_metres(tmp_path, motion):
     recording = read_recording(capture(tmp_path, motion, SHORT), SHORT)
-    position, pwm = followed(recording.program, SHORT)
+    position, pwm = followed(program_from_config(SHORT, motion), SHORT)
     np.testing.assert_allclose(recording.q, position * (2 * np.pi / 8400), rtol=1e-15)
     np.testing.assert_allclose(recording.tau, pwm * (8.0 / 1023), rtol=1e-14)
     assert np.abs(recording.q - recording.program.q).max() <= 0.5001 * RADIANS_PER_COUNT
@@ -330,7 +330,7 @@ def test_a_short_gap_is_bridged_and_a_long_one_refused(tmp_path):
 
 def test_a_capture_named_after_another_motion_is_refused(tmp_path):
     path = capture(tmp_path, "T3", SHORT)
-    for end in (".bin", ".json"):
+    for end in (".bin", ".program", ".json"):
         path.with_suffix(end).rename(tmp_path / f"T2{end}")
     assert read_capture(tmp_path / "T2.bin").about.motion == "T3"
     assert "another T2" in refused(read_recording, tmp_path / "T2.bin", SHORT)

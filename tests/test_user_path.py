@@ -30,5 +30,5 @@ def test_the_identification_run_over_a_pseudo_terminal(tmp_path):
     assert capture.data == simulated.data
     assert capture.about.board == simulated.about.board
     assert samples(capture).filled == 0
-    check = verify_control(capture, program.q)
+    check = verify_control(capture)
     assert check.agree == check.checked == program.q.shape[1]

@@ -89,7 +89,8 @@ def test_the_default_target_makes_every_table_and_figure(folder):
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
     for name in [*FIGURES, *TABLES, *FURTHER_FIGURES.values(), *FURTHER_TABLES.values()]:
         assert name in files.values()
-    recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ("bin", "json")}
+    ends = ("bin", "program", "json")
+    recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ends}
     assert {name for name, rule in files.items() if rule == "acquire"} == recordings
     durations = range(len(CONFIG["spread"]["durations_s"]))
     scores = {f"results/spread/scores-{k}.csv" for k in durations}

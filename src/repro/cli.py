@@ -6,8 +6,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from repro import __version__
-from repro.commands import decode, identify, record, simulate, verify
+from repro import __version__, contract
+from repro.commands import decode, identify, record, simulate, upgrade, verify
 from repro.errors import InputError
 
 #: Subcommands in the order of a user's work.
@@ -15,6 +15,7 @@ COMMANDS = {
     "simulate": simulate,
     "record": record,
     "decode": decode,
+    "upgrade": upgrade,
     "identify": identify,
     "verify": verify,
 }
@@ -51,6 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit code: the subcommand's, 2 for bad input (one line tells which), 130 after Ctrl-C.
     """
     arguments = parser().parse_args(argv)
+    contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
     try:
         code: int = COMMANDS[arguments.command].run(arguments)

@@ -29,12 +29,12 @@ def identifications(suffixes):
 def stored_capture(wildcards):
     """Files that a stored capture is read from; a simulated or real board needs none."""
     stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
-    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "json")] if stored else []
+    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "program", "json")] if stored else []
 
 
 def captures(motions):
     """Captures of these motions with their sidecars."""
-    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "json"])
+    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "program", "json"])
 
 
 def experiment_identifications():

@@ -3,6 +3,7 @@ rule acquire:
         stored_capture,
     output:
         f"{R}/experiment/{{motion}}.bin",
+        f"{R}/experiment/{{motion}}.program",
         f"{R}/experiment/{{motion}}.json",
     log:
         f"{R}/logs/acquire-{{motion}}.log",

@@ -87,8 +87,6 @@ def run(arguments: argparse.Namespace) -> int:
     InputError
         If a log, the arm file or the folder cannot be used; nothing is written then.
     """
-    # Before NumPy is loaded: on matrices this small threads wait for each other, and one gives the same bytes anywhere.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from repro.logs.armfile import read_arm
     from repro.ownarm.job import assemble, resolve, solve_all
     from repro.ownarm.outputs import check_folder, write_all, write_sidecar

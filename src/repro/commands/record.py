@@ -19,7 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--trajectory", required=True, help="ID, T1, T2, T3, T4, or a table FILE.csv with columns q1_rad, q2_rad"
     )
-    parser.add_argument("--out", required=True, type=Path, help="capture NAME.bin; NAME.json is written beside it")
+    parser.add_argument(
+        "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written beside it"
+    )
     parser.add_argument("--baud", type=positive_integer, help="bits per second (default: experiment.baud)")
     parser.add_argument(
         "--timeout", type=positive_seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
@@ -53,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     check_target(arguments.out, arguments.overwrite)
     config = load_config(arguments.config)
-    program = _program(config, arguments.trajectory)
+    program = program_of(config, arguments.trajectory)
     control = control_constants(config)
     load, start = download(program, control)
     defaults = config["experiment"]
@@ -69,8 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 1
 
 
-def _program(config: Mapping[str, Any], trajectory: str) -> "Program":
-    """Motion of a name or of a file, within what the arm can do."""
+def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
+    """Motion of a name or of a table ``FILE.csv``, within what the arm can do."""
     from repro.pipeline.experiment import check_program, program_from_config
     from repro.signals.programs import PROGRAMS
 

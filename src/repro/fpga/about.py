@@ -1,14 +1,12 @@
 """What was recorded, with what, and over which link."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from repro.fpga.controller import ControlConstants
+from repro.fpga.downlink import SingleArray, parse_program
 
 #: Why a recording ended early; empty if it did not.
 REASONS: Final = ("", "silent", "disconnected", "interrupted")
@@ -52,8 +50,8 @@ class About:
         The trajectory proper is samples n1 to n2 - 1.
     h : float
         Sampling period, s.
-    trajectory_sha256 : str
-        `trajectory_digest` of the desired positions.
+    program : bytes
+        Gains and desired positions as the board was sent them.
     control : ControlConstants
         Gains, PWM frequencies and motor torques.
     board : mapping or None
@@ -67,7 +65,7 @@ class About:
     n1: int
     n2: int
     h: float
-    trajectory_sha256: str
+    program: bytes
     control: ControlConstants
     board: Mapping[str, object] | None
     host: Host | None = None
@@ -77,18 +75,7 @@ class About:
         """``simulated`` or ``serial``."""
         return "serial" if self.board is None else "simulated"
 
-
-def trajectory_digest(desired: ArrayLike) -> str:
-    """SHA-256 of desired positions as they are sent to the board.
-
-    Parameters
-    ----------
-    desired : array of shape (2, N)
-        q_d, rad.
-
-    Returns
-    -------
-    str
-        Of big-endian single-precision numbers, q1 and q2 of each sample together.
-    """
-    return hashlib.sha256(np.asarray(desired).T.astype(">f4").tobytes()).hexdigest()
+    @cached_property
+    def desired(self) -> SingleArray:
+        """Desired positions as the board received them, rad, shape (2, samples)."""
+        return parse_program(self.program)[1]

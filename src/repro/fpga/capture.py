@@ -1,10 +1,12 @@
-"""Capture files: the raw bytes of a recording, never changed once written, and a JSON sidecar that vouches for them."""
+"""Capture files: the raw bytes of a recording, what the board was sent, and a JSON sidecar that vouches for both."""
 
 import hashlib
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +16,12 @@ from repro.files import read_json, write_json, write_whole
 from repro.fpga.about import About, Reason
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.parser import StreamParser
-from repro.fpga.sidecar import check_sidecar, sidecar
+from repro.fpga.sidecar import about_of, check_sidecar, sidecar
 from repro.fpga.stream import Counts, Gap
 from repro.model.parameters import Array
+
+#: Suffix of the file that holds what the board was sent.
+PROGRAM = ".program"
 
 
 @dataclass(frozen=True)
@@ -105,12 +110,12 @@ def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = 
 
 
 def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", overwrite: bool = False) -> Capture:
-    """Write a recording and its sidecar; both are there afterwards, or neither.
+    """Write a recording, what was sent and the sidecar; all are there afterwards, or none.
 
     Parameters
     ----------
     path : Path
-        ``NAME.bin``; the sidecar is ``NAME.json`` beside it.
+        ``NAME.bin``; what was sent is ``NAME.program`` and the sidecar ``NAME.json`` beside it.
     data : bytes
         As received.
     about : About
@@ -132,21 +137,31 @@ def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", ov
     """
     check_target(path, overwrite)
     capture = decode_capture(data, about, reason, str(path))
-    beside = path.with_suffix(".json")
+    write_bytes(path, data)
+    try:
+        write_bytes(path.with_suffix(PROGRAM), about.program)
+        write_json(path.with_suffix(".json"), sidecar(about, data, capture.counts, reason))
+    except BaseException:
+        for each in files_of(path):  # what is left of the capture that was to be replaced fits no longer
+            if each.is_file():
+                each.unlink()
+        raise
+    return capture
+
+
+def files_of(path: Path) -> tuple[Path, Path, Path]:
+    """The files of a capture ``NAME.bin``: as received, what was sent, and the sidecar."""
+    return path, path.with_suffix(PROGRAM), path.with_suffix(".json")
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file that is whole or absent, read-only afterwards."""
 
     def fill(temporary: Path) -> None:
         temporary.write_bytes(data)
 
     write_whole(path, fill)
-    try:
-        path.chmod(0o444)
-        write_json(beside, sidecar(about, data, capture.counts, reason))
-    except BaseException:
-        path.unlink(missing_ok=True)
-        if beside.is_file():  # of the capture that was to be replaced
-            beside.unlink()
-        raise
-    return capture
+    path.chmod(0o444)
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -169,7 +184,7 @@ def check_target(path: Path, overwrite: bool) -> None:
     folder = next(parent for parent in path.absolute().parents if parent.exists())
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
-    for each in (path, path.with_suffix(".json")):
+    for each in files_of(path):
         if each.exists() and not overwrite:
             raise InputError.at(str(each), "a file", "a new name, or leave to overwrite")
 
@@ -194,19 +209,34 @@ def read_capture(path: Path) -> Capture:
     """
     if path.suffix != ".bin":
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
+    _, sent, beside = files_of(path)
+    data = _read_bytes(path)
+    content = check_sidecar(str(beside), read_json(beside))
+    check_bytes(path, data, content)
+    program = _read_bytes(sent)
+    check_bytes(sent, program, content["program"])
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a capture") from error
-    beside = path.with_suffix(".json")
-    about, content = check_sidecar(str(beside), read_json(beside))
-    if len(data) != content["bytes"]:
-        raise InputError.at(f"{path}: size", f"{len(data)} bytes", f"the {content['bytes']} of {beside.name}")
-    digest = hashlib.sha256(data).hexdigest()
-    if digest != content["sha256"]:
-        raise InputError.at(f"{path}: SHA-256", digest, f"the {content['sha256']} of {beside.name}")
+        about = about_of(content, program)
+    except ValueError as error:
+        raise InputError.at(str(sent), str(error), f"what {beside.name} says") from error
     capture = decode_capture(data, about, content["reason"], str(path))
     for name, counted in asdict(capture.counts).items():
         if content["counts"][name] != counted:
             raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
     return capture
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a capture") from error
+
+
+def check_bytes(path: Path, data: bytes, vouched: Mapping[str, Any]) -> None:
+    """Refuse bytes that are not those a sidecar vouches for."""
+    if len(data) != vouched["bytes"]:
+        raise InputError.at(f"{path}: size", f"{len(data)} bytes", f"the {vouched['bytes']} of {path.stem}.json")
+    digest = hashlib.sha256(data).hexdigest()
+    if digest != vouched["sha256"]:
+        raise InputError.at(f"{path}: SHA-256", digest, f"the {vouched['sha256']} of {path.stem}.json")

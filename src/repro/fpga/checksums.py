@@ -12,7 +12,7 @@ SUMS: Final = "SHA256SUMS"
 
 
 def _sums(folder: Path) -> dict[str, str]:
-    files = sorted(path for path in folder.iterdir() if path.suffix in (".bin", ".json"))
+    files = sorted(path for path in folder.iterdir() if path.suffix in (".bin", ".program", ".json"))
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 

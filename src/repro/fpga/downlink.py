@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from repro.fpga.messages import BLOCK_SAMPLES, Message, MessageKind, encode_message
+from repro.fpga.messages import BLOCK_SAMPLES, Message, MessageDecoder, MessageKind, encode_message
 from repro.signals.programs import MEMORY_SAMPLES
 
 #: Samples of both joints that the board's RAM holds as single-precision numbers.
@@ -112,6 +112,42 @@ def encode_trajectory(desired: ArrayLike) -> bytes:
 def encode_program(gains: Gains, desired: ArrayLike) -> bytes:
     """Gains and trajectory: all that the board needs before its start; see `encode_trajectory`."""
     return encode_gains(gains) + encode_trajectory(desired)
+
+
+def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
+    """Read what `encode_program` wrote.
+
+    Parameters
+    ----------
+    data : bytes
+        One message with gains, then the trajectory in order.
+
+    Returns
+    -------
+    gains : Gains
+        Constants of the controller.
+    desired : float32 array of shape (2, N)
+        q_d, rad.
+
+    Raises
+    ------
+    ValueError
+        If a byte belongs to no intact message, a message is of another kind, or samples are missing or sent twice.
+    """
+    decoder = MessageDecoder()
+    messages = decoder.feed(data)
+    read = sum(len(encode_message(message.kind, message.payload)) for message in messages)
+    if not messages or read != len(data):
+        raise ValueError(f"program: {len(data) - read} of {len(data)} bytes belong to no intact message.")
+    gains, blocks = parse_gains(messages[0]), [parse_trajectory(message) for message in messages[1:]]
+    end = 0
+    for block in blocks:
+        if block.start != end:
+            raise ValueError(f"program: a block begins at sample {block.start}, must begin at {end}.")
+        end += block.desired.shape[1]
+    if not blocks:
+        raise ValueError("program: has no trajectory.")
+    return gains, np.concatenate([block.desired for block in blocks], axis=1)
 
 
 def encode_start(samples: int) -> bytes:

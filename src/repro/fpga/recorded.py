@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from repro.errors import InputError
-from repro.fpga.about import trajectory_digest
 from repro.fpga.capture import Capture
 from repro.fpga.controller import PDController
 from repro.model.parameters import Array
@@ -93,7 +92,7 @@ class ControlCheck:
         return self.checked - self.disagree.size
 
 
-def verify_control(capture: Capture, desired: ArrayLike) -> ControlCheck:
+def verify_control(capture: Capture) -> ControlCheck:
     """Recompute the torque of each frame from the positions, bit by bit as the board does (Eq. 2).
 
     The protocol has no checksum, but the torque follows from this position, the one before and the desired one. So
@@ -103,24 +102,13 @@ def verify_control(capture: Capture, desired: ArrayLike) -> ControlCheck:
     ----------
     capture : Capture
         Recording.
-    desired : array of shape (2, N)
-        q_d that it was made with, rad.
 
     Returns
     -------
     ControlCheck
         Frames checked and those that disagree.
-
-    Raises
-    ------
-    InputError
-        If `desired` is not what the recording was made with.
     """
-    digest = trajectory_digest(desired)
-    if digest != capture.about.trajectory_sha256:
-        found = f"a trajectory with the SHA-256 {digest}"
-        raise InputError.at(capture.place, found, f"the one of its sidecar, {capture.about.trajectory_sha256}")
-    q_d = np.asarray(desired, dtype=np.float32)
+    q_d = capture.about.desired
     index = capture.index
     before = np.concatenate([[-1], index[:-1]])
     checked = np.flatnonzero((index - before == 1) & (index < q_d.shape[1]))

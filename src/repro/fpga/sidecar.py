@@ -3,17 +3,19 @@
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Final
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from repro.errors import InputError
 from repro.fpga.about import REASONS, About, Host, Reason
 from repro.fpga.controller import ControlConstants
+from repro.fpga.downlink import parse_program
 from repro.fpga.stream import Counts
 
-#: Version of the layout of the sidecar.
-FORMAT: Final = 1
+#: Version of the layout of the sidecar, and the one before, which held a hash of the desired positions alone.
+FORMAT, WITHOUT_PROGRAM = 2, 1
 
 
 def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[str, object]:
@@ -43,7 +45,12 @@ def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[s
         "motion": about.motion,
         "sampling_period_s": about.h,
         "samples_expected": about.samples,
-        "trajectory": {"sha256": about.trajectory_sha256, "n1": about.n1, "n2": about.n2},
+        "trajectory": {"n1": about.n1, "n2": about.n2},
+        "program": {
+            "bytes": len(about.program),
+            "sha256": hashlib.sha256(about.program).hexdigest(),
+            "recomputed": False,
+        },
         "control": {
             **{name: list(value) for name, value in asdict(control).items()},
             "kp_counts": control.kp_counts.tolist(),
@@ -104,7 +111,12 @@ _SIDECAR: dict[str, Any] = {
     "motion": _TEXT,
     "sampling_period_s": _Rule("a positive number", lambda value: _is_number(value) and value > 0),
     "samples_expected": _COUNT,
-    "trajectory": {"sha256": _DIGEST, "n1": _COUNT, "n2": _COUNT},
+    "trajectory": {"n1": _COUNT, "n2": _COUNT},
+    "program": {
+        "bytes": _COUNT,
+        "sha256": _DIGEST,
+        "recomputed": _Rule("true or false", lambda value: isinstance(value, bool)),
+    },
     "control": dict.fromkeys(_CONTROL, _PAIR),
     "counts": {field.name: _COUNT for field in fields(Counts)},
     "complete": _Rule("true or false", lambda value: isinstance(value, bool)),
@@ -132,7 +144,7 @@ def _check(place: str, content: object, rules: Mapping[str, Any], prefix: str = 
             raise InputError.at(f"{place}: {prefix}{key}", "an unknown key", f"one of {', '.join(rules)}")
 
 
-def check_sidecar(place: str, content: object) -> tuple[About, dict[str, Any]]:
+def check_sidecar(place: str, content: object) -> dict[str, Any]:
     """Check what was read from a JSON file.
 
     Parameters
@@ -144,25 +156,28 @@ def check_sidecar(place: str, content: object) -> tuple[About, dict[str, Any]]:
 
     Returns
     -------
-    about : About
-        What was recorded.
-    content : dict
+    dict
         The same content, checked.
 
     Raises
     ------
     InputError
-        If the version is unknown, a key is missing or unknown, or a value is of the wrong type or contradicts
+        If the version is another, a key is missing or unknown, or a value is of the wrong type or contradicts
         another.
     """
     if isinstance(content, dict) and "format" in content:  # another version may have other keys
+        if _is_integer(content["format"]) and content["format"] == WITHOUT_PROGRAM:
+            raise InputError.at(
+                f"{place}: format",
+                "1, a recording without what the board was sent",
+                f"{FORMAT}; `repro upgrade {Path(place).with_suffix('.bin')}` adds it",
+            )
         _check(place, {"format": content["format"]}, {"format": _SIDECAR["format"]})
     with_host = isinstance(content, dict) and "host" in content
     _check(place, content, _SIDECAR | ({"host": _HOST} if with_host else {}))
     assert isinstance(content, dict)  # checked above
     c: dict[str, Any] = content
-    control = ControlConstants(**{f.name: tuple(c["control"][f.name]) for f in fields(ControlConstants)})
-    trajectory, board = c["trajectory"], c["board"]
+    control, trajectory, board = _control(c), c["trajectory"], c["board"]
     agreements = (
         ("board", board, (board is None) == (c["source"] == "serial"), "an object if simulated, null if not"),
         ("complete", c["complete"], c["complete"] == (c["reason"] == ""), "true if and only if there is no reason"),
@@ -183,15 +198,37 @@ def check_sidecar(place: str, content: object) -> tuple[About, dict[str, Any]]:
     for name, found, agrees, expected in agreements:
         if not agrees:
             raise InputError.at(f"{place}: {name}", repr(found), expected)
-    host = c.get("host")
-    return About(
-        motion=c["motion"],
-        samples=c["samples_expected"],
-        n1=trajectory["n1"],
-        n2=trajectory["n2"],
-        h=c["sampling_period_s"],
-        trajectory_sha256=trajectory["sha256"],
+    return c
+
+
+def _control(c: Mapping[str, Any]) -> ControlConstants:
+    return ControlConstants(**{f.name: tuple(c["control"][f.name]) for f in fields(ControlConstants)})
+
+
+def about_of(content: Mapping[str, Any], program: bytes) -> About:
+    """What was recorded, from a checked sidecar and what the board was sent.
+
+    Raises
+    ------
+    ValueError
+        If `program` is not one, has another number of samples, or sets other gains than the sidecar says.
+    """
+    host, control = content.get("host"), _control(content)
+    about = About(
+        motion=content["motion"],
+        samples=content["samples_expected"],
+        n1=content["trajectory"]["n1"],
+        n2=content["trajectory"]["n2"],
+        h=content["sampling_period_s"],
+        program=program,
         control=control,
-        board=board,
+        board=content["board"],
         host=host and Host(**{**host, "chunks": tuple((int(b), float(t)) for b, t in host["chunks"])}),
-    ), c
+    )
+    gains, n = parse_program(program)[0], about.desired.shape[1]
+    if n != about.samples:
+        raise ValueError(f"program: has {n} samples, must have the {about.samples} of samples_expected.")
+    wanted = (*control.kp_counts.tolist(), *control.kv_counts.tolist())
+    if (*gains.kp, *gains.kv) != wanted:
+        raise ValueError(f"program: sets the gains {(*gains.kp, *gains.kv)}, must set those of control, {wanted}.")
+    return about

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from repro.errors import InputError
 from repro.files import write_whole
-from repro.fpga.capture import Capture, read_capture, write_capture
+from repro.fpga.capture import Capture, files_of, read_capture, write_capture
 from repro.fpga.link import LinkSettings, record
 from repro.pipeline.experiment import control_constants, describe, download, program_from_config
 from repro.pipeline.named import Config
@@ -70,8 +70,8 @@ def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
     capture = read_capture(stored)
     check_recorded(capture, program_from_config(config, motion))
     _check_set_up(capture, config)
-    for suffix in (".json", ".bin"):
-        write_whole(out.with_suffix(suffix), partial(shutil.copyfile, stored.with_suffix(suffix)))
+    for there, here in zip(files_of(stored), files_of(out), strict=True):
+        write_whole(here, partial(shutil.copyfile, there))
 
 
 def _check_set_up(capture: Capture, config: Config) -> None:

@@ -10,7 +10,7 @@ import yaml
 
 from repro.config import check_config
 from repro.errors import InputError
-from repro.fpga.about import About, Host, trajectory_digest
+from repro.fpga.about import About, Host
 from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import Gains, encode_program, encode_start
 from repro.model.parameters import Array
@@ -166,7 +166,7 @@ def describe(
         n1=program.n1,
         n2=program.n2,
         h=program.h,
-        trajectory_sha256=trajectory_digest(program.q),
+        program=download(program, control)[0],
         control=control,
         board=board,
         host=host,

@@ -1,5 +1,6 @@
 """The whole experiment over many specimens of the arm: their recordings; `repro.pipeline.verdict` draws from them."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,12 @@ def simulate_spread(config: Config, out: Path) -> None:
     config : mapping
         Sections ``signals``, ``arm``, ``board``, ``experiment`` and ``spread``.
     out : Path
-        safetensors file: int16 arrays of shape (seeds, 2, N) named ``{motion}/position`` and ``{motion}/pwm``;
-        the identification motions are named ``ID0``, ``ID1`` ... after the durations.
+        safetensors file, arrays of shape (seeds, 2, N) named ``{motion}/position`` and ``{motion}/pwm`` (int16), and
+        ``{motion}/desired`` as sent (float32); the identification motions are named ``ID0``, ``ID1`` ... after the
+        durations.
     """
     seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
-    counts: dict[str, np.ndarray[Any, np.dtype[np.int16]]] = {}
+    kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {}
     desired = {
         f"ID{k}": [program_from_config(config, "ID", duration=d).q] * len(seeds) for k, d in enumerate(durations)
     }
@@ -51,8 +53,9 @@ def simulate_spread(config: Config, out: Path) -> None:
     for name, q in desired.items():
         plant = Plant(np.tile(beta, (len(seeds), 1)), h, levels, np.stack(phase))
         position, pwm = simulate(plant, control, np.stack(q), Progress(f"simulating {name}, {len(seeds)} seeds"))
-        counts |= {f"{name}/position": position.copy(), f"{name}/pwm": pwm.copy()}
-    write_whole(out, lambda temporary: save_file(counts, temporary))
+        kept |= {f"{name}/position": position.copy(), f"{name}/pwm": pwm.copy()}
+        kept[f"{name}/desired"] = np.stack(q).astype(np.float32)
+    write_whole(out, lambda temporary: save_file(kept, temporary))
 
 
 def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[str, Recording]]]:
@@ -79,7 +82,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
     """
     seeds, duration = config["spread"]["seeds"], config["spread"]["durations_s"][index]
     try:
-        counts = load_file(path)
+        kept = load_file(path)
     except (OSError, SafetensorError) as error:
         raise InputError.at(str(path), f"no safetensors file ({error})", "the recordings of the spread") from error
     torque = control_constants(config).torque_per_count[:, np.newaxis]
@@ -88,10 +91,13 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
         recordings = {}
         for name, program in programs(config, seed, duration).items():
             key = f"ID{index}" if name == "ID" else name
-            position, pwm = (counts.get(f"{key}/{signal}") for signal in ("position", "pwm"))
             expected = (len(seeds), *program.q.shape)
-            if position is None or pwm is None or position.shape != expected or pwm.shape != expected:
+            signals = [kept.get(f"{key}/{signal}") for signal in ("position", "pwm", "desired")]
+            shaped = [signal[k] for signal in signals if signal is not None and signal.shape == expected]
+            if len(shaped) != len(signals):
                 raise InputError.at(f"{path}: {key}", "another shape", f"arrays of shape {expected}")
-            recordings[name] = Recording(program, position[k] * RADIANS_PER_COUNT, pwm[k] * torque)
+            position, pwm, desired = shaped
+            sent = replace(program, q=desired.astype(np.float64))
+            recordings[name] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
         found.append((seed, recordings))
     return found

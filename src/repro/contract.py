@@ -1,0 +1,56 @@
+"""The numeric contract: which instructions linear algebra may use, so that processors agree to the last bit.
+
+OpenBLAS and NumPy pick kernels for the processor they find, and kernels add in different orders. Held to what every
+x86-64-v3 processor has (AVX2 and FMA), on one thread, they give the same bits on all of them. PyTorch is not held: its
+float32 products would take two to three times as long, those in bfloat16 eighty times; what hangs on a network agrees
+within the spread over training seeds instead (`repro.comparison.classes`).
+"""
+
+import platform
+import sys
+from collections.abc import Mapping, MutableMapping
+from pathlib import Path
+
+#: Variables that NumPy and OpenBLAS read when they are loaded.
+CONTRACT = {
+    "OPENBLAS_CORETYPE": "Haswell",
+    "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",
+}
+#: Of any processor: sums do not depend on how many cores there are.
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
+#: Flags of x86-64-v3 that the contract's kernels use.
+NEEDED = {"avx2", "fma", "bmi1", "bmi2", "f16c", "movbe"}
+
+
+def is_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
+    """Whether this processor has the instructions of x86-64-v3; False where that cannot be told."""
+    if platform.machine() not in ("x86_64", "AMD64") or not cpuinfo.exists():
+        return False
+    flags = next((line for line in cpuinfo.read_text().splitlines() if line.startswith("flags")), "")
+    return set(flags.split()) >= NEEDED
+
+
+def set_variables(environment: MutableMapping[str, str]) -> list[str]:
+    """Set the variables of the contract that the user has not set, for processes to come; the names that were set."""
+    wanted = ONE_THREAD | (CONTRACT if is_v3() else {})
+    missing = [name for name in wanted if name not in environment]
+    environment.update((name, wanted[name]) for name in missing)
+    return missing
+
+
+def hold(environment: MutableMapping[str, str]) -> None:
+    """Hold this process to the contract, except where the user has set a variable.
+
+    Raises
+    ------
+    RuntimeError
+        If NumPy is loaded already and would not read a variable that is set only now.
+    """
+    late = set_variables(environment)
+    if late and "numpy" in sys.modules:
+        raise RuntimeError(f"contract: {', '.join(late)} must be set before numpy is loaded.")
+
+
+def held(environment: Mapping[str, str]) -> dict[str, str]:
+    """The variables of the contract as they stand, for the record of a run."""
+    return {name: environment.get(name, "") for name in ONE_THREAD | CONTRACT}

@@ -1,0 +1,106 @@
+"""The numeric contract: what is set, when it is too late, and captures that pass between processors."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from repro import contract
+from repro.errors import InputError
+from repro.fpga.capture import read_capture
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.pipeline.experiment import program_from_config
+from repro.pipeline.recordings import check_recorded
+
+from experiment_example import CAPTURES, MOTIONS, full_config  # isort: skip
+
+#: Kernels of OpenBLAS that are not the contract's; each x86-64-v2 processor can run the first.
+OTHER_KERNELS = ("Nehalem", "SkylakeX")
+
+
+def test_what_the_user_has_set_stays(monkeypatch):
+    monkeypatch.delitem(sys.modules, "numpy")
+    environment = {"OPENBLAS_CORETYPE": "Zen"}
+    contract.hold(environment)
+    assert environment["OPENBLAS_CORETYPE"] == "Zen"
+    assert environment["OPENBLAS_NUM_THREADS"] == "1"
+
+
+def test_a_processor_without_the_instructions_is_not_told_to_use_them(monkeypatch, tmp_path):
+    monkeypatch.delitem(sys.modules, "numpy")
+    (tmp_path / "cpuinfo").write_text("processor : 0\nflags : fpu sse4_2 avx\n")
+    assert not contract.is_v3(tmp_path / "cpuinfo")
+    assert not contract.is_v3(tmp_path / "none")
+    monkeypatch.setattr(contract, "is_v3", lambda: False)
+    environment = {}
+    contract.hold(environment)
+    assert environment == contract.ONE_THREAD
+
+
+def test_it_is_too_late_once_numpy_is_loaded():
+    with pytest.raises(RuntimeError, match="OPENBLAS_NUM_THREADS"):
+        contract.hold({})
+
+
+def probe(code, **environment):
+    """Print of a fresh interpreter."""
+    variables = {name: value for name, value in os.environ.items() if name not in contract.CONTRACT} | environment
+    return subprocess.run(
+        [sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=True
+    ).stdout
+
+
+SOLVE = """
+import os
+from repro import contract
+contract.hold(os.environ)
+import numpy as np
+rng = np.random.default_rng(0)
+a, b = rng.normal(size=(300, 40)), rng.normal(size=(300, 3))
+print(np.linalg.lstsq(a, b)[0].tobytes().hex()[:4000], np.exp(b).tobytes().hex()[:4000])
+"""
+
+
+@pytest.mark.skipif(not contract.is_v3(), reason="the contract is about x86-64-v3")
+def test_the_contract_and_nothing_else_decides_the_kernels():
+    held = probe(SOLVE)
+    assert held == probe(SOLVE, **contract.CONTRACT)
+    assert held != probe(SOLVE, OPENBLAS_CORETYPE="Nehalem")
+
+
+DESIRED = """
+import sys
+from pathlib import Path
+from repro.pipeline.experiment import load_config, program_from_config
+config = load_config(Path("config/config.yaml"))
+print(*(program_from_config(config, name).q.tobytes().hex() for name in ("ID", "T3")))
+"""
+
+
+@pytest.mark.skipif(not contract.is_v3(), reason="SkylakeX and Nehalem are of x86-64")
+@pytest.mark.parametrize("kernel", ["Nehalem", "Haswell"])
+def test_a_motion_computed_on_another_processor_is_the_recorded_one(kernel, monkeypatch):
+    """Last bits may differ there; in encoder counts it is the same motion, and the capture is accepted."""
+    monkeypatch.chdir(CAPTURES.parent.parent)
+    config = full_config()
+    texts = probe(DESIRED, OPENBLAS_CORETYPE=kernel).split()
+    for name, text in zip(("ID", "T3"), texts, strict=True):
+        program = program_from_config(config, name)
+        elsewhere = np.frombuffer(bytes.fromhex(text)).reshape(2, -1)
+        assert np.abs(elsewhere - program.q).max() < 1e-6 * RADIANS_PER_COUNT
+        check_recorded(
+            read_capture(CAPTURES / f"{name}.bin"), type(program)(name, elsewhere, program.n1, program.n2, program.h)
+        )
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("counts", [0.02, -1.0])
+def test_a_motion_that_is_two_hundredths_of_a_count_away_is_another(motion, counts):
+    capture, program = read_capture(CAPTURES / f"{motion}.bin"), program_from_config(full_config(), motion)
+    check_recorded(capture, program)
+    q = program.q.copy()
+    q[1, 100] += counts * RADIANS_PER_COUNT
+    with pytest.raises(InputError, match="a recording of another"):
+        check_recorded(capture, type(program)(program.name, q, program.n1, program.n2, program.h))
