@@ -17,11 +17,12 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce test smoke setup setup-test lock clean check-python
+.PHONY: help reproduce quick test smoke setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
 	@echo "make test       set up $(VENV) with the test tools and run every check"
+	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make requirements.lock and requirements-test.lock anew from pyproject.toml"
@@ -30,6 +31,9 @@ help:
 
 reproduce: setup
 	$(SNAKEMAKE) --cores $(CORES)
+
+quick: setup
+	$(SNAKEMAKE) --cores $(CORES) --configfile config/quick.yaml
 
 smoke: setup
 	$(SNAKEMAKE) --cores $(CORES) --configfile config/smoke.yaml

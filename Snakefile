@@ -8,6 +8,7 @@ from repro import contract
 from repro.pipeline.provenance import write_provenance
 from repro.pipeline.readings import READINGS
 from repro.pipeline.start import accept_config, hold_folder, set_allocator
+from repro.pipeline.stored_networks import stored_files, training_config
 
 min_version("9.0")
 contract.set_variables(os.environ)  # of the jobs

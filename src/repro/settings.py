@@ -80,7 +80,7 @@ def data_settings(config: Config, variant: str) -> DataSettings:
 
 def training_settings(config: Config, variant: str) -> TrainingSettings:
     """Recipe and budget of a variant, from section ``training``."""
-    t = {key: value for key, value in config["training"].items() if key != "paper"}
+    t = {key: value for key, value in config["training"].items() if key not in ("paper", "source", "networks")}
     if variant != "paper-recipe":
         return TrainingSettings(**t)
     paper = dict(config["training"]["paper"])

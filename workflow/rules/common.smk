@@ -9,12 +9,17 @@ def sections(*names):
 
 
 def training_sections(wildcards):
-    """What one network's training depends on: its own image, and the paper's schedule only if it is used."""
-    image = "scale-aware" if wildcards.suffix == "-scale-aware" else "published"
-    parts = sections("signals", "network", "data", "training")
-    if wildcards.suffix != "-paper-recipe":
-        parts["training"] = {key: value for key, value in config["training"].items() if key != "paper"}
-    return {**parts, "images": {image: config["images"][image]}}
+    """What one network depends on; of where it comes from, stored networks only."""
+    parts = training_config(config, wildcards.suffix.removeprefix("-") or "published")
+    source = {key: config["training"][key] for key in ("source", "networks")}
+    return {**parts, "training": {**parts["training"], **source}}
+
+
+def stored_network(wildcards):
+    """Files that a stored network is read from; one that is trained needs none."""
+    if config["training"]["source"] == "trained" or wildcards.suffix == "-paper-recipe":
+        return []
+    return list(stored_files(config["training"]["networks"], wildcards.suffix).values())
 
 
 def identifications(suffixes):

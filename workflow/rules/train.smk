@@ -1,4 +1,6 @@
 rule train:
+    input:
+        stored_network,
     output:
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
         history=report(
@@ -13,7 +15,8 @@ rule train:
         f"{R}/benchmarks/train{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 2
+    # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
+    threads: 1
     resources:
         mem_mb=3000,
         runtime=90,

@@ -6,8 +6,8 @@ from typing import Literal
 
 Recipe = Literal["streamed", "paper"]
 RECIPES: tuple[Recipe, ...] = ("streamed", "paper")
-Precision = Literal["float32", "bfloat16"]
-PRECISIONS: tuple[Precision, ...] = ("float32", "bfloat16")
+Precision = Literal["auto", "float32", "bfloat16"]
+PRECISIONS: tuple[Precision, ...] = ("auto", "float32", "bfloat16")
 
 #: What the history of a training run holds of each of its rows.
 HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")
@@ -65,8 +65,8 @@ class TrainingSettings:
         Size of the held-out set of the streamed recipe.
     log_every, checkpoint_every : int
         Steps between rows of the history, and between checkpoints.
-    precision : {"float32", "bfloat16"}
-        Arithmetic of layers 1 to 4 during training.
+    precision : {"auto", "float32", "bfloat16"}
+        Arithmetic of layers 1 to 4 during training; auto takes bfloat16 where the processor has it.
     paper : PaperSchedule
         Settings of the paper's recipe.
     """
@@ -80,7 +80,7 @@ class TrainingSettings:
     test_samples: int = 4096
     log_every: int = 500
     checkpoint_every: int = 500
-    precision: Precision = "bfloat16"
+    precision: Precision = "auto"
     paper: PaperSchedule = field(default_factory=PaperSchedule)
 
     def __post_init__(self) -> None:

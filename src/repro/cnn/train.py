@@ -7,7 +7,7 @@ run that was stopped continues from its checkpoint to the same bits.
 import hashlib
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +123,15 @@ def fingerprint(motion: SampledMotion, data: DataSettings, network: NetworkSetti
     return digest.hexdigest()
 
 
+def on_this_processor(s: TrainingSettings) -> TrainingSettings:
+    """Settings with the arithmetic chosen: where a processor has no bfloat16, float32 trains several times faster."""
+    if s.precision != "auto":
+        return s
+    able = torch.cpu.get_capabilities()
+    has_bfloat16 = any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16"))
+    return replace(s, precision="bfloat16" if has_bfloat16 else "float32")
+
+
 def train(
     motion: SampledMotion,
     data: DataSettings,
@@ -153,6 +162,7 @@ def train(
     Trained
         Network and history.
     """
+    settings = on_this_processor(settings)
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)

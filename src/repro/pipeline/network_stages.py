@@ -6,13 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import torch
 
 from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import sample_motion
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.cnn.train import train
+from repro.cnn.train import on_this_processor, train
 from repro.errors import InputError
 from repro.files import read_csv, write_csv, write_json, write_text
 from repro.model.parameters import Array
@@ -24,6 +23,7 @@ from repro.pipeline.named import Config, Named, paths
 from repro.pipeline.numeric_identification import Experiment, identify_arms
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.spread import read_spread
+from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
 from repro.progress import Progress
 from repro.settings import (
     data_settings,
@@ -41,14 +41,14 @@ _LOG = logging.getLogger(__name__)
 
 
 def train_network(variant: str, named_outputs: Named, checkpoint: str, config: Config) -> None:
-    """Stage train: weights, history and model card; continues from `checkpoint` if it is there."""
+    """Stage train: weights, history and model card, stored or trained; training continues from `checkpoint`."""
     out = {name: files[0] for name, files in paths(named_outputs).items()}
+    if config["training"]["source"] == "stored" and variant != "paper-recipe":
+        take_stored(variant, out, config)
+        return
     signals, network = signal_settings(config), network_settings(config)
-    data, training = data_settings(config, variant), training_settings(config, variant)
+    data, training = data_settings(config, variant), on_this_processor(training_settings(config, variant))
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
-    able = torch.cpu.get_capabilities()
-    if training.precision == "bfloat16" and not any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16")):
-        _LOG.warning("this processor has no bfloat16 arithmetic: training.precision: float32 is faster here")
     progress = Progress(f"training, {variant}")
     trained = train(
         motion,
@@ -59,7 +59,9 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
         lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
     )
     history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
-    save_network(out["weights"], trained.network, {"variant": variant})
+    save_network(
+        out["weights"], trained.network, {"variant": variant, CONFIGURATION: configuration_digest(config, variant)}
+    )
     write_csv(out["history"], history)
     card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
     write_text(out["card"], card)

@@ -2,12 +2,15 @@
 
 import csv
 import io
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from repro.comparison.classes import Spread
+from repro.comparison.tables import differences
 from repro.errors import InputError
 from repro.files import CSV_FLOAT_FORMAT, write_csv, write_text
 from repro.fpga.checksums import SUMS, verify_folder
@@ -54,8 +57,9 @@ def write_ledger(
     """
     claims = compute(load_published(published), config, Results(results))
     write_csv(results / CLAIMS, claims)
-    write_text(results / PAGE, markdown(claims))
-    write_sources(results / SOURCES, files, root, published)
+    write_text(results / PAGE, markdown(_written(_csv(claims))))
+    folder = results.relative_to(root) if results.is_relative_to(root) else results
+    write_sources(results / SOURCES, [*files, folder / CLAIMS, folder / PAGE], root, published)
     return claims
 
 
@@ -92,13 +96,13 @@ def verify_ledger(
     except InputError as error:
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
-    if page != markdown(claims):
-        problems.append(f"{results / PAGE}: found another text, expected the page of the ledger computed again")
+    if not problems and page != markdown(_written(table)):
+        problems.append(f"{results / PAGE}: found another text, expected the page of {CLAIMS}")
     return claims, problems
 
 
 def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
-    """Cells of a written ledger that are not those of a computed one.
+    """Cells of a written ledger that are not those of a computed one, beyond what rounding makes of them.
 
     Parameters
     ----------
@@ -114,29 +118,45 @@ def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
     list of str
         A line for each cell, row or column that differs, naming it.
     """
-    written = list(csv.reader(io.StringIO(text)))
-    computed = list(csv.reader(io.StringIO(claims.to_csv(index=False, float_format=CSV_FLOAT_FORMAT))))
-    header = computed[0]
-    if not written or written[0] != header:
-        return [f"{place}: header: found {','.join(written[0]) if written else 'nothing'}, expected {','.join(header)}"]
+    header, found = ",".join(claims.columns), text.partition("\n")[0].strip()
+    if found != header:
+        return [f"{place}: header: found {found or 'nothing'}, expected {header}"]
+    written, computed = (_rows(each, place) for each in (text, _csv(claims)))
+    theirs, ours = ({row["id"]: row for row in rows} for rows in (written, computed))
     said = []
-    for number, row in enumerate(written[1:], start=2):
-        if len(row) != len(header):
-            return [f"{place}: line {number}: found {len(row)} fields, expected {len(header)} fields"]
-    theirs, ours = ({row[0]: row for row in rows[1:]} for rows in (written, computed))
     for name in ours.keys() | theirs.keys():
         if name not in theirs or name not in ours:
             found, expected = ("no row", "one") if name not in theirs else ("a row", "none")
             said.append(f"{place}: {name}: found {found}, expected {expected}")
             continue
-        said += [
-            f"{place}: {name}: {column}: found {found or 'nothing'}, expected {expected or 'nothing'}"
-            for column, found, expected in zip(header, theirs[name], ours[name], strict=True)
-            if found != expected
-        ]
-    if not said and [row[0] for row in written] != [row[0] for row in computed]:
+        # Both follow from the same files, so that even what was trained is no more than computed here.
+        for d in differences("", [theirs[name]], [ours[name]], Spread({})):
+            if d.broken:
+                column, by = d.place.rpartition(", ")[2], "" if math.isinf(d.size) else f", {d.size:.2g} away"
+                said.append(f"{place}: {name}: {column}: found {d.a or 'nothing'}, expected {d.b or 'nothing'}{by}")
+    if not said and [row["id"] for row in written] != [row["id"] for row in computed]:
         said.append(f"{place}: found rows in another order or twice, expected that of the published numbers")
     return sorted(said)
+
+
+def _csv(claims: pd.DataFrame) -> str:
+    return claims.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+
+
+def _written(text: str) -> pd.DataFrame:
+    """The ledger as its CSV has it, ten digits of each number: what the page shows."""
+    claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
+    for column in ("ours", "difference", "tolerance"):
+        claims[column] = pd.to_numeric(claims[column])
+    return claims.assign(must=claims["must"] == "True")
+
+
+def _rows(text: str, place: str) -> list[dict[str, str]]:
+    rows = list(csv.DictReader(io.StringIO(text)))
+    for number, row in enumerate(rows, start=2):
+        if None in row or None in row.values():
+            raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
+    return rows
 
 
 def _text(path: Path) -> str:

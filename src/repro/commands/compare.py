@@ -1,0 +1,21 @@
+"""Compare two runs table by table: the largest difference of each class of number, and where it is."""
+
+import argparse
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro compare``."""
+    parser.add_argument("first", type=Path, help="results folder, for example docs/reference")
+    parser.add_argument("second", type=Path, help="another one, for example results")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the comparison; exit code 1 if a difference is larger than its class allows."""
+    from repro.comparison.classes import measured_spread
+    from repro.comparison.runs import compare_runs, report
+
+    compared, alone = compare_runs(arguments.first, arguments.second, measured_spread())
+    for line in report(compared, alone):
+        print(line)
+    return int(any(each.broken for each in compared))

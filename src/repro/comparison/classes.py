@@ -1,0 +1,112 @@
+"""The three classes of number, the one definition for ledger, `verify`, `compare` and tests.
+
+exact
+    Text, integers, counts, the bytes of recordings: equal.
+computed
+    Floats that no network had a part in: equal but for what rounding makes of another order of sums,
+    ``|a - b| <= ABSOLUTE + RELATIVE max(|a|, |b|)``. Zero is so compared absolutely.
+trained
+    What hangs on a network. Another processor, or another seed, trains another network; such a number agrees within
+    `MARGIN` times the widest difference that networks of other seeds and processors were seen to make in its table,
+    method and column (`spread.csv`, `repro.comparison.spread`).
+
+A hash of floats tells that they are equal, never that they disagree.
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from importlib import resources
+
+#: Ten digits are written, half a unit of the last is 5e-10 of a number at most. Least squares is the worst that is
+#: computed: rounding (1.1e-16) times the square of the regressor's condition (about 50 on ID, 400 on the slow run) is
+#: 2e-11 of the estimate. One more digit of room covers both.
+RELATIVE = 1e-8
+#: A difference of two numbers of size 1 to 1000 carries 1e-16 to 1e-13 of rounding; the smallest printed number that
+#: is held against ours is 7e-8.
+ABSOLUTE = 1e-12
+#: How far beyond the measured spread a trained number may lie: it was measured on few seeds.
+MARGIN = 2.0
+
+
+class Kind(StrEnum):
+    """Class of a number."""
+
+    EXACT = "exact"
+    COMPUTED = "computed"
+    TRAINED = "trained"
+
+
+#: Tables all of whose floats hang on a network, without a column that says so.
+TRAINED_TABLES = frozenset({"model/training", "figures/fig10", "figures/fig11", "tables/ablation", "figures/ablation"})
+#: Columns that say where a number comes from, and how those begin that a network had a part in.
+ORIGIN = ("method", "series")
+TRAINED_ORIGIN = "algorithm1"
+#: Claims that are read off a trained table say so by their target; the ledger's own arithmetic is computed.
+LEDGER = "claims"
+TRAINED_TARGETS = frozenset({"train", "table04", "table05", "table06", "table07", "table09", "table10"})
+#: Columns of a trained row that are exact all the same: they say how much was done.
+COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "true"})
+
+
+def rounding(a: float, b: float) -> float:
+    """How far two computed numbers may lie apart."""
+    return ABSOLUTE + RELATIVE * max(abs(a), abs(b))
+
+
+def origin(row: Mapping[str, str]) -> str:
+    """What a row is about: the claim, or the first of the columns `ORIGIN` that it has; empty if it has none."""
+    if "published" in row:
+        return row["id"]
+    return next((row[column] for column in ORIGIN if column in row), "")
+
+
+def kind_of(table: str, row: Mapping[str, str], column: str) -> Kind:
+    """Class of the floats in a cell.
+
+    Parameters
+    ----------
+    table : str
+        Path of the table in its results folder, without its suffix.
+    row : mapping
+        Cells by column, as text.
+    column : str
+        Column of the cell.
+
+    Returns
+    -------
+    Kind
+        Trained or computed; a cell that is no float is exact, whatever this says.
+    """
+    if column in COUNTED:
+        return Kind.COMPUTED
+    if table == LEDGER:
+        trained = row["target"] in TRAINED_TARGETS and "least-squares" not in row["id"]
+    else:
+        trained = table in TRAINED_TABLES or origin(row).startswith(TRAINED_ORIGIN)
+    return Kind.TRAINED if trained else Kind.COMPUTED
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Widest differences between networks of other seeds and processors.
+
+    Attributes
+    ----------
+    widest : dict
+        By table, origin and column.
+    """
+
+    widest: Mapping[tuple[str, str, str], float]
+
+    def allowed(self, table: str, row: Mapping[str, str], column: str) -> float:
+        """How far two trained numbers may lie apart; NaN where no spread was measured."""
+        return MARGIN * self.widest.get((table, origin(row), column), float("nan"))
+
+
+def measured_spread() -> Spread:
+    """The spread of the default networks, as `repro.comparison.spread` measured and wrote it."""
+    text = resources.files("repro.comparison").joinpath("spread.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return Spread({(row["table"], row["origin"], row["column"]): float(row["widest"]) for row in rows})

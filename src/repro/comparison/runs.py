@@ -1,0 +1,120 @@
+"""Two results folders side by side: per table and class the largest difference and its place."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from repro.comparison.classes import Kind, Spread
+from repro.comparison.tables import Difference, differences, read_rows
+from repro.errors import InputError
+
+#: What is compared byte by byte: recordings and what was sent for them.
+BYTES = ("experiment/*.bin", "experiment/*.program")
+#: How a run went, not what it found.
+LEFT_OUT = ("benchmarks", "logs")
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What became of one file.
+
+    Attributes
+    ----------
+    name : str
+        Path in the results folder.
+    cells : int
+        Cells, or bytes, that were compared.
+    found : tuple of Difference
+        All that is not the same text.
+    """
+
+    name: str
+    cells: int
+    found: tuple[Difference, ...]
+
+    def largest(self) -> list[Difference]:
+        """The difference of each class that lies furthest towards or beyond what is allowed."""
+        by_kind = {kind: [each for each in self.found if each.kind is kind] for kind in Kind}
+        return [max(each, key=lambda d: (d.rank, d.size)) for each in by_kind.values() if each]
+
+    @property
+    def broken(self) -> bool:
+        """Whether a class is broken."""
+        return any(each.broken for each in self.found)
+
+
+def compare_runs(a: Path, b: Path, spread: Spread) -> tuple[list[Compared], list[str]]:
+    """Compare every table and recording that both folders have.
+
+    Parameters
+    ----------
+    a, b : Path
+        Results folders.
+    spread : Spread
+        Measured spread of trained numbers.
+
+    Returns
+    -------
+    compared : list of Compared
+        In order of their names.
+    alone : list of str
+        Files that only one of them has.
+
+    Raises
+    ------
+    InputError
+        If a folder is none, a table cannot be read, or they have no file in common.
+    """
+    files = [_files(folder) for folder in (a, b)]
+    both = sorted(files[0] & files[1])
+    if not both:
+        raise InputError.at(f"{a} and {b}", "no table in common", "two results folders")
+    return [_compare(a, b, name, spread) for name in both], sorted(files[0] ^ files[1])
+
+
+def _files(folder: Path) -> set[str]:
+    if not folder.is_dir():
+        raise InputError.at(str(folder), "no folder", "a results folder")
+    found = (path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern))
+    names = (path.relative_to(folder) for path in found)
+    return {name.as_posix() for name in names if name.parts[0] not in LEFT_OUT}
+
+
+def _compare(a: Path, b: Path, name: str, spread: Spread) -> Compared:
+    if not name.endswith(".csv"):
+        x, y = ((folder / name).read_bytes() for folder in (a, b))
+        changed = [Difference(Kind.EXACT, f"byte {_first(x, y)}", f"{len(x)} bytes", f"{len(y)} bytes", 1.0, 0.0)]
+        return Compared(name, len(x), tuple(changed if x != y else ()))
+    rows = read_rows(a / name), read_rows(b / name)
+    table = name.removesuffix(".csv")
+    return Compared(name, sum(map(len, rows[0])), tuple(differences(table, *rows, spread)))
+
+
+def _first(x: bytes, y: bytes) -> int:
+    return next((k for k, (p, q) in enumerate(zip(x, y, strict=False)) if p != q), min(len(x), len(y)))
+
+
+def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
+    """Lines for a reader: a line for each file and class that differs, then the largest of each class."""
+    lines = []
+    for each in compared:
+        for d in each.largest():
+            lines.append(f"{each.name}: {_told(d)}; {sum(x.kind is d.kind for x in each.found)} of {each.cells} cells")
+    same = sum(not each.found for each in compared)
+    lines.append(f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone")
+    for kind in Kind:
+        own = [(each, d) for each in compared for d in each.largest() if d.kind is kind]
+        if own:
+            file, d = max(own, key=lambda pair: (pair[1].rank, pair[1].size))
+            lines.append(f"largest {kind}: {file.name}: {_told(d)}")
+        else:
+            lines.append(f"largest {kind}: none differs")
+    broken = [each.name for each in compared if each.broken]
+    lines.append(f"broken: {', '.join(broken)}" if broken else "no class is broken")
+    return lines
+
+
+def _told(d: Difference) -> str:
+    allowed = "its spread was not measured" if d.allowed != d.allowed else f"{d.allowed:.2g} allowed"
+    by = f", by {d.size:.2g}" if d.size not in (float("inf"), 1.0) or d.kind is not Kind.EXACT else ""
+    return f"{d.kind}: {d.place}: {d.a or 'nothing'} and {d.b or 'nothing'}{by} ({allowed})"

@@ -1,0 +1,107 @@
+"""Two versions of a table, cell by cell."""
+
+import csv
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from repro.comparison.classes import Kind, Spread, kind_of, rounding
+from repro.errors import InputError
+
+Row = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A cell that is not the same text.
+
+    Attributes
+    ----------
+    kind : Kind
+        Class of the cell.
+    place : str
+        Row and column.
+    a, b : str
+        The two texts.
+    size : float
+        Absolute difference; infinite if one is no number.
+    allowed : float
+        How much its class allows; NaN if that was not measured.
+    """
+
+    kind: Kind
+    place: str
+    a: str
+    b: str
+    size: float
+    allowed: float
+
+    @property
+    def broken(self) -> bool:
+        """Whether the class does not allow it."""
+        return self.size > self.allowed
+
+    @property
+    def rank(self) -> float:
+        """Size in units of what is allowed; small where nothing was measured."""
+        return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV as text.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is no table.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError.at(str(path), f"no readable table ({error})", "a CSV table") from error
+    for number, row in enumerate(rows, start=2):
+        if None in row or None in row.values():
+            raise InputError.at(f"{path}: line {number}", "another number of fields", "as many as in its header")
+    return rows
+
+
+def differences(table: str, a: Sequence[Row], b: Sequence[Row], spread: Spread) -> Iterator[Difference]:
+    """Cells of two tables that are not the same text, and rows or columns that only one has.
+
+    Parameters
+    ----------
+    table : str
+        Path of the table in its results folder, without its suffix.
+    a, b : sequence of mapping
+        Rows, cells by column.
+    spread : Spread
+        Measured spread of trained numbers.
+    """
+    if len(a) != len(b):
+        yield Difference(Kind.EXACT, "number of rows", str(len(a)), str(len(b)), math.inf, 0.0)
+        return
+    for number, (x, y) in enumerate(zip(a, b, strict=True), start=2):
+        if list(x) != list(y):
+            yield Difference(Kind.EXACT, "header", ", ".join(x), ", ".join(y), math.inf, 0.0)
+            return
+        for column in x:
+            if x[column] != y[column]:
+                yield _difference(table, x, column, (x[column], y[column]), f"line {number}, {column}", spread)
+
+
+def _difference(table: str, row: Row, column: str, texts: tuple[str, str], place: str, spread: Spread) -> Difference:
+    kind = kind_of(table, row, column)
+    try:
+        a, b = map(float, texts)
+    except ValueError:  # words that follow from trained numbers may differ with them
+        allowed = math.nan if kind is Kind.TRAINED else 0.0
+        return Difference(Kind.EXACT if kind is Kind.COMPUTED else kind, place, *texts, math.inf, allowed)
+    size = 0.0 if math.isnan(a) and math.isnan(b) else abs(a - b)
+    size = math.inf if math.isnan(size) else size
+    allowed = rounding(a, b)
+    if kind is Kind.TRAINED:
+        measured = spread.allowed(table, row, column)
+        allowed = measured if math.isnan(measured) else max(allowed, measured)
+    return Difference(kind, place, *texts, size, allowed)

@@ -1,0 +1,69 @@
+"""Networks that come with the project: taken instead of trained, if they belong to the configuration."""
+
+import hashlib
+import json
+import shutil
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from safetensors import SafetensorError, safe_open
+
+from repro.errors import InputError
+from repro.files import write_text, write_whole
+from repro.pipeline.named import Config
+
+#: Key of the weights' header that holds `configuration_digest`.
+CONFIGURATION = "configuration"
+#: Where a network comes from is a choice of the run, not of what is trained.
+SOURCE_KEYS = ("source", "networks")
+
+
+def training_config(config: Config, variant: str) -> dict[str, Any]:
+    """What decides a network: its own image, and the paper's schedule only if it is trained by it."""
+    image = "scale-aware" if variant == "scale-aware" else "published"
+    left_out = SOURCE_KEYS if variant == "paper-recipe" else (*SOURCE_KEYS, "paper")
+    return {
+        **{name: config[name] for name in ("signals", "network", "data")},
+        "images": {image: config["images"][image]},
+        "training": {key: value for key, value in config["training"].items() if key not in left_out},
+    }
+
+
+def configuration_digest(config: Config, variant: str) -> str:
+    """SHA-256 of `training_config` as text: the same on every machine."""
+    text = json.dumps(training_config(config, variant), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
+    """Files of a network by what they are; a suffix is empty or ``-VARIANT``."""
+    names = {"weights": "cnn{}.safetensors", "history": "training{}.csv", "card": "model-card{}.md"}
+    return {what: Path(folder) / name.format(suffix) for what, name in names.items()}
+
+
+def take_stored(variant: str, out: dict[str, Path], config: Config) -> None:
+    """Copy a stored network, its history and its model card to `out`.
+
+    Raises
+    ------
+    InputError
+        If there is none, it is damaged, or it was trained with another configuration.
+    """
+    suffix = "" if variant == "published" else f"-{variant}"
+    stored = stored_files(config["training"]["networks"], suffix)
+    weights = stored["weights"]
+    expected = "one trained with this configuration; training.source: trained trains it"
+    try:
+        with safe_open(weights, framework="np") as f:
+            metadata = f.metadata() or {}
+        card, digest = stored["card"].read_text(encoding="utf-8"), hashlib.sha256(weights.read_bytes()).hexdigest()
+    except (OSError, SafetensorError, UnicodeDecodeError) as error:
+        raise InputError.at(str(weights), f"no readable stored network ({error})", expected) from error
+    if metadata.get("variant") != variant or metadata.get(CONFIGURATION) != configuration_digest(config, variant):
+        raise InputError.at(str(weights), "a network of another configuration", expected)
+    if digest not in card:
+        raise InputError.at(f"{weights}: SHA-256", digest, f"that of {stored['card'].name}")
+    for what in ("weights", "history"):
+        write_whole(out[what], partial(shutil.copyfile, stored[what]))
+    write_text(out["card"], f"{card}\nThis run did not train it: stored network, `{weights.as_posix()}`.\n")
