@@ -36,10 +36,12 @@ def run(arguments: argparse.Namespace) -> int:
     InputError
         If there is no ledger to verify, or the configuration is not valid.
     """
+    from repro.fingerprint import told
     from repro.paper.claims import broken
     from repro.paper.ledger.text import summary
     from repro.paper.ledger.verification import verify_ledger
     from repro.pipeline.experiment import load_config
+    from repro.pipeline.provenance import recorded_fingerprint
 
     config = load_config(*arguments.config)
     # Names in the list of sources start from the project's folder.
@@ -47,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config["results"]
     claims, problems = verify_ledger(results, config, root)
+    print(told(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
         print(line)
     for problem in problems:

@@ -1,0 +1,138 @@
+"""Other machines, emulated on this one: tests, the five recordings and the kept reference under each, one line a host.
+
+Usage: ``.venv/bin/python .ci/hosts.py [NAME ...]``. A host that this processor cannot imitate is told as not run. Exit
+code 1 if one fails.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PYTHON = str(ROOT / ".venv/bin/python")
+NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
+#: Tests of what must hold on any processor; those under a whole emulated processor are the ones it can run in a minute.
+PORTABLE = (
+    *("capture", "captures", "compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint"),
+    *("least_squares", "metric", "programs", "quintic", "reference", "spread", "stored_networks", "upgrade", "verify"),
+)
+FEW = ("capture", "compare", "contract", "downlink", "fingerprint", "stored_networks", "upgrade", "verify")
+
+
+@dataclass(frozen=True)
+class Host:
+    """One emulated machine: variables of its processes, a program that runs them, flags that this processor needs."""
+
+    name: str
+    variables: dict[str, str] = field(default_factory=dict)
+    program: tuple[str, ...] = ()
+    needs: str = ""
+    tests: tuple[str, ...] = PORTABLE
+
+
+HOSTS = (
+    Host("OpenBLAS Haswell", {"OPENBLAS_CORETYPE": "Haswell"}, needs="avx2"),
+    Host("OpenBLAS SkylakeX", {"OPENBLAS_CORETYPE": "SkylakeX"}, needs="avx512vl"),
+    Host("OpenBLAS Zen", {"OPENBLAS_CORETYPE": "Zen"}, needs="avx2"),
+    Host("OpenBLAS Nehalem", {"OPENBLAS_CORETYPE": "Nehalem"}, needs="sse4_2"),
+    Host("NumPy with AVX-512", {"NPY_DISABLE_CPU_FEATURES": ""}, needs="avx512vl"),
+    Host("NumPy without AVX2", {"NPY_DISABLE_CPU_FEATURES": f"X86_V3 {NO_AVX512}"}, needs="avx2"),
+    Host("glibc without FMA", {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"}, needs="fma"),
+    Host("Intel Haswell", program=("qemu-x86_64", "-cpu", "Haswell-v4"), tests=FEW),
+    Host("AMD Rome", program=("qemu-x86_64", "-cpu", "EPYC-Rome-v2"), tests=FEW),
+)
+
+PROBES = """
+import json, os
+from repro import contract
+contract.hold(os.environ)
+from pathlib import Path
+from repro.fingerprint import differing, fingerprint
+recorded = json.loads(Path("docs/reference/provenance.json").read_text())["fingerprint"]
+print(len(differing(recorded, fingerprint())))
+"""
+RECORDINGS = """
+import os, tempfile
+from repro import contract
+contract.hold(os.environ)
+from pathlib import Path
+from repro.pipeline.acquire import acquire
+from repro.pipeline.experiment import load_config
+from repro.pipeline.recordings import read_recording
+config = load_config(Path("config/config.yaml"))
+simulated = {**config, "experiment": {**config["experiment"], "source": "simulated"}}
+with tempfile.TemporaryDirectory() as folder:
+    for motion in ("ID", "T1", "T2", "T3", "T4"):
+        for settings in (config, simulated):
+            out = Path(folder) / f"{motion}.bin"
+            acquire(motion, out, settings)
+            read_recording(out, config)
+"""
+
+
+def flags() -> set[str]:
+    """Flags of this processor."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return set(next((line for line in lines if line.startswith("flags")), "").split())
+
+
+def cannot(host: Host) -> str:
+    """Why this machine cannot imitate a host; empty if it can."""
+    if host.needs and host.needs not in flags():
+        return f"this processor has no {host.needs}"
+    if host.program and shutil.which(host.program[0]) is None:
+        return f"no {host.program[0]}"
+    return ""
+
+
+def run(host: Host, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run python as on that host."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OPENBLAS", "NPY_", "GLIBC_TUNABLES"))}
+    command = [*host.program, PYTHON, *arguments]
+    return subprocess.run(
+        command, check=False, cwd=ROOT, env=environment | host.variables, capture_output=True, text=True
+    )
+
+
+def visit(host: Host) -> str:
+    """Do everything on one host; what failed, empty if nothing did."""
+    tests = [f"tests/test_{name}.py" for name in host.tests if (ROOT / f"tests/test_{name}.py").exists()]
+    for what, arguments in (
+        ("tests", ("-m", "pytest", "-q", "-p", "no:cacheprovider", *tests)),
+        ("recordings", ("-c", RECORDINGS)),
+        ("verify", ("-m", "repro", "verify", "--results", "docs/reference")),
+    ):
+        done = run(host, *arguments)
+        if done.returncode:
+            print(done.stdout[-6000:], done.stderr[-3000:], sep="\n", flush=True)
+            return what
+    return ""
+
+
+def main() -> int:
+    """Visit every host, or those named; 1 if one fails."""
+    wanted, failed = sys.argv[1:], 0
+    for host in HOSTS:
+        if wanted and host.name not in wanted:
+            continue
+        why, began = cannot(host), time.monotonic()
+        if why:
+            print(f"{host.name:22} not run: {why}", flush=True)
+            continue
+        apart, broken = run(host, "-c", PROBES), visit(host)
+        failed += bool(broken)
+        probes = apart.stdout.strip() or "?"
+        result = f"FAILED: {broken}" if broken else "passed"
+        print(
+            f"{host.name:22} {result}, {probes} probes unlike the reference's, {time.monotonic() - began:.0f} s",
+            flush=True,
+        )
+    return int(failed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

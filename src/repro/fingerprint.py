@@ -1,0 +1,108 @@
+"""A fingerprint of how this host computes: hashes of some twenty small results tell hosts apart by last bits."""
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import scipy.fft
+import scipy.linalg
+from numpy.typing import NDArray
+
+Probe = Callable[[], object]
+
+
+def _probes() -> dict[str, Probe]:
+    rng = np.random.default_rng(2026)
+    x = rng.uniform(-3.0, 3.0, 4099)
+    a, b = rng.normal(size=(257, 9)), rng.normal(size=257)
+    square = a.T @ a
+    wide = rng.normal(size=(130, 131))
+    return {
+        "generator": lambda: rng.bit_generator.state["state"]["state"].to_bytes(16, "big"),
+        "libm sin exp log": lambda: np.array([f(abs(v)) for v in x[:500] for f in (math.sin, math.exp, math.log)]),
+        "exp": lambda: np.exp(x),
+        "log": lambda: np.log(np.abs(x)),
+        "sin": lambda: np.sin(x),
+        "tanh": lambda: np.tanh(20.0 * x),
+        "arctan2": lambda: np.arctan2(x[:-1], x[1:]),
+        "power": lambda: np.abs(x) ** 0.4,
+        "exp single": lambda: np.exp(x.astype(np.float32)),
+        "sqrt": lambda: np.sqrt(np.abs(x)),
+        "sum": x.sum,
+        "einsum": lambda: np.einsum("ni,nj->ij", a, a),
+        "dot": lambda: x @ x,
+        "matmul": lambda: wide @ wide.T,
+        "matmul single": lambda: wide.astype(np.float32) @ wide.T.astype(np.float32),
+        "solve": lambda: np.linalg.solve(square, a[0]),
+        "lstsq": lambda: np.linalg.lstsq(a, b)[0],
+        "svd": lambda: np.linalg.svd(a, compute_uv=False),
+        "eigh": lambda: np.linalg.eigvalsh(square),
+        "scipy lstsq": lambda: scipy.linalg.lstsq(a, b)[0],
+        "scipy cholesky": lambda: scipy.linalg.cholesky(square),
+        "dct": lambda: scipy.fft.dct(x, norm="ortho"),
+    }
+
+
+def fingerprint() -> dict[str, str]:
+    """First sixteen digits of the SHA-256 of each probe's bytes, by its name."""
+    return {name: _digest(probe()) for name, probe in _probes().items()}
+
+
+def _digest(result: object) -> str:
+    content = result if isinstance(result, bytes) else np.ascontiguousarray(result).tobytes()
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def network_fingerprint() -> dict[str, str]:
+    """The same of what networks are made of; loads torch."""
+    import torch  # noqa: PLC0415 - a second that most callers need not wait
+
+    generator = torch.Generator().manual_seed(2026)
+    x, kernel = torch.randn(8, 4, 33, 35, generator=generator), torch.randn(6, 4, 5, 5, generator=generator)
+    rows = x.flatten(1)
+
+    def conv_gradient() -> NDArray[np.float32]:
+        weight = kernel.clone().requires_grad_()
+        torch.nn.functional.conv2d(x, weight).square().sum().backward()  # type: ignore[no-untyped-call]
+        assert weight.grad is not None  # just computed
+        return weight.grad.numpy()
+
+    half = rows.bfloat16()
+    return {
+        "torch randn": _digest(x.numpy()),
+        "torch sigmoid": _digest(torch.sigmoid(x).numpy()),
+        "torch matmul": _digest((rows @ rows.mT).numpy()),
+        "torch matmul bfloat16": _digest((half @ half.mT).float().numpy()),
+        "torch conv gradient": _digest(conv_gradient()),
+    }
+
+
+def differing(recorded: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
+    """Probes that both have and that differ."""
+    return [name for name in here if name in recorded and recorded[name] != here[name]]
+
+
+def told(recorded: Mapping[str, str] | None) -> str:
+    """A line on whether this host computes as the one that made a run."""
+    if not recorded:
+        return "this host: the run keeps no fingerprint to compare with"
+    here = fingerprint()
+    apart = differing(recorded, here)
+    if not apart:
+        return f"this host: inside the numeric contract, {len(here)} of {len(here)} probes as where the run was made"
+    return (
+        f"this host: outside the numeric contract, {len(apart)} of {len(here)} probes differ ({', '.join(apart)}): "
+        "computed numbers agree to rounding, not to the bit"
+    )
+
+
+def main() -> None:
+    """Print the whole fingerprint as JSON: run in a process of its own, which the contract holds."""
+    import json  # noqa: PLC0415
+
+    print(json.dumps(fingerprint() | network_fingerprint()))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+"""Classes of numbers, and two runs side by side: what may differ, what may not, and where it is."""
+
+import pandas as pd
+import pytest
+
+from repro.cli import main
+from repro.comparison.classes import ABSOLUTE, MARGIN, RELATIVE, Kind, Spread, kind_of
+from repro.comparison.runs import compare_runs
+from repro.comparison.spread import measure
+from repro.comparison.tables import differences
+from repro.errors import InputError
+
+SPREAD = Spread({("tables/table10", "algorithm1", "total"): 0.05})
+ROWS = [
+    {"case": "ID", "method": "algorithm1", "joint": "1", "total": "0.9", "seeds": "5"},
+    {"case": "ID", "method": "least-squares", "joint": "1", "total": "0.97", "seeds": "5"},
+]
+
+
+def changed(row, column, text):
+    return [{**each, column: text} if k == row else each for k, each in enumerate(ROWS)]
+
+
+def found(rows):
+    return list(differences("tables/table10", ROWS, rows, SPREAD))
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "text", "kind", "broken"),
+    [
+        (1, "total", "0.9700000001", Kind.COMPUTED, False),
+        (1, "total", "0.97000003", Kind.COMPUTED, True),
+        (0, "total", "0.81", Kind.TRAINED, False),  # twice the measured spread of 0.05
+        (0, "total", "1.01", Kind.TRAINED, True),
+        (0, "total", "nan", Kind.TRAINED, True),
+        (0, "seeds", "4", Kind.COMPUTED, True),  # counts are exact in a trained row too
+        (1, "method", "true", Kind.EXACT, True),
+        (1, "joint", "2", Kind.COMPUTED, True),
+    ],
+)
+def test_a_changed_cell_is_judged_by_its_class(row, column, text, kind, broken):
+    (difference,) = found(changed(row, column, text))
+    assert (difference.kind, difference.broken) == (kind, broken)
+    assert difference.place == f"line {row + 2}, {column}"
+
+
+def test_numbers_near_zero_are_compared_absolutely():
+    for text, broken in ((f"{0.9 * ABSOLUTE:g}", False), ("-8.881784197e-16", False), ("2e-12", True)):
+        (difference,) = differences("t", [{"x": "0"}], [{"x": text}], SPREAD)
+        assert difference.broken is broken
+    (large,) = differences("t", [{"x": "1e6"}], [{"x": repr(1e6 * (1 + 2 * RELATIVE))}], SPREAD)
+    assert large.broken
+
+
+def test_what_was_not_measured_is_not_judged_but_told():
+    (difference,) = differences("tables/other", ROWS, changed(0, "total", "0.1"), SPREAD)
+    assert not difference.broken
+    assert difference.allowed != difference.allowed
+
+
+def test_rows_and_columns_must_be_the_same():
+    assert [each.place for each in found(ROWS[:1])] == ["number of rows"]
+    (header,) = found([{("sum" if k == "total" else k): v for k, v in row.items()} for row in ROWS])
+    assert header.place == "header"
+    assert header.broken
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "kind"),
+    [
+        ("table10/ID/algorithm1/total/joint1", "table10", Kind.TRAINED),
+        ("table10/ID/least-squares/total/joint1", "table10", Kind.COMPUTED),
+        ("appendix/energy", "stability", Kind.COMPUTED),
+        ("section5a/loss", "train", Kind.TRAINED),
+    ],
+)
+def test_a_claim_is_trained_if_its_table_is(name, target, kind):
+    assert kind_of("claims", {"id": name, "target": target, "published": "1"}, "ours") is kind
+
+
+def run_of(folder, rows, recording=b"\xa5" * 16):
+    for name, content in (("tables/table10.csv", pd.DataFrame(rows).to_csv(index=False)),):
+        (folder / name).parent.mkdir(parents=True)
+        (folder / name).write_text(content)
+    (folder / "experiment").mkdir()
+    (folder / "experiment/ID.bin").write_bytes(recording)
+    return folder
+
+
+def test_the_command_tells_the_largest_difference_and_ends_with_1_if_a_class_is_broken(tmp_path, capsys):
+    a = run_of(tmp_path / "a", ROWS)
+    assert main(["compare", str(a), str(run_of(tmp_path / "same", ROWS))]) == 0
+    assert "2 the same to the last digit" in capsys.readouterr().out
+    assert main(["compare", str(a), str(run_of(tmp_path / "b", changed(1, "total", "0.96")))]) == 1
+    out = capsys.readouterr().out
+    assert "largest computed: tables/table10.csv: computed: line 3, total: 0.97 and 0.96, by 0.01" in out
+    assert "broken: tables/table10.csv" in out
+    assert main(["compare", str(a), str(run_of(tmp_path / "c", ROWS, b"\xa5" * 15 + b"\0"))]) == 1
+    assert "broken: experiment/ID.bin" in capsys.readouterr().out
+
+
+def test_what_is_no_run_is_one_line(tmp_path, capsys):
+    a = run_of(tmp_path / "a", ROWS)
+    (tmp_path / "empty").mkdir()
+    for other in ("empty", "none"):
+        assert main(["compare", str(a), str(tmp_path / other)]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    (a / "tables/table10.csv").write_text("case,total\nID\n")
+    assert main(["compare", str(a), str(a)]) == 2
+    assert "line 2: found another number of fields" in capsys.readouterr().err
+
+
+def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path):
+    rows = [*ROWS, {**ROWS[0], "case": "T1", "total": "0.5"}]
+    other = [*changed(0, "total", "0.93"), {**ROWS[0], "case": "T1", "total": "0.42"}]
+    third = [*changed(0, "total", "0.88"), {**ROWS[0], "case": "T1", "total": "0.45"}]
+    runs = [run_of(tmp_path / name, content) for name, content in (("a", rows), ("b", other), ("c", third))]
+    measured = measure(runs).set_index(["table", "origin", "column"])
+    row = measured.loc[("tables/table10", "algorithm1", "total")]
+    assert (row["runs"], row["cells"], row["widest"]) == (3, 2, pytest.approx(0.08))
+    assert list(measured.index) == [("tables/table10", "algorithm1", "total")]
+    spread = Spread({key: row["widest"] for key, row in measured.iterrows()})
+    for a in runs:
+        for b in runs:
+            assert not any(each.broken for each in compare_runs(a, b, spread)[0])
+    assert spread.allowed("tables/table10", ROWS[0], "total") == pytest.approx(MARGIN * 0.08)
+
+
+def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path):
+    runs = [run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(1, "total", "0.96"))]
+    with pytest.raises(InputError, match=r"line 3, total: found 0\.96, expected 0\.97"):
+        measure(runs)

@@ -1,0 +1,43 @@
+"""Fingerprints of hosts: the same when asked twice, and other kernels show."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from repro import contract
+from repro.fingerprint import differing, fingerprint, told
+
+
+def elsewhere(**variables):
+    """Fingerprint of another process, without the probes that need torch."""
+    code = "import json; from repro.fingerprint import fingerprint; print(json.dumps(fingerprint()))"
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env={**os.environ, **variables}, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+def test_another_process_on_the_same_host_computes_the_same():
+    here = fingerprint()
+    assert here == fingerprint() == elsewhere()
+    assert len(set(here.values())) >= 20  # the two lstsq come from one LAPACK
+
+
+def test_a_host_that_computes_the_same_is_inside_the_contract():
+    assert "inside the numeric contract" in told(fingerprint())
+    assert "no fingerprint" in told(None)
+
+
+@pytest.mark.skipif(not contract.is_v3(), reason="kernels of x86-64")
+def test_other_kernels_are_outside_and_named():
+    recorded = elsewhere(OPENBLAS_CORETYPE="Nehalem" if os.environ["OPENBLAS_CORETYPE"] != "Nehalem" else "Haswell")
+    assert "matmul" in differing(recorded, fingerprint())
+    assert "outside the numeric contract" in told(recorded)
+    assert "matmul" in told(recorded)
+
+
+def test_sums_and_transforms_are_the_same_whatever_the_kernel():
+    recorded = elsewhere(OPENBLAS_CORETYPE="Nehalem", NPY_DISABLE_CPU_FEATURES="X86_V3 X86_V4 AVX512_ICL AVX512_SPR")
+    assert {"dct", "sum", "einsum", "generator", "sqrt"}.isdisjoint(differing(recorded, fingerprint()))

@@ -1,0 +1,97 @@
+"""Networks that come with the project: taken as they are, and refused if they are another configuration's."""
+
+import copy
+import hashlib
+import shutil
+from pathlib import Path
+
+import pytest
+from experiment_example import full_config
+
+from repro.errors import InputError
+from repro.pipeline.stored_networks import configuration_digest, stored_files, take_stored
+
+ROOT = Path(__file__).resolve().parent.parent
+CONFIG = full_config()
+VARIANTS = ("published", "scale-aware")
+
+
+def taken(folder, variant="published", config=CONFIG):
+    suffix = "" if variant == "published" else f"-{variant}"
+    out = stored_files(folder, suffix)
+    take_stored(variant, out, config)
+    return out
+
+
+@pytest.fixture(autouse=True)
+def in_the_project(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_the_networks_of_the_default_configuration_are_there(tmp_path, variant):
+    out = taken(tmp_path, variant)
+    suffix = "" if variant == "published" else f"-{variant}"
+    stored = stored_files(CONFIG["training"]["networks"], suffix)
+    assert out["weights"].read_bytes() == stored["weights"].read_bytes()
+    assert out["history"].read_bytes() == stored["history"].read_bytes()
+    card = out["card"].read_text()
+    assert card.startswith(stored["card"].read_text())
+    assert "This run did not train it" in card
+
+
+def test_the_reference_was_made_with_these_networks():
+    digest = hashlib.sha256((ROOT / "data/networks/cnn.safetensors").read_bytes()).hexdigest()
+    assert digest in (ROOT / "docs/reference/model/model-card.md").read_text()
+
+
+def other(**sections):
+    config = copy.deepcopy(CONFIG)
+    for section, values in sections.items():
+        config[section].update(values)
+    return config
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        other(training={"seed": 2}),
+        other(training={"steps": 9999}),
+        other(network={"hidden": [100, 51]}),
+        other(signals={"filter_coefficient": 2e-4}),
+        other(data={"prior": "uniform"}),
+        other(images={"published": {"scale": "channel-max"}}),
+    ],
+)
+def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, config):
+    with pytest.raises(InputError, match=r"data/networks/cnn\.safetensors: found a network of another conf") as caught:
+        taken(tmp_path, config=config)
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_does_not_decide_a_network_does_not_refuse_it():
+    same = other(training={"source": "stored", "networks": "elsewhere"}, images={"scale-aware": {"constant": 5.0}})
+    assert configuration_digest(same, "published") == configuration_digest(CONFIG, "published")
+    assert configuration_digest(same, "scale-aware") != configuration_digest(CONFIG, "scale-aware")
+    paper = other(training={"paper": {**CONFIG["training"]["paper"], "steps": 1}})
+    assert configuration_digest(paper, "published") == configuration_digest(CONFIG, "published")
+    assert configuration_digest(paper, "paper-recipe") != configuration_digest(CONFIG, "paper-recipe")
+
+
+@pytest.mark.parametrize("fault", ["missing", "swapped", "a changed byte"])
+def test_a_damaged_network_is_refused(tmp_path, fault):
+    folder = tmp_path / "networks"
+    shutil.copytree("data/networks", folder)
+    weights = folder / "cnn.safetensors"
+    if fault == "missing":
+        weights.unlink()
+    elif fault == "swapped":
+        shutil.copy(folder / "cnn-scale-aware.safetensors", weights)
+    else:
+        content = bytearray(weights.read_bytes())
+        content[-1] ^= 1
+        weights.write_bytes(content)
+    with pytest.raises(InputError, match=r"cnn\.safetensors"):
+        taken(tmp_path / "out", config=other(training={"networks": str(folder)}))
+    assert not (tmp_path / "out").exists()
