@@ -38,7 +38,7 @@ def measure(runs: Sequence[Path]) -> pd.DataFrame:
                 if d.broken and d.kind is not Kind.TRAINED:
                     raise InputError.at(f"{b / file.name}: {d.place}", d.b, f"{d.a}, as in {a}, for it is not trained")
     rows = []
-    names = sorted(path.relative_to(runs[0]).as_posix() for path in runs[0].glob("*/*.csv"))
+    names = sorted(path.relative_to(runs[0]).as_posix() for glob in ("*.csv", "*/*.csv") for path in runs[0].glob(glob))
     for name in names:
         if not all((run / name).exists() for run in runs):
             continue
