@@ -12,6 +12,7 @@ from experiment_example import CAPTURES, MOTIONS, ROOT, capture, followed, full_
 from fake_board import served
 
 from repro.errors import InputError
+from repro.fingerprint import differing, fingerprint
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.endpoint import PtyEndpoint
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
@@ -23,6 +24,7 @@ from repro.pipeline.experiment import (
     load_config,
     program_from_config,
 )
+from repro.pipeline.provenance import recorded_fingerprint
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import board_from_config, disturbance
 
@@ -242,11 +244,16 @@ def test_a_stored_capture_of_other_settings_is_refused(stored, tmp_path, motion,
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-def test_simulated_gives_the_stored_capture_byte_for_byte(tmp_path, motion):
+def test_simulated_gives_the_stored_capture(tmp_path, motion):
+    """Byte for byte inside the numeric contract; elsewhere last bits of the arm move a position by one count at most."""
     out = tmp_path / f"{motion}.bin"
     acquire(motion, out, changed(CONFIG, experiment={"source": "simulated", "captures": "nowhere"}))
-    assert out.read_bytes() == (CAPTURES / f"{motion}.bin").read_bytes()
-    assert sidecar(out) == without_host(CAPTURES / f"{motion}.bin")
+    if not differing(recorded_fingerprint(ROOT / "docs/reference"), fingerprint()):
+        assert out.read_bytes() == (CAPTURES / f"{motion}.bin").read_bytes()
+        assert sidecar(out) == without_host(CAPTURES / f"{motion}.bin")
+    simulated, stored = (read_capture(path).position.astype(int) for path in (out, CAPTURES / f"{motion}.bin"))
+    assert np.abs(simulated - stored).max() <= 1
+    assert (simulated == stored).mean() > 0.9
 
 
 def test_serial_records_from_a_board_on_a_port_what_simulated_gives(tmp_path):

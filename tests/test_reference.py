@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from repro.comparison.classes import LEDGER, TRAINED_TARGETS, measured_spread
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -82,3 +83,14 @@ def test_the_readme_shows_the_reference():
             assert row, (name, label)
             shown = np.array([float(x) for x in row[1].split(" | ")]).reshape(4, 2)
             np.testing.assert_allclose(shown, 100 * totals(name, method), atol=0.00501)
+
+
+def test_promises_about_networks_keep_twice_the_spread_over_networks():
+    """A network of another processor must not break one because it moved as networks do."""
+    claims = pd.read_csv(REFERENCE / "claims.csv").set_index("id")
+    promised = claims[claims["must"] & claims["target"].isin(TRAINED_TARGETS)]
+    assert len(promised) >= 5
+    spread = measured_spread()
+    for name, row in promised.iterrows():
+        allowed = spread.allowed(LEDGER, {"id": name, "published": str(row["published"])}, "ours")
+        assert abs(row["ours"] - float(row["published"])) >= allowed, name
