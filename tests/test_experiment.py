@@ -245,7 +245,7 @@ def test_a_stored_capture_of_other_settings_is_refused(stored, tmp_path, motion,
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_simulated_gives_the_stored_capture(tmp_path, motion):
-    """Byte for byte inside the numeric contract; elsewhere last bits of the arm move a position by one count at most."""
+    """Byte for byte inside the numeric contract; elsewhere last bits move a position by one count at most."""
     out = tmp_path / f"{motion}.bin"
     acquire(motion, out, changed(CONFIG, experiment={"source": "simulated", "captures": "nowhere"}))
     if not differing(recorded_fingerprint(ROOT / "docs/reference"), fingerprint()):

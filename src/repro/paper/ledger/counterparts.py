@@ -62,8 +62,8 @@ def counterparts(published: Published, config: Mapping[str, Any], results: Resul
     refinement reaches, without a tolerance, the abstract's two similarities and the totals of Table 10 on the
     identification trajectory.
     This rule was fixed before the results of a full run were compared. What it promises of networks keeps twice the
-    spread over networks (`tests/test_reference.py`), so that another machine keeps it too. Nothing else is promised: the literal
-    Algorithm 1, the parameters it finds and all that is simulated are shown as they come out.
+    spread over networks (`tests/test_reference.py`), so that another machine keeps it too. Nothing else
+    is promised: the literal Algorithm 1, the parameters it finds and all that is simulated are shown as they come out.
     """
     found = {**choices(config), **constants(), **arithmetic(published, config, results), **measured(results)}
     audited = findings(published)
