@@ -1,4 +1,4 @@
-"""Copy a full run into the repository: small pictures to docs/gallery, tables, config and provenance to docs/reference.
+"""Copy a full run into the repository: pictures to docs/gallery, tables to docs/reference, networks to data/networks.
 
 Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``
 """
@@ -14,6 +14,7 @@ from repro.files import write_json
 from repro.paper.ledger.verification import write_ledger
 from repro.pipeline.experiment import load_config
 from repro.pipeline.provenance import commit
+from repro.pipeline.stored_networks import stored_files
 
 #: Relative to the project, as the ledger's list of files is.
 GALLERY, REFERENCE, CONFIG = Path("docs/gallery"), Path("docs/reference"), Path("config/config.yaml")
@@ -58,6 +59,17 @@ def refresh_reference() -> None:
     write_ledger(REFERENCE, config, [*sources, Path("data/captures/SHA256SUMS")])
 
 
+def refresh_networks() -> None:
+    """Copy the networks of the run with their histories and cards: what `make quick` takes instead of training."""
+    config = load_config(CONFIG)
+    for suffix in ("", *(f"-{variant}" for variant in config["images"] if variant != "published")):
+        made = stored_files(Path(config["results"]) / "model", suffix)
+        for what, path in stored_files(config["training"]["networks"], suffix).items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(made[what], path)
+
+
 if __name__ == "__main__":
     refresh_reference()
+    refresh_networks()
     refresh_gallery()
