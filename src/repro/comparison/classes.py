@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from importlib import resources
 
-#: Ten digits are written, so that numbers a hair apart may be printed one unit of the tenth apart: 1e-9 of them at most.
+#: Ten digits are written, so numbers a hair apart may be printed one unit of the tenth apart: 1e-9 of them at most.
 #: Least squares is the worst that is computed: rounding (1.1e-16) times the square of the regressor's condition number
 #: (11 on ID, 18 on the slow run) is 4e-14 of its estimates. One digit of room.
 RELATIVE = 1e-8

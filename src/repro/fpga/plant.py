@@ -147,6 +147,8 @@ class Plant:
         flat = self._stages.reshape(DOP853.n_stages + 1, -1)
         self._known = [flat[: i + 1] for i in range(DOP853.n_stages + 1)]
         self._point = np.empty((4, batch))
+        # One arm takes BLAS, which is quick on so little; a batch takes sums that no processor changes.
+        self._product = np.dot if batch == 1 else _einsum
 
     def derivative(self, x: Array, tau: Array, out: Array) -> None:
         """Time derivative of the state.
@@ -162,7 +164,7 @@ class Plant:
         """
         f, sines, tanhs, weighed, sin_q2, left, right = self._features
         r, r1, r2 = self._torque
-        np.dot(self._linear, x, out=f)
+        self._product(self._linear, x, f)
         sines += self._phase
         np.sin(sines, out=sines)
         np.tanh(tanhs, out=tanhs)
@@ -203,11 +205,16 @@ class Plant:
         for _ in range(steps * self._refine):
             self.derivative(stages[0], tau, stages[1])
             for i, row in enumerate(inner, start=1):
-                np.dot(row, known[i], out=flat_point)
+                self._product(row, known[i], flat_point)
                 self.derivative(point, tau, stages[i + 1])
-            np.dot(last, known[-1], out=flat_point)
+            self._product(last, known[-1], flat_point)
             stages[0] = point
         self.state = stages[0].copy()
+
+
+def _einsum(a: Array, b: Array, out: Array) -> None:
+    """``a @ b`` into `out` without BLAS, whose kernels add in different orders."""
+    np.einsum("...s,sb->...b", a, b, out=out)
 
 
 def _tableau(h: float) -> list[Array]:

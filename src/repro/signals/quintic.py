@@ -4,8 +4,21 @@ import numpy as np
 
 from repro.model.parameters import Array
 
-# Rows: value, first and second derivative of s^3, s^4, s^5 at s = 1.
-_END = np.array([[1.0, 1.0, 1.0], [3.0, 4.0, 5.0], [6.0, 12.0, 20.0]])
+# Rows: second and first derivative, and value, of s^3, s^4, s^5 at s = 1; in this order elimination needs no pivoting.
+_END = np.array([[6.0, 12.0, 20.0], [3.0, 4.0, 5.0], [1.0, 1.0, 1.0]])
+
+
+def _upper_coefficients(missing: Array) -> Array:
+    """Solve ``_END c = missing``, shape (3, J), by elimination: the last bits of a solver depend on the processor."""
+    a, c = _END.copy(), missing.copy()
+    for k in range(3):
+        factor = a[k + 1 :, k, None] / a[k, k]
+        a[k + 1 :] -= factor * a[k]
+        c[k + 1 :] -= factor * c[k]
+    for k in (2, 1, 0):
+        c[k] *= 1.0 / a[k, k]
+        c[:k] -= a[:k, k, None] * c[k]
+    return c
 
 
 def quintic(t: Array, duration: float, start: Array, end: Array) -> Array:
@@ -38,6 +51,6 @@ def quintic(t: Array, duration: float, start: Array, end: Array) -> Array:
     # In s = t / duration a velocity is scaled by the duration, an acceleration by its square.
     (p0, v0, a0), goal = states * (duration ** np.arange(3))[:, None]
     low = np.stack([p0, v0, 0.5 * a0])
-    at_end = np.stack([low.sum(0), v0 + a0, a0])
-    coefficients = np.concatenate([low, np.linalg.solve(_END, goal - at_end)])  # (6, J), ascending
+    at_end = np.stack([a0, v0 + a0, low.sum(0)])
+    coefficients = np.concatenate([low, _upper_coefficients(goal[::-1] - at_end)])  # (6, J), ascending
     return np.asarray(np.polynomial.polynomial.polyval(np.asarray(t) / duration, coefficients))
