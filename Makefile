@@ -12,7 +12,7 @@ LOCK_OPTIONS := --no-deps --require-hashes
 SNAKEMAKE = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake
 
 # A stamp in the environment is named after what it was made from, so that a change of that makes it anew.
-stamp = $(VENV)/$(1)-$(shell { $(PYTHON) -V; cat $(2); } 2>&1 | sha256sum | cut -c1-16)
+stamp = $(VENV)/$(1)-$(shell { $(PYTHON) -V; cat $(2); } 2>&1 | cksum | tr ' ' -)
 LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
@@ -50,18 +50,19 @@ setup: $(INSTALLED)
 
 setup-test: $(TESTABLE)
 
-# The CPU build of PyTorch is tried first. Where pip sees only the CUDA build, that build cannot be imported without
-# CUDA libraries, which the lock does not name: they are fetched as that build names them, without hashes.
+# The CPU build of PyTorch is tried first, where its lock has one. The registry's Linux builds are made for CUDA and cannot
+# be imported without CUDA libraries, which the lock does not name: they are fetched as that build names them, without
+# hashes.
 $(LOCKED): | check-python
 	@echo "Setting up $(VENV) from requirements.lock"
 	@$(PYTHON) -m venv --clear $(VENV)
 	@said=$$($(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-cpu.lock 2>&1) || case "$$said" in \
-	  *"No matching distribution found for torch"*) \
-	    echo "pip sees no CPU build of PyTorch: taking the CUDA build, 3.8 GB more (docs/dependencies.md)";; \
+	  *"No matching distribution found for torch"*) ;; \
 	  *) echo "$$said" >&2; exit 1;; esac
 	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements.lock
-	@$(BIN)/python -c "import torch" 2>/dev/null || \
-	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"
+	@$(BIN)/python -c "import torch" 2>/dev/null || { \
+	  echo "pip saw only the CUDA build of PyTorch: adding its libraries, about 4 GB more (docs/dependencies.md)"; \
+	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"; }
 	@touch $@
 
 $(INSTALLED): $(LOCKED)
