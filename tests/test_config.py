@@ -13,6 +13,7 @@ from repro.pipeline.start import accept_config
 ROOT = Path(__file__).resolve().parent.parent
 BASE = ROOT / "config" / "config.yaml"
 SMOKE = ROOT / "config" / "smoke.yaml"
+QUICK = ROOT / "config" / "quick.yaml"
 SCHEMA = ROOT / "workflow" / "schemas" / "config.schema.yaml"
 
 ONE_LINE = re.compile(r"(?P<file>[^:]+): (?P<field>[^:]+): found (?P<found>.+), expected (?P<expected>.+)")
@@ -48,16 +49,22 @@ def overlay(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("files", [(BASE,), (BASE, SMOKE)], ids=["full", "smoke"])
+@pytest.mark.parametrize("files", [(BASE,), (BASE, SMOKE), (BASE, QUICK)], ids=["full", "smoke", "quick"])
 def test_the_configuration_in_the_repository_is_valid(files):
     config = load(*files)
     check_config(config, SCHEMA, files)
 
 
-def test_the_smoke_run_writes_to_folders_of_its_own():
-    full, smoke = load(BASE), load(BASE, SMOKE)
-    assert smoke["results"] == full["results"] + "/smoke"
-    assert smoke["figures"] == full["figures"] + "/smoke"
+@pytest.mark.parametrize("overlay", [SMOKE, QUICK], ids=["smoke", "quick"])
+def test_another_run_writes_to_folders_of_its_own(overlay):
+    full, other = load(BASE), load(BASE, overlay)
+    assert other["results"] == f"{full['results']}/{overlay.stem}"
+    assert other["figures"] == f"{full['figures']}/{overlay.stem}"
+
+
+def test_the_quick_run_computes_with_the_settings_of_the_full_one():
+    changed = set(leaves(load(QUICK)))
+    assert changed == {("results",), ("figures",), ("training", "source")}
 
 
 def leaves(node, path=()):

@@ -105,6 +105,18 @@ def test_the_smoke_run_makes_the_same_in_folders_of_its_own(folder):
     assert len(identified) == 5  # one seed and two networks for each experiment, and least squares
 
 
+def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
+    full, quick = summary(folder), summary(folder, "--configfile", str(ROOT / "config" / "quick.yaml"))
+    moved = {name.replace("results/", "results/quick/", 1) for name in full if name.startswith("results/")}
+    moved |= {name.replace("paper_figures/", "paper_figures/quick/", 1) for name in full if name.startswith("paper_")}
+    assert set(quick) == moved
+    code, said = snakemake(
+        folder, "--dry-run", "results/quick/model/training.csv", "--configfile", str(ROOT / "config" / "quick.yaml")
+    )
+    assert code == 0, said
+    assert "input: data/networks/cnn.safetensors, data/networks/training.csv, data/networks/model-card.md" in said
+
+
 def test_each_target_can_be_asked_for_by_its_rule_name(folder):
     names = [*FIGURES, *TABLES, "metric_search", "spread_figure", "stability", "verdict", "paper_recipe"]
     code, said = snakemake(folder, "--dry-run", *names)
