@@ -1,13 +1,15 @@
 # Rebuilds every table and figure. Stages: data -> train -> identify -> validate -> render.
 import os
+import sys
 from pathlib import Path
 
 from snakemake.utils import min_version
 
 from repro import contract
+from repro.pipeline.alive import begin_run, join_run
 from repro.pipeline.provenance import write_provenance
 from repro.pipeline.readings import READINGS
-from repro.pipeline.start import accept_config, hold_folder, set_allocator
+from repro.pipeline.start import accept_config, set_allocator
 from repro.pipeline.stored_networks import stored_files, training_config
 
 min_version("9.0")
@@ -23,8 +25,10 @@ if workflow.is_main_process:
         Path(workflow.basedir) / "workflow/schemas/config.schema.yaml",
         ["config/config.yaml", *workflow.overwrite_configfiles],
     )
-    ALIVE = hold_folder(Path(".snakemake"))
+    begin_run(Path(".snakemake"), os.environ, unlock="--unlock" in sys.argv)
     set_allocator(os.environ)
+else:
+    join_run(os.environ)  # a job on a node of a cluster
 
 
 R = config["results"]
@@ -96,4 +100,4 @@ rule ablation:
 
 
 onsuccess:
-    write_provenance(Path(R) / "logs/provenance.json", Path(workflow.basedir), workflow.cores)
+    write_provenance(Path(R) / "logs/provenance.json", Path(workflow.basedir), workflow.resource_settings.cores)

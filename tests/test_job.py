@@ -6,8 +6,8 @@ import pytest
 import torch
 
 from repro.errors import InputError
+from repro.pipeline.alive import RUN
 from repro.pipeline.job import job
-from repro.pipeline.start import hold_folder
 
 MESSAGE = "results/data/mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
 
@@ -128,14 +128,9 @@ def test_threads_are_those_of_the_rule(log, threads):
         assert torch.are_deterministic_algorithms_enabled()
 
 
-def test_a_job_keeps_the_locks_of_its_run_from_being_taken_for_stale(tmp_path, monkeypatch):
-    """A job can outlive the run that started it; a later run must not clear the locks beside it."""
-    monkeypatch.chdir(tmp_path)
-    state = tmp_path / ".snakemake"
-    (state / "locks").mkdir(parents=True)
-    (state / "alive").touch()
-    with job(str(tmp_path / "job.log")):
-        hold_folder(state).close()
-        assert (state / "locks").exists()
-    hold_folder(state).close()
-    assert not (state / "locks").exists()
+def test_a_job_whose_run_is_over_does_nothing(log, tmp_path, monkeypatch):
+    monkeypatch.setenv(RUN, str(tmp_path / "over"))
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        pytest.fail("it ran")
+    assert stop.value.code == 1
+    assert not log.parent.exists()

@@ -138,6 +138,16 @@ def test_without_stored_captures_the_board_is_simulated_if_asked(folder):
     assert re.search(r"^acquire +4$", said, re.MULTILINE)
 
 
+def test_a_serial_port_is_opened_by_one_job_at_a_time(folder):
+    """However many cores there are."""
+    overlay = folder / "my.yaml"
+    overlay.write_text("experiment: {source: serial, port: ./none}", encoding="utf-8")
+    wanted = [f"results/experiment/{motion}.bin" for motion in ("ID", "T1")]
+    code, said = snakemake(folder, "--configfile", str(overlay), "--cores", "4", "--", *wanted)
+    assert code != 0  # there is no such port, so the first job is the last
+    assert re.findall(r"^Execute (\d+) jobs", said, re.MULTILINE) == ["1"]
+
+
 def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
     code, said = snakemake(folder, "table02")
     assert code == 0, said
@@ -188,6 +198,32 @@ def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(name):
         *directives
     }
     assert "mem_mb=" in text
+
+
+def test_no_rule_asks_how_many_cores_there_are():
+    """A cluster has no such number."""
+    for file in {ROOT / "Snakefile", *(WORKFLOW / "rules").glob("*.smk")}:
+        assert "workflow.cores" not in file.read_text(encoding="utf-8"), file
+
+
+#: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
+STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
+
+
+def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder):
+    """Each rule has its stage, and no input of a stage is made in a later one."""
+    profile = yaml.safe_load((WORKFLOW / "profiles" / "slurm" / "config.yaml").read_text(encoding="utf-8"))
+    stage = dict(entry.split("=") for entry in profile["groups"])
+    assert len(stage) == len(profile["groups"])
+    assert stage.keys() == {*WORKING} - {"train", "ablation_train", "acquire"}
+    stage |= {"acquire": "prepare", "train": "train", "ablation_train": "train"}
+    code, said = snakemake(folder, "--rulegraph", "dot", "--", "all", "ablation", "paper_recipe")
+    assert code == 0, said
+    names = dict(re.findall(r'(\d+)\[label = "(\w+)"', said))
+    edges = [(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", said)]
+    assert {name for edge in edges for name in edge} >= stage.keys()
+    for maker, user in edges:
+        assert user in COLLECTIONS or STAGES[stage[maker]] <= STAGES[stage[user]], (maker, user)
 
 
 @pytest.mark.parametrize("name", sorted(COLLECTIONS))

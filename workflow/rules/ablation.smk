@@ -8,10 +8,10 @@ rule ablation_train:
         f"{R}/benchmarks/ablation_train-{{trained}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    # Alone on the machine: torch threads share no core well.
-    threads: workflow.cores
+    threads: 2
     resources:
         mem_mb=3000,
+        runtime=90,
     params:
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections("signals", "network", "data", "images", "training", "ablation"),

@@ -1,3 +1,9 @@
+# A port can be opened once.
+SERIAL = config["experiment"]["source"] == "serial"
+if SERIAL:
+    workflow.register_resource("serial_port", 1)
+
+
 rule acquire:
     input:
         stored_capture,
@@ -9,12 +15,14 @@ rule acquire:
         f"{R}/logs/acquire-{{motion}}.log",
     benchmark:
         f"{R}/benchmarks/acquire-{{motion}}.tsv"
+    # A port hangs on the computer where the run is started.
+    localrule: True
     conda:
         "../../envs/repro.yaml"
-    # A port can be opened once, so recordings from one take all cores and run one after another.
-    threads: workflow.cores if config["experiment"]["source"] == "serial" else 1
+    threads: 1
     resources:
         mem_mb=2000,
+        serial_port=int(SERIAL),
     params:
         config=sections("signals", "arm", "board", "experiment"),
     message:

@@ -1,13 +1,14 @@
 """What every workflow script runs inside: a log with the traceback, one line for bad input, fixed threads."""
 
-import fcntl
 import logging
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from repro.errors import InputError
+from repro.pipeline.alive import join_run
 
 
 def _worth_telling(record: logging.LogRecord) -> bool:
@@ -30,8 +31,9 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     ------
     SystemExit
         With code 2 after an `InputError`, whose one line goes to the terminal; with code 1 after any other
-        failure, whose traceback is in the log.
+        failure, whose traceback is in the log, and if the job has outlived its run.
     """
+    join_run(os.environ)
     path = Path(log)
     path.parent.mkdir(parents=True, exist_ok=True)
     root = logging.getLogger()
@@ -41,11 +43,6 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     for handler in (to_file, to_terminal):
         handler.addFilter(_worth_telling)
         root.addHandler(handler)
-    alive = Path(".snakemake/alive")
-    # A job can outlive a killed run; while it does, the run's locks must not be taken for stale.
-    held = alive.open() if alive.exists() else None
-    if held:
-        fcntl.flock(held, fcntl.LOCK_SH)
     torch = sys.modules.get("torch")  # a script imports what it uses before its job begins; most need no network
     if torch:
         torch.set_num_threads(threads)
@@ -64,5 +61,3 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
         root.removeHandler(to_terminal)
         root.removeHandler(to_file)
         to_file.close()
-        if held:
-            held.close()

@@ -37,7 +37,7 @@ def host_fingerprint() -> dict[str, str]:
     return made
 
 
-def write_provenance(path: Path, folder: Path, cores: int) -> None:
+def write_provenance(path: Path, folder: Path, cores: int | None) -> None:
     """Write the sidecar after a run that succeeded.
 
     Parameters
@@ -46,8 +46,8 @@ def write_provenance(path: Path, folder: Path, cores: int) -> None:
         Destination.
     folder : Path
         Checkout the run used.
-    cores : int
-        Cores the run was given.
+    cores : int or None
+        Cores the run was given, if any.
     """
     write_json(
         path,

@@ -1,11 +1,9 @@
-"""What the Snakefile does before it defines a rule: check the configuration, clear locks of dead runs."""
+"""What the Snakefile does before it defines a rule: check the configuration, set the allocator."""
 
-import fcntl
-import shutil
 import sys
 from collections.abc import Iterable, Mapping, MutableMapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from repro.config import check_config
 from repro.errors import InputError
@@ -53,30 +51,3 @@ def set_allocator(environment: MutableMapping[str, str]) -> None:
     """
     for name, value in ALLOCATOR.items():
         environment.setdefault(name, value)
-
-
-def hold_folder(state: Path) -> TextIO:
-    """Mark this folder as in use until the process ends, and remove locks left by runs that were killed.
-
-    Snakemake's locks outlive a killed run. The operating system's do not: every living run shares this one, so
-    if it can be had alone, any other lock is stale.
-
-    Parameters
-    ----------
-    state : Path
-        Snakemake's state folder, ``.snakemake``.
-
-    Returns
-    -------
-    file
-        Must be kept open for as long as the run lasts.
-    """
-    state.mkdir(exist_ok=True)
-    handle = (state / "alive").open("w")
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(state / "locks", ignore_errors=True)
-    except BlockingIOError:
-        pass  # another run is alive, and so are its locks
-    fcntl.flock(handle, fcntl.LOCK_SH)
-    return handle

@@ -1,0 +1,132 @@
+"""Run the smoke workflow on a Slurm of one node, and compare every result with a local run's, byte for byte.
+
+Usage: ``python benchmarks/slurm/smoke.py [TARGET...]``, in an environment that has the extra ``slurm``. Three runs in
+temporary folders: local; on Slurm; on Slurm once more, with a job cancelled, the run killed and a job left behind, then
+continued with the same command. Prints what a job costs on Slurm beyond its share of the local run. Logs, benchmarks
+and model cards hold wall times and are left out.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+from cluster import cluster
+
+ROOT = Path(__file__).resolve().parents[2]
+CPUS = 2
+SMOKE = ["--snakefile", str(ROOT / "Snakefile"), "--configfile", str(ROOT / "config" / "smoke.yaml")]
+SNAKEMAKE = [sys.executable, "-m", "snakemake", *SMOKE]
+LOCAL = [*SNAKEMAKE, "--cores", str(CPUS), "--", *sys.argv[1:]]
+# A Slurm without accounting is asked by squeue.
+ON_SLURM = [*SNAKEMAKE, "--workflow-profile", str(ROOT / "workflow" / "profiles" / "slurm")]
+ON_SLURM += ["--slurm-status-command", "squeue", "--", *sys.argv[1:]]
+KINDS = {".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
+SECONDS = 600
+
+
+def working_folder(folder: Path) -> Path:
+    """A new folder that the workflow runs in."""
+    folder.mkdir()
+    for name in ("config", "data"):
+        (folder / name).symlink_to(ROOT / name)
+    return folder
+
+
+def run(command: list[str], folder: Path, environment: dict[str, str]) -> float:
+    """Seconds that a run took; ends with its last words if it fails."""
+    start = time.monotonic()
+    ended = subprocess.run(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+    )
+    if ended.returncode:
+        sys.exit(f"{ended.stdout[-5000:]}\nerror: snakemake: found exit code {ended.returncode}, expected 0")
+    return time.monotonic() - start
+
+
+def results(folder: Path) -> dict[str, bytes]:
+    """Every result by its name."""
+    found = [f for name in ("results", "paper_figures") for f in (folder / name).rglob("*") if f.suffix in KINDS]
+    kept = [f for f in found if "logs" not in f.parts and not f.name.startswith((".", "model-card"))]
+    return {str(f.relative_to(folder)): f.read_bytes() for f in kept}
+
+
+def compare(folder: Path, expected: dict[str, bytes]) -> None:
+    """End with the names of the files that differ, if any does."""
+    found = results(folder)
+    different = sorted(k for k in expected.keys() | found.keys() if expected.get(k) != found.get(k))
+    if different:
+        sys.exit(f"error: {folder.name}: found {len(different)} files that differ: {', '.join(different)}")
+    print(f"{folder.name}: all {len(found)} results have the bytes of the local run", flush=True)
+
+
+def running_jobs(environment: dict[str, str]) -> set[str]:
+    """Numbers of the jobs that Slurm runs now."""
+    command = ["squeue", "--noheader", "--format=%A", "--states=RUNNING"]
+    return set(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split())
+
+
+def next_job(environment: dict[str, str], besides: set[str]) -> str:
+    """Wait until Slurm runs a job that it did not run before."""
+    deadline = time.monotonic() + SECONDS
+    while not (new := running_jobs(environment) - besides):
+        if time.monotonic() > deadline:
+            sys.exit("error: Slurm: found no new job, expected one")
+        time.sleep(0.2)
+    return min(new)
+
+
+def disturb(folder: Path, environment: dict[str, str]) -> None:
+    """Cancel a job, wait until it runs again, kill the run beside it, and cancel what is left."""
+    process = subprocess.Popen(
+        ON_SLURM, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    first = next_job(environment, set())
+    time.sleep(5)
+    seen = running_jobs(environment) | {first}
+    subprocess.run(["scancel", first], env=environment, check=True)
+    left = next_job(environment, seen)
+    time.sleep(5)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    refused = subprocess.run(ON_SLURM, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if "LockException" not in refused.stderr + refused.stdout or left not in running_jobs(environment):
+        sys.exit(f"{refused.stderr[-2000:]}\nerror: second run: found no lock, expected one beside the first run's jobs")
+    subprocess.run(["scancel", "--state=PENDING,RUNNING", "--name", job_name(left, environment)], env=environment)
+    while running_jobs(environment):
+        time.sleep(0.5)
+    print(f"{folder.name}: job {first} was cancelled, the run killed, job {left} left behind and cancelled", flush=True)
+
+
+def job_name(job: str, environment: dict[str, str]) -> str:
+    """Name that the jobs of a run share."""
+    command = ["squeue", "--noheader", "--format=%j", "--jobs", job]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def main() -> None:
+    """Run three times and compare; exit code 1 if a byte differs."""
+    if find_spec("snakemake_executor_plugin_slurm") is None:
+        sys.exit("error: snakemake-executor-plugin-slurm: found none, expected it: pip install --editable '.[slurm]'")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    with cluster(CPUS) as slurm, tempfile.TemporaryDirectory() as name:
+        environment |= {key: slurm[key] for key in ("PATH", "SLURM_CONF")}
+        folders = [working_folder(Path(name) / kind) for kind in ("local", "slurm", "disturbed")]
+        local = run(LOCAL, folders[0], environment)
+        expected = results(folders[0])
+        print(f"local: {len(expected)} results in {local:.0f} s", flush=True)
+        on_slurm = run(ON_SLURM, folders[1], environment)
+        compare(folders[1], expected)
+        jobs = len(list((folders[1] / "results/smoke/benchmarks").glob("*.tsv")))
+        print(f"slurm: {jobs} jobs in {on_slurm:.0f} s, {(on_slurm - local) / jobs:.2f} s a job more than locally")
+        disturb(folders[2], environment)
+        run(ON_SLURM, folders[2], environment)
+        compare(folders[2], expected)
+
+
+if __name__ == "__main__":
+    main()
