@@ -64,16 +64,16 @@ def compare(folder: Path, expected: dict[str, bytes]) -> None:
     print(f"{folder.name}: all {len(found)} results have the bytes of the local run", flush=True)
 
 
-def running_jobs(environment: dict[str, str]) -> set[str]:
-    """Numbers of the jobs that Slurm runs now."""
-    command = ["squeue", "--noheader", "--format=%A", "--states=RUNNING"]
+def jobs_in(states: str, environment: dict[str, str]) -> set[str]:
+    """Numbers of Slurm's jobs in these states."""
+    command = ["squeue", "--noheader", "--format=%A", f"--states={states}"]
     return set(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split())
 
 
 def next_job(environment: dict[str, str], besides: set[str]) -> str:
     """Wait until Slurm runs a job that it did not run before."""
     deadline = time.monotonic() + SECONDS
-    while not (new := running_jobs(environment) - besides):
+    while not (new := jobs_in("RUNNING", environment) - besides):
         if time.monotonic() > deadline:
             sys.exit("error: Slurm: found no new job, expected one")
         time.sleep(0.2)
@@ -81,31 +81,24 @@ def next_job(environment: dict[str, str], besides: set[str]) -> str:
 
 
 def disturb(folder: Path, environment: dict[str, str]) -> None:
-    """Cancel a job, wait until it runs again, kill the run beside it, and cancel what is left."""
-    process = subprocess.Popen(
-        ON_SLURM, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    """Cancel a job, wait until it runs again, kill the run, see its jobs keep the folder, and cancel them, too."""
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(ON_SLURM, cwd=folder, env=environment, **quiet)
     first = next_job(environment, set())
     time.sleep(5)
-    seen = running_jobs(environment) | {first}
+    seen = jobs_in("RUNNING", environment) | {first}
     subprocess.run(["scancel", first], env=environment, check=True)
     left = next_job(environment, seen)
     time.sleep(5)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    refused = subprocess.run(ON_SLURM, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    if "LockException" not in refused.stderr + refused.stdout or left not in running_jobs(environment):
-        sys.exit(f"{refused.stderr[-2000:]}\nerror: second run: found no lock, expected one beside the first run's jobs")
-    subprocess.run(["scancel", "--state=PENDING,RUNNING", "--name", job_name(left, environment)], env=environment)
-    while running_jobs(environment):
+    again = subprocess.run(ON_SLURM, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if "LockException" not in again.stdout + again.stderr:
+        sys.exit(f"{again.stderr[-2000:]}\nerror: second run: found no lock, expected one beside the first run's jobs")
+    subprocess.run(["scancel", "--user", str(os.geteuid())], env=environment, check=True)
+    while jobs_in("RUNNING,COMPLETING", environment):
         time.sleep(0.5)
-    print(f"{folder.name}: job {first} was cancelled, the run killed, job {left} left behind and cancelled", flush=True)
-
-
-def job_name(job: str, environment: dict[str, str]) -> str:
-    """Name that the jobs of a run share."""
-    command = ["squeue", "--noheader", "--format=%j", "--jobs", job]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+    print(f"{folder.name}: cancelled job {first}, killed the run, cancelled job {left} that it left", flush=True)
 
 
 def main() -> None:
