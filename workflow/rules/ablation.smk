@@ -8,7 +8,7 @@ rule ablation_train:
         f"{R}/benchmarks/ablation_train-{{trained}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=3000,
         runtime=90,

@@ -87,14 +87,21 @@ def _cleared(run: Path) -> bool:
 
 def _name(pid: int) -> str:
     """Name that no other process ever has: computer, its boot, space of process numbers, number, start."""
-    machine, boot = Path("/etc/machine-id"), Path("/proc/sys/kernel/random/boot_id")
-    computer = socket.gethostname() + "-" + (machine.read_text(encoding="ascii").strip() if machine.exists() else "")
-    space = Path("/proc/self/ns/pid").stat().st_ino  # a container has one of its own
-    return f"{computer}_{boot.read_text(encoding='ascii').strip()}_{space}_{pid}_{_started(pid)}"
+    machine, boot = (_text(Path(p)) for p in ("/etc/machine-id", "/proc/sys/kernel/random/boot_id"))
+    own = Path("/proc/self/ns/pid")
+    space = own.stat().st_ino if own.exists() else 0  # a container has one of its own
+    return f"{socket.gethostname()}-{machine}_{boot}_{space}_{pid}_{_started(pid)}"
+
+
+def _text(path: Path) -> str:
+    """Content of a file of the system; nothing where it has none, as macOS."""
+    return path.read_text(encoding="ascii").strip() if path.exists() else ""
 
 
 def _started(pid: int) -> str:
-    """When a process started, in ticks since boot; nothing if it is dead but not yet buried."""
+    """When a process started, in ticks since boot; nothing if it is dead but not yet buried, or nobody can tell."""
+    if not Path("/proc/self/stat").exists():
+        return ""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
     return "" if fields[0] in "ZX" else fields[19]
 
