@@ -12,7 +12,7 @@ from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.identify.algorithm1 import SearchSettings, select
 from repro.identify.prepare import prepare
-from repro.identify.refinement import RefinementSettings, refine
+from repro.identify.refinement import RefinementSettings, refine, restart
 from repro.identify.residual import ResidualReader
 from repro.model.dynamics import inverse_dynamics
 from repro.model.feasibility import CHECKS
@@ -47,7 +47,9 @@ def start(n=5, seed=0):
 
 def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, feed_back=True, **moves):
     settings = RefinementSettings(restarts, keep, passes, **moves)
-    return refine(reader, beta_m, PREPARED, search, settings, np.random.default_rng(seed), feed_back)
+    rng = np.random.default_rng(seed)
+    candidates = restart(reader, beta_m, search, settings, rng)
+    return refine(reader, candidates, PREPARED, search, settings, rng, feed_back)
 
 
 def similarity(beta):

@@ -20,6 +20,9 @@ from repro.cnn.network import SignalCNN
 
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
 
+#: Images at a time in layer 1 of `FactoredCNN.forward_shared`: two blocks of their maps fit into a core's cache.
+PIECE = 8
+
 
 def _windows(x: Tensor, kernel: int) -> Tensor:
     """Sliding windows split by the parity of their start: (..., S) -> (..., S'/2, parity, kernel)."""
@@ -81,14 +84,12 @@ def _members(x: Tensor) -> list[Tensor]:
 
 
 class _MaxPool2(torch.autograd.Function):
-    """2 x 2 max pool as three elementwise maxima: four times faster than the library's on channels-last maps."""
+    """2 x 2 max pool as two elementwise maxima: four times faster than the library's on channels-last maps."""
 
     @staticmethod
     def forward(ctx: Any, x: Tensor) -> Tensor:  # noqa: ANN401
-        members = _members(x)
-        pooled = torch.maximum(members[0], members[1])
-        for member in members[2:]:
-            torch.maximum(pooled, member, out=pooled)
+        rows = torch.maximum(x[:, :, ::2], x[:, :, 1::2])
+        pooled = torch.maximum(rows[..., ::2], rows[..., 1::2])
         ctx.save_for_backward(x, pooled)
         return pooled
 
@@ -165,10 +166,16 @@ class FactoredCNN(SignalCNN):
         columns = _windows(v.to(c), k)  # (d, r, j, parity, l)
         t = torch.einsum("odkl,drjpl->pdrkjo", weight, columns).flatten(1, 3).flatten(2)
         flat = rows.reshape(2, n * half, -1)
-        x = flat[0] @ t[0]  # (n i, (j o))
-        for i, j in ((0, 1), (1, 0), (1, 1)):
-            torch.maximum(x, flat[i] @ t[j], out=x)
-        x = F.relu_(x.view(n, half, half, maps).add_(bias))
+        biases, step = bias.repeat(half), PIECE * half
+        x = torch.empty(n * half, half * maps, dtype=c)  # (n i, (j o))
+        other = torch.empty(step, half * maps, dtype=c)
+        for first in range(0, n * half, step):
+            part, (even, odd) = x[first : first + step], flat[:, first : first + step]
+            torch.mm(even, t[0], out=part)
+            for member in ((even, t[1]), (odd, t[0]), (odd, t[1])):
+                torch.maximum(part, torch.mm(*member, out=other[: len(part)]), out=part)
+            part.add_(biases).relu_()
+        x = x.view(n, half, half, maps)
         return self.tail(x.permute(0, 3, 1, 2))  # (n, 10, 46, 46), channels last as conv2 likes it
 
     def tail(self, x: Tensor) -> Tensor:

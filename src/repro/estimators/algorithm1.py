@@ -25,7 +25,7 @@ from repro.errors import InputError
 from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.identify.algorithm1 import Candidates, SearchSettings, search, select
 from repro.identify.prepare import Prepared
-from repro.identify.refinement import RefinementSettings, refine
+from repro.identify.refinement import RefinementSettings, refine, restart
 from repro.identify.residual import ResidualReader
 from repro.regression.prepare import Regression
 from repro.signals.dct import dct2sub
@@ -173,17 +173,11 @@ def _literal(regression: Regression, settings: NetworkSearch, report: Report) ->
 
 def _refined(regression: Regression, settings: NetworkSearch, report: Report) -> Estimate:
     reader, prepared, found = _search(regression, settings, report)
+    rng = stream(settings.seed, Stream.OWN_REFINE)
+    candidates = restart(reader, found.beta, settings.search, settings.refinement, rng)
     chosen, control = (
         select(
-            refine(
-                reader,
-                found.beta,
-                prepared,
-                settings.search,
-                settings.refinement,
-                stream(settings.seed, Stream.OWN_REFINE),
-                feed_back,
-            ),
+            refine(reader, candidates, prepared, settings.search, settings.refinement, rng, feed_back),
             prepared,
             settings.search,
         )

@@ -13,6 +13,7 @@ as far without it: the control that does not feed back tells how much is the net
    Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
 """
 
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -63,9 +64,40 @@ class RefinementSettings:
             raise ValueError(f"jitter: must be finite and not negative, got {self.jitter}.")
 
 
-def refine(
+def restart(
     reader: "ResidualReader",
     beta_m: Array,
+    search: SearchSettings,
+    settings: RefinementSettings,
+    rng: np.random.Generator,
+) -> Array:
+    """Candidates that the refinement and its control start from.
+
+    Parameters
+    ----------
+    reader : ResidualReader
+        Network and torque.
+    beta_m : array of shape (n, 9)
+        Candidates of Algorithm 1, in units of the largest torque.
+    search : SearchSettings
+        Range of guesses and the check of line 22.
+    settings : RefinementSettings
+        Number of fresh guesses.
+    rng : numpy.random.Generator
+        Source of the fresh guesses.
+
+    Returns
+    -------
+    array of shape (m, 9)
+        `beta_m` and what the network makes of fresh guesses, as far as physically possible.
+    """
+    fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
+    return np.concatenate([beta_m, fresh[CHECKS[search.feasibility](fresh)]])
+
+
+def refine(
+    reader: "ResidualReader",
+    candidates: Array,
     prepared: Prepared,
     search: SearchSettings,
     settings: RefinementSettings,
@@ -78,8 +110,8 @@ def refine(
     ----------
     reader : ResidualReader
         Network and torque.
-    beta_m : array of shape (n, 9)
-        Candidates of Algorithm 1, in units of the largest torque.
+    candidates : array of shape (m, 9)
+        From `restart`, in units of the largest torque.
     prepared : Prepared
         Signals that candidates are compared on.
     search : SearchSettings
@@ -87,7 +119,7 @@ def refine(
     settings : RefinementSettings
         Budget and moves.
     rng : numpy.random.Generator
-        Source of the fresh guesses and of the moves.
+        Source of the moves, left as it was: refinement and control make the same ones.
     feed_back : bool
         False: the moved guesses are candidates, unread by the network. The control that tells what selection
         alone achieves.
@@ -95,15 +127,14 @@ def refine(
     Returns
     -------
     array of shape (k, 9)
-        The ``settings.keep`` most similar of `beta_m` and of every physically possible candidate of every pass, best
+        The ``settings.keep`` most similar of `candidates` and of every physically possible one of every pass, best
         first; fewer if there are not as many, none if there was no candidate to start from.
     """
-    possible = CHECKS[search.feasibility]
-    score = TorqueScorer(prepared.tau / prepared.largest, prepared.y, search.metric)
-    fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
-    candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
     if not len(candidates):
         return candidates
+    rng = deepcopy(rng)
+    possible = CHECKS[search.feasibility]
+    score = TorqueScorer(prepared.tau / prepared.largest, prepared.y, search.metric)
     best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
     for _ in range(settings.passes):
         guess = _move(best, settings, search.low, rng)

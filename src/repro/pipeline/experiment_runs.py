@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -107,7 +106,7 @@ def identify_recording(
     """
     prepared = prepare_recording(recording, tau_mean, signals)
     methods, met = identifier.methods(
-        prepared, stream(seed, Stream.EXPERIMENT_SEARCH), partial(stream, seed, Stream.EXPERIMENT_REFINE)
+        prepared, stream(seed, Stream.EXPERIMENT_SEARCH), stream(seed, Stream.EXPERIMENT_REFINE)
     )
     arm = {"true": true.tolist(), "executions_over_threshold": met, "methods": methods}
     return {"variant": identifier.variant, "seed": seed, "arms": {CASE: arm}}

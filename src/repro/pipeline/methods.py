@@ -1,6 +1,5 @@
 """Algorithm 1, its refinement and the refinement's control on one arm's signals."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,7 @@ from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
 from repro.identify.algorithm1 import SearchSettings, Selected, search, select
 from repro.identify.prepare import Prepared
-from repro.identify.refinement import RefinementSettings, refine
+from repro.identify.refinement import RefinementSettings, refine, restart
 from repro.identify.residual import ResidualReader
 
 #: What each network adds to a method's name.
@@ -45,7 +44,7 @@ class Identifier:
         self,
         prepared: Prepared,
         search_rng: np.random.Generator,
-        refine_rng: Callable[[], np.random.Generator],
+        refine_rng: np.random.Generator,
     ) -> tuple[dict[str, dict[str, Any]], int]:
         """Run all three.
 
@@ -55,8 +54,8 @@ class Identifier:
             Signals of the arm.
         search_rng : numpy.random.Generator
             Guesses of Algorithm 1.
-        refine_rng : callable
-            Gives the same generator to the refinement and to its control.
+        refine_rng : numpy.random.Generator
+            Fresh guesses and moves of the refinement and of its control.
 
         Returns
         -------
@@ -68,10 +67,10 @@ class Identifier:
         found = search(reader, prepared, self.search, search_rng)
         suffix = SUFFIX[self.variant]
         results = {f"algorithm1{suffix}": _estimate(select(found.beta, prepared, self.search), reader.images)}
-        for method, feed_back in (("local-search", False), ("refinement", True)):
-            reader.images = found.images
-            candidates = refine(reader, found.beta, prepared, self.search, self.refinement, refine_rng(), feed_back)
-            chosen = select(candidates, prepared, self.search)
+        candidates = restart(reader, found.beta, self.search, self.refinement, refine_rng)
+        for method, feed_back in (("local-search", False), ("refinement", True)):  # the control reads no further image
+            best = refine(reader, candidates, prepared, self.search, self.refinement, refine_rng, feed_back)
+            chosen = select(best, prepared, self.search)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
         return results, int((found.similarity >= self.search.threshold).sum())
 

@@ -2,7 +2,6 @@
 
 import logging
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from repro.cnn.dataset import DataSettings, SignalSettings
@@ -75,7 +74,7 @@ def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> di
         methods, met = identifier.methods(
             prepared,
             stream(seed, Stream.SEARCH, index),
-            partial(stream, seed, Stream.REFINE, index),
+            stream(seed, Stream.REFINE, index),
         )
         arms[name] = {"true": beta.tolist(), "executions_over_threshold": met, "methods": methods}
         _LOG.info("%s: %d of %d executions over the threshold", name, met, e.search.executions)
