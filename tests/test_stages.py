@@ -45,7 +45,7 @@ def run_all(folder):
 
 def identify(weights, mean_torque, output, config=CONFIG):
     inputs = [("weights", str(weights)), ("mean_torque", str(mean_torque))]
-    network_stages.identify_numeric("published", 1, inputs, str(output), config)
+    network_stages.identify_numeric("published", [1], inputs, [str(output)], config)
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 def sections(*names):
     """Parts of the configuration that jobs depend on: changing another part does not run them again."""
     parts = {name: config[name] for name in names}
-    if "numeric" in parts:  # each seed is a job of its own, so one more seed changes nothing for the others
+    if "numeric" in parts:  # one more seed changes nothing for the jobs that work on one motion or one arm
         parts["numeric"] = {key: value for key, value in config["numeric"].items() if key != "seeds"}
     if "experiment" in parts:  # likewise
         parts["experiment"] = {key: value for key, value in config["experiment"].items() if key != "search_seeds"}

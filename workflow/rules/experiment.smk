@@ -37,22 +37,27 @@ rule identify_experiment:
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
-        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+        expand(
+            f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+            seed=config["experiment"]["search_seeds"],
+            allow_missing=True,
+        ),
     log:
-        f"{R}/logs/identify_experiment{{suffix}}-seed{{seed}}.log",
+        f"{R}/logs/identify_experiment{{suffix}}.log",
     benchmark:
-        f"{R}/benchmarks/identify_experiment{{suffix}}-seed{{seed}}.tsv"
+        f"{R}/benchmarks/identify_experiment{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
     threads: 1
     resources:
         mem_mb=2000,
     params:
+        seeds=config["experiment"]["search_seeds"],
         config=sections(
             "signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement"
         ),
     message:
-        "Identifying the arm, network{wildcards.suffix}, seed {wildcards.seed}"
+        "Identifying the arm, network{wildcards.suffix}"
     script:
         "../scripts/identify_experiment.py"
 

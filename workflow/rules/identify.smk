@@ -3,19 +3,24 @@ rule identify_numeric:
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
-        f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",
+        expand(
+            f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",
+            seed=config["numeric"]["seeds"],
+            allow_missing=True,
+        ),
     log:
-        f"{R}/logs/identify_numeric{{suffix}}-seed{{seed}}.log",
+        f"{R}/logs/identify_numeric{{suffix}}.log",
     benchmark:
-        f"{R}/benchmarks/identify_numeric{{suffix}}-seed{{seed}}.tsv"
+        f"{R}/benchmarks/identify_numeric{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
     threads: 1
     resources:
         mem_mb=2000,
     params:
+        seeds=config["numeric"]["seeds"],
         config=sections("signals", "network", "data", "images", "metric", "algorithm1", "refinement", "numeric"),
     message:
-        "Identifying N1 to N4, network{wildcards.suffix}, seed {wildcards.seed}"
+        "Identifying N1 to N4, network{wildcards.suffix}"
     script:
         "../scripts/identify_numeric.py"

@@ -1,4 +1,4 @@
-"""All numeric arms for one network and one seed."""
+"""All numeric arms for one network and every seed."""
 
 from repro.pipeline.job import job
 from repro.pipeline.network_stages import identify_numeric
@@ -6,8 +6,8 @@ from repro.pipeline.network_stages import identify_numeric
 with job(snakemake.log[0], snakemake.threads):
     identify_numeric(
         snakemake.wildcards.suffix.removeprefix("-") or "published",
-        int(snakemake.wildcards.seed),
+        snakemake.params.seeds,
         snakemake.input.items(),
-        snakemake.output[0],
+        list(snakemake.output),
         snakemake.params.config,
     )

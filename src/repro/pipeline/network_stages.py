@@ -1,6 +1,7 @@
 """The stages that run a network, each for one workflow script: the only ones that load torch."""
 
 import logging
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -88,8 +89,10 @@ def read_mean_torque(path: Path, samples: int) -> Array:
     return tau
 
 
-def identify_numeric(variant: str, seed: int, named_inputs: Named, output: str, config: Config) -> None:
-    """Stage identify: all arms for one seed."""
+def identify_numeric(
+    variant: str, seeds: Sequence[int], named_inputs: Named, outputs: Sequence[str], config: Config
+) -> None:
+    """Stage identify: all arms, one output for each seed."""
     inputs = paths(named_inputs)
     network = load_network(inputs["weights"][0], network_settings(config))
     signals = signal_settings(config)
@@ -102,7 +105,8 @@ def identify_numeric(variant: str, seed: int, named_inputs: Named, output: str, 
         numeric_settings(config),
         read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size),
     )
-    write_json(Path(output), identify_arms(network, experiment, seed))
+    for seed, output in zip(seeds, outputs, strict=True):
+        write_json(Path(output), identify_arms(network, experiment, seed))
 
 
 def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identifier:
@@ -131,15 +135,18 @@ def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identif
     )
 
 
-def identify_experiment(variant: str, seed: int, named_inputs: Named, output: str, config: Config) -> None:
-    """Stage identify: Algorithm 1 and its refinement on the recording of the identification trajectory."""
+def identify_experiment(
+    variant: str, seeds: Sequence[int], named_inputs: Named, outputs: Sequence[str], config: Config
+) -> None:
+    """Stage identify: all methods on the recording of the identification trajectory, one output for each seed."""
     inputs = paths(named_inputs)
     signals = signal_settings(config)
     tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
     recording = read_recording(inputs["captures"][0], config)
     identifier = identifier_of(variant, load_network(inputs["weights"][0], network_settings(config)), config)
-    run = identify_recording(identifier, recording, tau_mean, signals, seed, true_parameters(config))
-    write_json(Path(output), run)
+    for seed, output in zip(seeds, outputs, strict=True):
+        run = identify_recording(identifier, recording, tau_mean, signals, seed, true_parameters(config))
+        write_json(Path(output), run)
 
 
 def score_specimens(index: int, named_inputs: Named, output: str, config: Config) -> None:
