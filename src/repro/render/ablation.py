@@ -1,4 +1,4 @@
-"""Readings of what the paper leaves open: what each does to the headline numbers, as table and as figure."""
+"""Readings of what the paper leaves open: what each does to the headline numbers, as a figure."""
 
 import numpy as np
 import pandas as pd
@@ -8,11 +8,8 @@ from matplotlib.ticker import MaxNLocator
 
 from repro.errors import InputError
 from repro.render import style
+from repro.render.ablation_table import DEFAULT, grouped
 from repro.render.contract import check_names, check_range, check_table
-from repro.render.markup import Table, Text, number, plain
-
-#: Question under which the reading stands that every other one is compared with.
-DEFAULT = "default"
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
 _PANELS = {
@@ -45,70 +42,6 @@ _ROW = 0.14
 _REST = 1.0
 
 
-def _grouped(checked: pd.DataFrame, *columns: str) -> list[tuple[str, pd.DataFrame]]:
-    """Rows of each question in the order of the file, the default reading first.
-
-    Raises
-    ------
-    InputError
-        If there is not one default reading, or a row occurs twice.
-    """
-    twice = checked.duplicated(["question", "reading", *columns]).to_numpy()
-    if twice.any():
-        row = int(twice.argmax())
-        raise InputError.at(f"line {row + 2}: reading", f"{checked['reading'][row]!r} again", "each reading once")
-    readings = checked.loc[checked["question"] == DEFAULT, "reading"].nunique()
-    if readings != 1:
-        raise InputError.at(f"question {DEFAULT}", f"{readings} readings", "exactly one")
-    groups = [(str(question), rows) for question, rows in checked.groupby("question", sort=False)]
-    return sorted(groups, key=lambda group: group[0] != DEFAULT)
-
-
-def table(frame: pd.DataFrame) -> Table:
-    """Headline numbers under each reading of the paper.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_refined,
-        arm_least_squares, arm_true``; similarities as fractions of 1; the question of one row is `DEFAULT`.
-
-    Returns
-    -------
-    Table
-        A block for each question, the default reading first; similarities in percent, losses in 1e-4.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
-    shares = ("id_mean", "id_lowest", "validation_mean", "arm_refined", "arm_least_squares", "arm_true")
-    checked = check_table(frame, ("question", "reading"), ("steps", "held_out_loss", *shares))
-    check_range(checked, ("steps",), 1.0, float("inf"), "at least 1 step")
-    check_range(checked, ("held_out_loss",), 0.0, float("inf"), "a loss of 0 or more")
-    check_range(checked, shares, 0.0, 1.0, "a fraction of 1")
-    blocks = []
-    for question, chosen in _grouped(checked):
-        rows = []
-        for row in chosen.to_dict("records"):
-            cells = [plain(row["reading"]), number(row["steps"], 0), number(1e4 * row["held_out_loss"], 2)]
-            rows.append([*cells, *(number(100.0 * row[name], 2) for name in shares)])
-        blocks.append((plain(f"{question[:1].upper()}{question[1:]}" if question == DEFAULT else question), rows))
-    caption = plain(
-        "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median of "
-        "the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the "
-        "eight torques. Simulated arm: mean over T1 to T4 for the refined Algorithm 1 (refined), least squares (LS) "
-        "and the true parameters (true). The networks are trained with a reduced budget (steps), so the numbers do not "
-        "compare with Tables 6 and 7; a reading that needs no network of its own has the default's. Held-out losses "
-        "under different labels or images do not compare."
-    )
-    names = ("ID mean", "ID lowest", "Val. mean", "Arm refined", "Arm LS", "Arm true")
-    loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")
-    header = [plain("Reading"), plain("Steps"), loss, *(plain(name) for name in names)]
-    return Table("Ablation", "tab:ablation", caption, "l" + "r" * 8, header, blocks)
-
-
 def figure(frame: pd.DataFrame) -> Figure:
     """Headline numbers under each reading of the paper, beside those of the default reading.
 
@@ -137,7 +70,7 @@ def figure(frame: pd.DataFrame) -> Figure:
     check_range(checked, ("value",), 0.0, 1.0, "a fraction of 1")
     labels: dict[float, str] = {}
     headings, rows, place = [], {}, 0.0
-    for question, chosen in _grouped(checked, "quantity"):
+    for question, chosen in grouped(checked, "quantity"):
         wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value").reindex(columns=every)
         if wide.isna().any(axis=None):
             raise InputError.at(f"question {question}", "a reading without a quantity", "every quantity once")

@@ -1,6 +1,6 @@
 """What a CSV must look like before it is drawn; anything else is refused in one line."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -61,7 +61,7 @@ def _first_line(wrong: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> int:
     return int(np.argmax(wrong)) + 2
 
 
-def check_names(found: Iterable[object], allowed: Sequence[str], field: str) -> None:
+def check_names(found: pd.Series, allowed: Sequence[str], field: str) -> None:
     """Check that a column holds exactly the names it may hold.
 
     Raises
@@ -69,7 +69,7 @@ def check_names(found: Iterable[object], allowed: Sequence[str], field: str) -> 
     InputError
         If a name is not one of `allowed` or one of them does not occur.
     """
-    present = list(dict.fromkeys(str(name) for name in found))
+    present = [str(name) for name in found.unique()]
     for name in present:
         if name not in allowed:
             raise InputError.at(field, repr(name), f"one of {', '.join(allowed)}")

@@ -39,7 +39,7 @@ def control(frame: pd.DataFrame) -> Table:
     table = check_table(frame, ("case", "method"), ("joint", *shares, "seeds", *constants))
     check_names(table["case"], ("tracking",), "case")
     check_names(table["method"], ("pd",), "method")
-    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     check_range(table, shares, 0.0, 1.0, "a fraction of 1")
     check_range(table, ("seeds",), 1.0, float("inf"), "at least 1 seed")
     rows = []
@@ -178,7 +178,7 @@ def verdict(frame: pd.DataFrame) -> Table:
     differences = ("difference_median", "difference_low", "difference_high")
     table = check_table(named, ("motion", "method"), ("joint", "duration", "runs", "wins", *shares, *differences))
     check_names(table["motion"], _MOTIONS, "motion")
-    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     check_range(table, ("runs",), 1.0, float("inf"), "at least 1 run")
     check_range(table, ("wins",), 0.0, float(table["runs"].max()), "no more wins than runs")
     check_range(table, shares, 0.0, 1.0, "a fraction of 1")

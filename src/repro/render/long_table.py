@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from repro.render import style
-from repro.render.markup import Table, tex_row
+from repro.render.markup import PAGE, Table, tex_row
 
 #: Between two columns, and of an inch, pt.
 _GAP = 9.0
@@ -35,13 +34,13 @@ class LongTable(Table):
             raise ValueError(f"shares: must be one for each of {len(self.alignment)} columns, of sum 1.")
 
     def tex(self) -> str:
-        """LaTeX of the table, `style.PAGE` wide; needs array, booktabs and longtable, and text in one column."""
-        room = style.PAGE - (len(self.shares) - 1) * _GAP / _INCH
+        """LaTeX of the table, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
+        room = PAGE - (len(self.shares) - 1) * _GAP / _INCH
         columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
         head = [r"\toprule", tex_row(self.header), r"\midrule"]
         lines = [
             r"\begingroup\footnotesize",
-            f"\\setlength{{\\tabcolsep}}{{{_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{style.PAGE}in}}",
+            f"\\setlength{{\\tabcolsep}}{{{_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{PAGE}in}}",
             f"\\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
             f"\\caption{{{self.caption.tex}}}\\label{{{self.label}}}\\\\",
             *head,

@@ -127,7 +127,7 @@ def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: 
     seeds = sorted(set(table["seeds"]))
     if len(seeds) > 1 or seeds[0] < 1:
         raise InputError.at("seeds", ", ".join(f"{count:g}" for count in seeds), "one number of seeds, at least 1")
-    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     blocks = []
     for method in methods_of(table):
         rows = []

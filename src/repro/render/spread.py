@@ -30,7 +30,7 @@ def _read(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
         )
     table = check_table(filled, ("case", "method"), ("joint", "duration", "seed", "total", "median"))
     check_names(table["case"], _CASES, "case")
-    check_names((f"{joint:g}" for joint in table["joint"]), ("1", "2"), "joint")
+    check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     check_range(table, ("total", "median"), 0.0, 1.0, "a fraction of 1")
     allowed = (*style.METHODS, *_PUBLISHED)
     for name in table["method"]:

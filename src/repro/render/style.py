@@ -12,10 +12,11 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
 from repro.files import write_whole
+from repro.render import markup
 
 #: Widths of one IEEE column and of the full page, inches.
 COLUMN: Final = 3.5
-PAGE: Final = 7.16
+PAGE: Final = markup.PAGE
 
 #: Points: running text of a figure, and the smallest type (ticks, notes).
 TEXT_SIZE: Final = 8.0
