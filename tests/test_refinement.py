@@ -77,14 +77,15 @@ def literal_pass(best, reader, rng, keep, reach, jitter, low, feed_back):
 
 
 @pytest.mark.parametrize("feed_back", [True, False])
-@pytest.mark.parametrize("keep", [4, 30])
-def test_passes_are_those_of_the_literal_listing(keep, feed_back):
+@pytest.mark.parametrize(("keep", "read"), [(4, 4), (30, 4), (4, 2)])
+def test_passes_are_those_of_the_literal_listing(keep, read, feed_back):
     reader, rng = Reader(0.1), np.random.default_rng(5)
     fresh = reader.estimate(rng.uniform(SEARCH.low, SEARCH.high, (7, 9)))
     best = sorted([*near(6), *fresh], key=lambda beta: -similarity(beta[None])[0])[:keep]
-    for _ in range(4):
-        best = literal_pass(best, reader, rng, keep, 0.6, 1e-3, SEARCH.low, feed_back)
-    found = refined(Reader(0.1), near(6), passes=4, keep=keep, seed=5, feed_back=feed_back, reach=0.6, jitter=1e-3)
+    for k in range(4):
+        best = literal_pass(best, reader, rng, keep, 0.6, 1e-3, SEARCH.low, feed_back and k < read)
+    moves = {"reach": 0.6, "jitter": 1e-3, "read_passes": read}
+    found = refined(Reader(0.1), near(6), passes=4, keep=keep, seed=5, feed_back=feed_back, **moves)
     np.testing.assert_allclose(found, best, rtol=1e-9)
 
 
@@ -255,6 +256,7 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
         {"restarts": -1},
         {"keep": 0},
         {"passes": 0},
+        {"read_passes": -1},
         {"reach": 0.0},
         {"reach": np.inf},
         {"reach": np.nan},

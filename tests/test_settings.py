@@ -40,7 +40,7 @@ training:
            gradient_gain: 50.0}}
 algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
              feasibility: positive-definite}
-refinement: {restarts: 41, keep: 7, passes: 5, reach: 1.3, jitter: 2.0e-3}
+refinement: {restarts: 41, keep: 7, passes: 5, read_passes: 3, reach: 1.3, jitter: 2.0e-3}
 numeric:
   seeds: [4, 8]
   margin_samples: 43
@@ -120,7 +120,7 @@ def test_search_scores_with_the_metric_of_the_configuration():
 
 def test_refinement():
     assert settings.refinement_settings(sections("refinement")) == RefinementSettings(
-        restarts=41, keep=7, passes=5, reach=1.3, jitter=2e-3
+        restarts=41, keep=7, passes=5, read_passes=3, reach=1.3, jitter=2e-3
     )
 
 

@@ -6,8 +6,8 @@ and shrink as the set closes in, so the moves need no scale of their own even wh
 conditioned. Each difference has a random length, no parameters are crossed over, and the best of old and new
 together survive; [1]_ does otherwise on all three.
 
-The network reads the moved guesses, and both they and its readings become candidates. Moves and selection get about
-as far without it: the control that does not feed back tells how much is the network's.
+The network reads the moved guesses of the first passes, and both they and its readings become candidates. Moves and
+selection get about as far without it: the control that does not feed back tells how much is the network's.
 
 .. [1] R. Storn and K. Price, "Differential Evolution - A Simple and Efficient Heuristic for Global Optimization over
    Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
@@ -41,6 +41,9 @@ class RefinementSettings:
         Most similar candidates that survive a pass and are moved in the next.
     passes : int
         Number of passes.
+    read_passes : int
+        Passes whose guesses the network reads. In those after, moves and selection go on without it: by then the set
+        closes in on what the similarity prefers, and a reading costs a hundred times a comparison.
     reach : float
         Largest multiple of a difference that a candidate is moved by.
     jitter : float
@@ -50,14 +53,15 @@ class RefinementSettings:
 
     restarts: int = 2000
     keep: int = 200
-    passes: int = 100
+    passes: int = 200
+    read_passes: int = 10
     reach: float = 1.2
     jitter: float = 1e-4
 
     def __post_init__(self) -> None:
         """Refuse budgets and moves that cannot be."""
-        if self.restarts < 0 or self.keep < 1 or self.passes < 1:
-            raise ValueError("restarts, keep, passes: must be at least 0, 1 and 1.")
+        if self.restarts < 0 or self.keep < 1 or self.passes < 1 or self.read_passes < 0:
+            raise ValueError("restarts, keep, passes, read_passes: must be at least 0, 1, 1 and 0.")
         if not 0 < self.reach < np.inf:
             raise ValueError(f"reach: must be positive and finite, got {self.reach}.")
         if not 0 <= self.jitter < np.inf:
@@ -136,9 +140,9 @@ def refine(
     possible = CHECKS[search.feasibility]
     score = TorqueScorer(prepared.tau / prepared.largest, prepared.y, search.metric)
     best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
-    for _ in range(settings.passes):
+    for done in range(settings.passes):
         guess = _move(best, settings, search.low, rng)
-        beta = np.concatenate([guess, reader.estimate(guess)]) if feed_back else guess
+        beta = np.concatenate([guess, reader.estimate(guess)]) if feed_back and done < settings.read_passes else guess
         beta = beta[possible(beta)]
         candidates = np.concatenate([best, beta])
         similarity = np.concatenate([similarity, score(beta).total.mean(-1)])
