@@ -5,9 +5,9 @@ from dataclasses import replace
 import literal
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.cnn import dataset
 from repro.cnn.dataset import DataSettings, SampledMotion, SignalSettings, draw_samples, image_regressor, sample_motion

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.signals.dct import FREQUENCY_READINGS, band_frequency, dct2dev, dct2low, dct2sub, spectrum
 

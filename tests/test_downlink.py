@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.fpga.downlink import (
     RAM_SAMPLES,

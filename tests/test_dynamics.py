@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import feasible_betas, links, seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from strategies import feasible_betas, links, seeds
 
 from repro.model.dynamics import (
     LAMBDA,

@@ -6,10 +6,10 @@ from dataclasses import replace
 import log_example
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from log_example import BETA
 from regression_example import log_from, problem, random_regressor, resting
+from strategies import seeds
 
 from repro.estimators.methods import METHODS
 from repro.export.bibtex import entries

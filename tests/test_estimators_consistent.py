@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import feasible_betas, seeds
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from log_example import BETA
 from regression_example import problem, random_regressor
 from scipy.optimize import least_squares, nnls
+from strategies import feasible_betas, seeds
 
 from repro.estimators.consistent import MARGIN, solve_consistent
 from repro.estimators.methods import METHODS

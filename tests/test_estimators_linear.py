@@ -5,11 +5,11 @@ from dataclasses import replace
 import log_example
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from log_example import BETA
 from regression_example import log_from, problem, random_regressor
 from scipy.optimize import least_squares
+from strategies import seeds
 
 from repro.estimators.interface import joint_variance
 from repro.estimators.methods import METHODS

@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from log_example import BETA
 from regression_example import problem, random_regressor
+from strategies import seeds
 
 from repro.estimators import parsimonious
 from repro.estimators.consistent import consistent

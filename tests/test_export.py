@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import seeds
 from hypothesis import example, given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.export.bibtex import METHODS_FILE, bibtex, entries
 from repro.export.links import links_of, principal_inertia

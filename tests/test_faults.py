@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.fpga.faults import Fault, FaultInjector, FaultSettings
 

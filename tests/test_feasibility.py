@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import links
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from strategies import links
 
 from repro.model.dynamics import mass_matrix
 from repro.model.feasibility import CHECKS, is_positive, is_positive_definite

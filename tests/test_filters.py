@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.regression.dct_pair import dct_pair, filter_coefficient
 from repro.regression.filters import FILTERS

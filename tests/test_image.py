@@ -3,9 +3,9 @@
 import literal
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.cnn.image import SCALES, ImageSettings, assemble, colours, image_factors
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import seeds
 from experiment_example import CAPTURES, full_config
 from hypothesis import given, settings
 from scipy.stats import binom
+from strategies import seeds
 
 from repro.identify.least_squares import least_squares
 from repro.model.dynamics import regressor

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.fft import dct
+from strategies import seeds
 
 from repro.model.dynamics import inverse_dynamics, regressor
 from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, Similarity, TorqueScorer, metr2ev

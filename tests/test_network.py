@@ -4,9 +4,9 @@ import literal
 import numpy as np
 import pytest
 import torch
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion

@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from conftest import links
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import constants
+from strategies import links
 
 from repro.model.dynamics import gravity_torque, mass_matrix, regressor
 from repro.model.parameters import (

@@ -4,9 +4,9 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.fpga.faults import FaultInjector, FaultSettings
 from repro.fpga.frames import encode

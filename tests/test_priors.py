@@ -3,9 +3,9 @@
 import literal
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.cnn.priors import PRIORS, GuessSettings, sample_beta, training_guess, uniform_guess
 from repro.model.feasibility import is_positive_definite

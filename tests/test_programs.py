@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics

@@ -5,8 +5,8 @@ from dataclasses import replace
 import literal
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
+from strategies import seeds
 
 from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings

@@ -5,13 +5,13 @@ from dataclasses import replace
 import log_example
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
 from regression_example import broadband, log_from, random_regressor, resting
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
+from strategies import seeds
 
 from repro.model.dynamics import inverse_dynamics, regressor
 from repro.regression.cutoff import choose_cutoff

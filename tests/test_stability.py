@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import feasible_betas, seeds
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from strategies import feasible_betas, seeds
 
 from repro.model.dynamics import forward_dynamics, mass_matrix
 from repro.model.lyapunov import LyapunovSettings, lyapunov_function, lyapunov_lower_bound

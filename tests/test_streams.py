@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.streams import Stream, stream
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import seeds
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.signals.dct import spectrum
 from repro.signals.trajectories import identification_trajectory, random_trajectory, sample_times
