@@ -2,7 +2,7 @@
 
 Usage: ``python benchmarks/slurm/smoke.py [TARGET...]``, in an environment that has the extra ``slurm``. Three runs in
 temporary folders: local; on Slurm; on Slurm once more, with a job cancelled, the run killed and a job left behind, then
-continued with the same command. Prints what a job costs on Slurm beyond its share of the local run. Logs, benchmarks
+continued with the same command. Prints what a job costs beyond its own time, locally and on Slurm. Logs, benchmarks
 and model cards hold wall times and are left out.
 """
 
@@ -64,6 +64,14 @@ def compare(folder: Path, expected: dict[str, bytes]) -> None:
     print(f"{folder.name}: all {len(found)} results have the bytes of the local run", flush=True)
 
 
+def tell(folder: Path, seconds: float) -> None:
+    """Print what a job cost beyond its own time, as if the processors were never idle."""
+    tables = [f.read_text(encoding="utf-8").split() for f in (folder / "results/smoke/benchmarks").glob("*.tsv")]
+    own = sum(float(table[len(table) // 2]) for table in tables)  # a line of names, and one of values
+    overhead = (seconds - own / CPUS) / len(tables)
+    print(f"{folder.name}: {len(tables)} jobs in {seconds:.0f} s, {overhead:.2f} s a job beyond their own", flush=True)
+
+
 def jobs_in(states: str, environment: dict[str, str]) -> set[str]:
     """Numbers of Slurm's jobs in these states."""
     command = ["squeue", "--noheader", "--format=%A", f"--states={states}"]
@@ -111,11 +119,10 @@ def main() -> None:
         folders = [working_folder(Path(name) / kind) for kind in ("local", "slurm", "disturbed")]
         local = run(LOCAL, folders[0], environment)
         expected = results(folders[0])
-        print(f"local: {len(expected)} results in {local:.0f} s", flush=True)
+        tell(folders[0], local)
         on_slurm = run(ON_SLURM, folders[1], environment)
         compare(folders[1], expected)
-        jobs = len(list((folders[1] / "results/smoke/benchmarks").glob("*.tsv")))
-        print(f"slurm: {jobs} jobs in {on_slurm:.0f} s, {(on_slurm - local) / jobs:.2f} s a job more than locally")
+        tell(folders[1], on_slurm)
         disturb(folders[2], environment)
         run(ON_SLURM, folders[2], environment)
         compare(folders[2], expected)
