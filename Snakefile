@@ -7,7 +7,7 @@ from snakemake.utils import min_version
 
 from repro import contract
 from repro.pipeline.alive import begin_run, join_run
-from repro.pipeline.provenance import write_provenance
+from repro.pipeline.provenance import host_fingerprint, write_provenance
 from repro.pipeline.readings import READINGS
 from repro.pipeline.start import accept_config, set_allocator
 from repro.pipeline.stored_networks import stored_files, training_config
@@ -100,4 +100,9 @@ rule ablation:
 
 
 onsuccess:
-    write_provenance(Path(R) / "logs/provenance.json", Path(workflow.basedir), workflow.resource_settings.cores)
+    write_provenance(
+        Path(R) / "logs/provenance.json",
+        Path(workflow.basedir),
+        workflow.resource_settings.cores,
+        host_fingerprint(),
+    )

@@ -14,6 +14,7 @@ from repro.export.links import links_of
 from repro.export.mjcf import mjcf
 from repro.export.urdf import urdf
 from repro.files import write_csv, write_json, write_text
+from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
@@ -138,7 +139,7 @@ def write_sidecar(out: Path, threads: int) -> str:
     """
     name = "provenance.json"
     try:
-        write_provenance(out / name, Path(__file__).parent, threads)
+        write_provenance(out / name, Path(__file__).parent, threads, fingerprint())
     except OSError as error:
         raise _unwritable(out, error) from error
     return name

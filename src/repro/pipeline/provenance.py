@@ -7,6 +7,7 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from repro import __version__
@@ -37,7 +38,7 @@ def host_fingerprint() -> dict[str, str]:
     return made
 
 
-def write_provenance(path: Path, folder: Path, cores: int | None) -> None:
+def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
     """Write the sidecar after a run that succeeded.
 
     Parameters
@@ -48,6 +49,8 @@ def write_provenance(path: Path, folder: Path, cores: int | None) -> None:
         Checkout the run used.
     cores : int or None
         Cores the run was given, if any.
+    fingerprint : mapping
+        How this host computes; see `repro.fingerprint`.
     """
     write_json(
         path,
@@ -57,7 +60,7 @@ def write_provenance(path: Path, folder: Path, cores: int | None) -> None:
             "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "machine": f"{platform.machine()} {platform.system()}",
             "contract": held(os.environ),
-            "fingerprint": host_fingerprint(),
+            "fingerprint": dict(fingerprint),
             "packages": package_versions(),
             "python": platform.python_version(),
         },
