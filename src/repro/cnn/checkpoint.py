@@ -54,7 +54,8 @@ def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> No
     network : nn.Module
         Trained network.
     metadata : dict of str
-        Facts kept in the file's header; nothing that changes from run to run belongs here.
+        A fact kept in the file's header, one at most: several are written in any order. Nothing that changes from run
+        to run belongs here.
     """
     _write(path, network.state_dict(), metadata)
 

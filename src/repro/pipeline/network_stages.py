@@ -60,9 +60,7 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
         lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
     )
     history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
-    save_network(
-        out["weights"], trained.network, {"variant": variant, CONFIGURATION: configuration_digest(config, variant)}
-    )
+    save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config, variant)})
     write_csv(out["history"], history)
     card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
     write_text(out["card"], card)

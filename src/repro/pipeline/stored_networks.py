@@ -13,7 +13,7 @@ from repro.errors import InputError
 from repro.files import write_text, write_whole
 from repro.pipeline.named import Config
 
-#: Key of the weights' header that holds `configuration_digest`.
+#: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"
 #: Where a network comes from is a choice of the run, not of what is trained.
 SOURCE_KEYS = ("source", "networks")
@@ -60,7 +60,7 @@ def take_stored(variant: str, out: dict[str, Path], config: Config) -> None:
         card, digest = stored["card"].read_text(encoding="utf-8"), hashlib.sha256(weights.read_bytes()).hexdigest()
     except (OSError, SafetensorError, UnicodeDecodeError) as error:
         raise InputError.at(str(weights), f"no readable stored network ({error})", expected) from error
-    if metadata.get("variant") != variant or metadata.get(CONFIGURATION) != configuration_digest(config, variant):
+    if metadata.get(CONFIGURATION) != configuration_digest(config, variant):
         raise InputError.at(str(weights), "a network of another configuration", expected)
     if digest not in card:
         raise InputError.at(f"{weights}: SHA-256", digest, f"that of {stored['card'].name}")
