@@ -53,8 +53,10 @@ def install() -> None:
         sudo = [] if os.geteuid() == 0 else ["sudo"]
         subprocess.run([*sudo, "apt-get", "update", "--quiet"], check=True, stdout=subprocess.DEVNULL)
         command = ["apt-get", "install", "--quiet", "--yes", "--no-install-recommends", *missing]
-        # The packages start their services where they can; the one that is put up here is another.
         subprocess.run([*sudo, "env", "DEBIAN_FRONTEND=noninteractive", *command], check=True, stdout=sys.stderr)
+        services = [package for package in missing if package != "slurm-client"]
+        if services and Path("/run/systemd/system").is_dir():  # there the packages have started them
+            subprocess.run([*sudo, "systemctl", "disable", "--now", *services], check=True)
 
 
 def free_ports(number: int) -> list[int]:
