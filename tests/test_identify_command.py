@@ -194,7 +194,7 @@ def test_a_port_that_cannot_be_opened_is_one_line(tmp_path, capsys):
     out = tmp_path / "out"
     assert identify("socket://127.0.0.1:1", "--config", config, "--method", "ordinary", "-o", out) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
-    assert line.startswith("socket://127.0.0.1:1")
+    assert "socket://127.0.0.1:1: found one that cannot be opened" in line
     assert not any(tmp_path.iterdir())
 
 
