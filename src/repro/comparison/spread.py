@@ -11,6 +11,8 @@ from repro.comparison.runs import compare_runs
 from repro.comparison.tables import read_rows
 from repro.errors import InputError
 
+#: Tables of training images, drawn anew with another ``training.seed`` though no network has a part in them.
+SEEDED = ("figures/fig08.csv", "figures/fig09.csv", "data/mean_torque.csv")
 COLUMNS = ("table", "origin", "column", "runs", "cells", "widest")
 
 
@@ -35,7 +37,7 @@ def measure(runs: Sequence[Path]) -> pd.DataFrame:
     for a, b in combinations(runs, 2):
         for file in compare_runs(a, b, Spread({}))[0]:
             for d in file.found:
-                if d.broken and d.kind is not Kind.TRAINED:
+                if d.broken and d.kind is not Kind.TRAINED and file.name not in SEEDED:
                     raise InputError.at(f"{b / file.name}: {d.place}", d.b, f"{d.a}, as in {a}, for it is not trained")
     rows = []
     names = sorted(path.relative_to(runs[0]).as_posix() for glob in ("*.csv", "*/*.csv") for path in runs[0].glob(glob))
