@@ -6,9 +6,10 @@ import sys
 import time
 
 from repro import contract
-from repro.pipeline.start import ALLOCATOR, set_allocator
 
 contract.hold(os.environ)
+
+from repro.pipeline.start import ALLOCATOR, set_allocator
 
 if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a process starts
     set_allocator(os.environ)
