@@ -21,7 +21,7 @@ PORTABLE = (
     *("capture", "captures", "compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint"),
     *("least_squares", "metric", "programs", "reference", "spread", "stored_networks", "upgrade", "verify"),
 )
-FEW = ("compare", "contract", "fingerprint", "stored_networks", "upgrade", "verify")
+FEW = ("compare", "contract", "fingerprint", "upgrade")
 
 
 @dataclass(frozen=True)
