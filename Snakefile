@@ -41,7 +41,6 @@ ALL_TABLES = [*TABLES, "stability", "verdict", "metric_search", "audit"]
 
 wildcard_constraints:
     suffix="|-scale-aware|-paper-recipe",
-    seed=r"\d+",
     index=r"\d+",
     motion="ID|T1|T2|T3|T4",
     reading="|".join(READINGS),

@@ -25,7 +25,7 @@ LOCAL = [*SNAKEMAKE, "--cores", str(CPUS), "--", *sys.argv[1:]]
 # A Slurm without accounting is asked by squeue.
 ON_SLURM = [*SNAKEMAKE, "--workflow-profile", str(ROOT / "workflow" / "profiles" / "slurm")]
 ON_SLURM += ["--slurm-status-command", "squeue", "--", *sys.argv[1:]]
-KINDS = {".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
+KINDS = {".bin", ".program", ".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
 SECONDS = 600
 
 

@@ -129,6 +129,8 @@ def on_this_processor(s: TrainingSettings) -> TrainingSettings:
         return s
     able = torch.cpu.get_capabilities()
     has_bfloat16 = any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16"))
+    # oneDNN may have been told (ONEDNN_MAX_CPU_ISA) to leave the processor's newer instructions alone.
+    has_bfloat16 = has_bfloat16 and torch.ops.mkldnn._is_mkldnn_bf16_supported()
     return replace(s, precision="bfloat16" if has_bfloat16 else "float32")
 
 

@@ -24,7 +24,7 @@ def acquire(motion: str, out: Path, config: Config) -> None:
     motion : {"ID", "T1", "T2", "T3", "T4"}
         Which.
     out : Path
-        ``NAME.bin``; the sidecar is written beside it.
+        ``NAME.bin``; what was sent and the sidecar are written beside it.
     config : mapping
         Sections ``signals``, ``arm``, ``board`` and ``experiment``.
 
