@@ -1,10 +1,12 @@
-"""The numeric contract for every test, and how hypothesis draws."""
+"""The numeric contract and one thread for every test, and how hypothesis draws."""
 
 import os
 
 from repro import contract
 
 contract.hold(os.environ)  # before anything loads numpy
+# Threads of torch that wait for each other take many times as long beside another process.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from hypothesis import settings
 
