@@ -1,6 +1,9 @@
 """Training: what a run learns, that it repeats to the bit, that it resumes, and the paper's own schedule."""
 
 import math
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import literal
@@ -297,3 +300,19 @@ def test_budgets_that_are_not_positive_are_refused(name, value):
 def test_fixed_sets_that_cannot_be_split_are_refused(wrong):
     with pytest.raises(ValueError, match=f"^{next(iter(wrong))}:"):
         PaperSchedule(**wrong)
+
+
+@pytest.mark.parametrize(("flags", "onednn"), [({}, True), ({"avx512_bf16": True}, False)])
+def test_without_bfloat16_or_onednn_training_is_in_single_precision(monkeypatch, flags, onednn):
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: flags)
+    monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: onednn)
+    assert training.on_this_processor(replace(STREAMED, precision="auto")).precision == "float32"
+    assert training.on_this_processor(replace(STREAMED, precision="bfloat16")).precision == "bfloat16"
+
+
+def test_a_limit_set_for_onednn_is_respected():
+    code = "from repro.cnn.train import on_this_processor as f; from repro.cnn.schedule import TrainingSettings as T"
+    limited = {**os.environ, "ONEDNN_MAX_CPU_ISA": "AVX2"}
+    command = [sys.executable, "-c", f"{code}; print(f(T()).precision)"]
+    run = subprocess.run(command, env=limited, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "float32"

@@ -129,8 +129,9 @@ def on_this_processor(s: TrainingSettings) -> TrainingSettings:
         return s
     able = torch.cpu.get_capabilities()
     has_bfloat16 = any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16"))
-    # oneDNN may have been told (ONEDNN_MAX_CPU_ISA) to leave the processor's newer instructions alone.
-    has_bfloat16 = has_bfloat16 and torch.ops.mkldnn._is_mkldnn_bf16_supported()
+    # A build without oneDNN only emulates bfloat16, and oneDNN may have been told (ONEDNN_MAX_CPU_ISA) to do so.
+    has_onednn = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
+    has_bfloat16 = has_bfloat16 and has_onednn and torch.ops.mkldnn._is_mkldnn_bf16_supported()
     return replace(s, precision="bfloat16" if has_bfloat16 else "float32")
 
 
