@@ -11,6 +11,7 @@ from repro.pipeline.provenance import host_fingerprint, write_provenance
 from repro.pipeline.readings import READINGS
 from repro.pipeline.start import accept_config, set_allocator
 from repro.pipeline.stored_networks import stored_files, training_config
+from repro.settings import of_network
 
 min_version("9.0")
 contract.set_variables(os.environ)  # of the jobs
@@ -40,7 +41,7 @@ ALL_TABLES = [*TABLES, "stability", "verdict", "metric_search", "audit"]
 
 
 wildcard_constraints:
-    suffix="|-scale-aware|-paper-recipe",
+    suffix="|".join(["", *(f"-{name}" for name in config["networks"])]),
     index=r"\d+",
     motion="ID|T1|T2|T3|T4",
     reading="|".join(READINGS),

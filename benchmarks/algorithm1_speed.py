@@ -32,7 +32,7 @@ def main() -> None:
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
     config = yaml.safe_load(args.config.read_text(encoding="utf-8"))
-    signals, data = signal_settings(config), data_settings(config, "published")
+    signals, data = signal_settings(config), data_settings(config)
     settings, numeric = search_settings(config), numeric_settings(config)
     network = load_network(args.weights, network_settings(config))
     motion = identification_trajectory(signals.duration, signals.h, numeric.margin)

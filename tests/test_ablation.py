@@ -10,13 +10,15 @@ from repro.config import check_config
 from repro.files import read_json
 from repro.pipeline.ablation import run_reading, train_reading
 from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, read_as
+from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 TINY = copy.deepcopy(CONFIG)
 TINY["ablation"] = {"steps": 3, "paper_steps": 3, "seeds": [1]}
 TINY["training"] |= {"batch": 8, "test_samples": 16, "checkpoint_every": 2, "log_every": 1, "precision": "float32"}
-TINY["training"]["paper"] |= {"images": 10, "batch": 2}
+TINY["training"]["paper"] |= {"images": 10}
+TINY["networks"]["paper-recipe"]["training"] |= {"batch": 2}
 TINY["algorithm1"] |= {"executions": 5, "inner_limit": 2}
 TINY["refinement"] |= {"restarts": 20, "keep": 5, "passes": 2}
 CAPTURES = [
@@ -29,14 +31,16 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     reading = READINGS[name]
     changed = read_as(CONFIG, reading)
     check_config(changed, ROOT / "workflow/schemas/config.schema.yaml")
-    for section, values in CONFIG.items():
+    of_its_network = of_network(CONFIG, reading.network) | {"refinement": CONFIG["refinement"]}
+    for section, values in of_its_network.items():
         named = reading.change.get(section, {})
         for key, value in values.items() if isinstance(values, dict) else ():
-            if section == "training" and key in ("steps", "paper"):
+            if (section, key) == ("training", "steps"):
                 continue
             assert changed[section][key] == named.get(key, value)
             assert key not in named or named[key] != value  # a reading that changes nothing is none
-    assert changed["training"]["steps"] == CONFIG["ablation"]["steps"]
+    budget = "paper_steps" if reading.network == "paper-recipe" else "steps"
+    assert changed["training"]["steps"] == CONFIG["ablation"][budget]
     assert CONFIG["training"]["steps"] != CONFIG["ablation"]["steps"]  # the default is left as it was
 
 
@@ -49,7 +53,7 @@ def test_every_open_question_of_the_notes_has_a_reading():
 @pytest.mark.parametrize("name", ["label-physical", "recipe-paper"])
 def test_a_reading_is_trained_and_scored(name, tmp_path):
     weights = tmp_path / f"{name}.safetensors"
-    train_reading(name, str(weights), str(tmp_path / "checkpoint.safetensors"), TINY)
+    train_reading(name, str(weights), "", str(tmp_path / "checkpoint.safetensors"), TINY)
     run_reading(name, str(weights), CAPTURES, str(tmp_path / "out.json"), TINY)
     loss, result = read_json(weights.with_suffix(".json")), read_json(tmp_path / "out.json")
     assert loss["steps"] == 3

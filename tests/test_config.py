@@ -96,9 +96,26 @@ NINE = "0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1"
 BAD = {
     "unknown key": ("stepz: 1", "stepz", "unknown", "training"),
     "unknown key in a section": ("training: {stepz: 1}", "training.stepz", "unknown", "steps"),
-    "unknown key two deep": ("training: {paper: {stepz: 1}}", "training.paper.stepz", "unknown", "steps"),
-    "unknown image": ("images: {third: {scale: constant}}", "images.third", "unknown", "scale-aware"),
-    "unknown key of an image": ("images: {published: {scales: 1}}", "images.published.scales", "unknown", "scale"),
+    "unknown key two deep": ("training: {paper: {stepz: 1}}", "training.paper.stepz", "unknown", "images"),
+    "unknown network": ("networks: {third: {image: {scale: constant}}}", "networks.third", "unknown", "scale-aware"),
+    "unknown section of a network": (
+        "networks: {scale-aware: {metric: {exponent: 1.0}}}",
+        "networks.scale-aware.metric",
+        "unknown",
+        "image",
+    ),
+    "unknown key of a network": (
+        "networks: {scale-aware: {image: {scales: 1}}}",
+        "networks.scale-aware.image.scales",
+        "unknown",
+        "scale",
+    ),
+    "a network's NaN": (
+        "networks: {scale-aware: {image: {constant: .nan}}}",
+        "networks.scale-aware.image.constant",
+        "nan",
+        "finite",
+    ),
     "unknown arm": (f"numeric: {{arms: {{N5: [{NINE}, 1.0]}}}}", "numeric.arms.N5", "unknown", "N4"),
     "emptied section": ("training:", "training", "None", "object"),
     "value for a section": ("metric: 3", "metric", "3", "object"),
@@ -185,8 +202,17 @@ def test_a_fault_is_one_line_that_names_the_overlay(overlay, text, field, found,
         ("algorithm1: {guess_high: 1.0e-4}", ("algorithm1.guess_low", "algorithm1.guess_high")),
         ("signals: {duration_s: 0.1}", ("signals.duration_s", "signals.sampling_period_s")),
         ("training: {paper: {images: 10, train_share: 0.01}}", ("training.paper.images", "training.paper.train_share")),
+        ("networks: {scale-aware: {data: {guess_low: 5.0}}}", ("networks.scale-aware.data.guess_low",)),
     ],
-    ids=["guesses", "near guesses", "shares", "guesses of Algorithm 1", "too short to subsample", "empty training set"],
+    ids=[
+        "guesses",
+        "near guesses",
+        "shares",
+        "guesses of Algorithm 1",
+        "too short",
+        "empty training set",
+        "a network's",
+    ],
 )
 def test_values_that_contradict_each_other_are_one_line_that_names_the_overlay(overlay, capsys, text, fields):
     file = overlay(text)
@@ -216,12 +242,12 @@ def test_a_missing_section_is_one_line_that_names_the_file(tmp_path, section):
 def test_a_missing_key_is_named(tmp_path):
     file = tmp_path / "config.yaml"
     config = load(BASE)
-    del config["training"]["paper"]["batch"]
+    del config["training"]["paper"]["images"]
     file.write_text(yaml.safe_dump(config), encoding="utf-8")
     with pytest.raises(InputError) as error:
         check_config(load(file), SCHEMA, [file])
     line = line_of(str(error.value))
-    assert (line["file"], line["field"], line["found"]) == (str(file), "training.paper.batch", "nothing")
+    assert (line["file"], line["field"], line["found"]) == (str(file), "training.paper.images", "nothing")
 
 
 def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):

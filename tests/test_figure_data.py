@@ -29,7 +29,7 @@ from repro.pipeline.readings import READINGS
 from repro.render import style
 from repro.render.figures import FIGURES
 from repro.render.tables import LAYOUTS
-from repro.settings import metric_settings, numeric_settings, signal_settings, training_settings
+from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
@@ -392,11 +392,13 @@ def test_the_architecture_is_that_of_the_paper():
 
 def test_features_tell_the_budget_and_the_number_of_weights():
     network = NetworkSettings()
-    features = network_features(network, training_settings(CONFIG, "published")).set_index("feature")["value"]
+    features = network_features(network, training_settings(CONFIG)).set_index("feature")["value"]
     total = sum(p.numel() for p in SignalCNN(network).parameters())
     assert features["Parameters"] == str(total)
     assert features["Training iterations"] == str(CONFIG["training"]["steps"])
-    paper = network_features(network, training_settings(CONFIG, "paper-recipe")).set_index("feature")["value"]
+    paper = network_features(network, training_settings(of_network(CONFIG, "paper-recipe"))).set_index("feature")[
+        "value"
+    ]
     assert paper["Training iterations"] == "500000"
 
 

@@ -14,6 +14,7 @@ from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
+from repro.cnn.unmodelled import UnmodelledSettings
 from repro.config import check_config
 from repro.errors import InputError
 from repro.identify.algorithm1 import SearchSettings
@@ -28,18 +29,20 @@ signals: {sampling_period_s: 0.004, filter_coefficient: 3.0e-4, frequency_readin
           duration_s: 7.5, normalise_motion: true}
 metric: {time_formula: mean-square, exponent: 0.7}
 network: {hidden: [31, 17], sigmoid_gain: 1.25}
-data: {prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
+data: {motions: ideal, unmodelled: {stribeck: 0.41, ripple: 0.09, noise: 0.02, delay_s: 0.001},
+       prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
        near_low: 0.004, near_high: 0.6}
-images:
-  published: {scale: channel-max}
-  scale-aware: {scale: constant, constant: 5.5}
+image: {scale: channel-max, constant: 5.5}
 training:
-  {steps: 101, batch: 7, learning_rate: 0.003, warmup: 11, seed: 9, test_samples: 13, log_every: 19,
+  {recipe: streamed, steps: 101, batch: 7, learning_rate: 0.003, warmup: 11, seed: 9, test_samples: 13, log_every: 19,
    checkpoint_every: 23, precision: float32,
-   paper: {steps: 202, batch: 3, images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6,
+   paper: {images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6,
            gradient_gain: 50.0}}
+networks:
+  scale-aware: {image: {scale: constant}}
+  paper-recipe: {training: {recipe: paper, steps: 202, batch: 3}}
 algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
-             feasibility: positive-definite}
+             feasibility: positive-definite, image_motion: desired}
 refinement: {restarts: 41, keep: 7, passes: 5, read_passes: 3, reach: 1.3, jitter: 2.0e-3}
 numeric:
   seeds: [4, 8]
@@ -69,27 +72,26 @@ def test_network_takes_its_input_size_from_the_signals():
     assert settings.network_settings(sections("signals", "network")) == expected
 
 
-@pytest.mark.parametrize(
-    ("variant", "image"),
-    [
-        ("published", ImageSettings("channel-max")),
-        ("scale-aware", ImageSettings("constant", 5.5)),
-        ("paper-recipe", ImageSettings("channel-max")),
-    ],
-)
-def test_data_of_a_variant_differ_in_the_image_alone(variant, image):
+NETWORKS = ("published", "scale-aware", "paper-recipe")
+
+
+SCALES = ("channel-max", "constant", "channel-max")
+
+
+@pytest.mark.parametrize(("network", "scale"), [*zip(NETWORKS, SCALES, strict=True)])
+def test_data_of_a_network(network, scale):
     guess = GuessSettings(low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6)
-    assert settings.data_settings(sections("data", "images"), variant) == DataSettings(
-        "links", guess, image, "physical"
-    )
+    found = settings.data_settings(settings.of_network(CONFIG, network))
+    beyond = UnmodelledSettings(stribeck=0.41, ripple=0.09, noise=0.02, delay_s=0.001)
+    assert found == DataSettings("links", guess, ImageSettings(scale, 5.5), "physical", beyond)
 
 
-@pytest.mark.parametrize("variant", ["published", "scale-aware", "paper-recipe"])
-def test_training_of_a_variant(variant):
+@pytest.mark.parametrize("network", NETWORKS)
+def test_training_of_a_network(network):
     schedule = PaperSchedule(
         images=500, train_share=0.7, learning_rate=0.05, learning_rate_slope=1e-6, gradient_gain=50.0
     )
-    own = {"recipe": "paper", "steps": 202, "batch": 3} if variant == "paper-recipe" else {"steps": 101, "batch": 7}
+    own = {"recipe": "paper", "steps": 202, "batch": 3} if network == "paper-recipe" else {"steps": 101, "batch": 7}
     expected = TrainingSettings(
         learning_rate=0.003,
         warmup=11,
@@ -98,11 +100,11 @@ def test_training_of_a_variant(variant):
         log_every=19,
         checkpoint_every=23,
         precision="float32",
-        # The streamed variants do not read the paper's schedule, so that changing it does not train them again.
-        paper=schedule if variant == "paper-recipe" else PaperSchedule(),
+        # The streamed networks do not read the paper's schedule, so that changing it does not train them again.
+        paper=schedule if network == "paper-recipe" else PaperSchedule(),
         **own,
     )
-    assert settings.training_settings(sections("training"), variant) == expected
+    assert settings.training_settings(settings.of_network(CONFIG, network)) == expected
 
 
 def test_search_scores_with_the_metric_of_the_configuration():
@@ -114,6 +116,7 @@ def test_search_scores_with_the_metric_of_the_configuration():
         high=2.75,
         feasibility="positive-definite",
         metric=MetricSettings("mean-square", 0.7),
+        image_motion="desired",
     )
     assert settings.search_settings(sections("algorithm1", "metric")) == expected
 
@@ -133,9 +136,9 @@ def test_numeric_experiment():
 
 
 def every_setting(config):
-    for variant in ("published", "scale-aware", "paper-recipe"):
-        settings.data_settings(config, variant)
-        settings.training_settings(config, variant)
+    for network in NETWORKS:
+        settings.data_settings(settings.of_network(config, network))
+        settings.training_settings(settings.of_network(config, network))
     for name in ("signal", "metric", "network", "search", "refinement", "numeric"):
         getattr(settings, f"{name}_settings")(config)
 
@@ -185,10 +188,10 @@ def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_
     assert round(signals.duration / signals.h) == 3770  # 3 pi s
     assert (search.executions, search.threshold, search.low, search.high) == (100, 0.9282, 1e-3, 3.0)
     assert settings.metric_settings(config).exponent == 0.4
-    paper = settings.training_settings(config, "paper-recipe")
+    paper = settings.training_settings(settings.of_network(config, "paper-recipe"))
     assert (paper.recipe, paper.steps, paper.batch) == ("paper", 500_000, 1)
     assert paper.paper == PaperSchedule(10_000, 0.8, 20e-3, 0.2e-7, 100.0)
-    guess = settings.data_settings(config, "published").guess
+    guess = settings.data_settings(config).guess
     assert (guess.low, guess.high) == (1e-3, 3.0)
 
 

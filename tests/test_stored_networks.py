@@ -10,17 +10,22 @@ from experiment_example import full_config
 
 from repro.errors import InputError
 from repro.pipeline.stored_networks import configuration_digest, stored_files, take_stored
+from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = full_config()
-VARIANTS = ("published", "scale-aware")
+NETWORKS = ("published", "scale-aware")
 
 
-def taken(folder, variant="published", config=CONFIG):
-    suffix = "" if variant == "published" else f"-{variant}"
+def taken(folder, network="published", config=CONFIG):
+    suffix = "" if network == "published" else f"-{network}"
     out = stored_files(folder, suffix)
-    take_stored(variant, out, config)
+    take_stored(network, out, of_network(config, network))
     return out
+
+
+def digest(config, network):
+    return configuration_digest(of_network(config, network))
 
 
 @pytest.fixture(autouse=True)
@@ -28,10 +33,10 @@ def in_the_project(monkeypatch):
     monkeypatch.chdir(ROOT)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_the_networks_of_the_default_configuration_are_there(tmp_path, variant):
-    out = taken(tmp_path, variant)
-    suffix = "" if variant == "published" else f"-{variant}"
+@pytest.mark.parametrize("network", NETWORKS)
+def test_the_networks_of_the_default_configuration_are_there(tmp_path, network):
+    out = taken(tmp_path, network)
+    suffix = "" if network == "published" else f"-{network}"
     stored = stored_files(CONFIG["training"]["networks"], suffix)
     assert out["weights"].read_bytes() == stored["weights"].read_bytes()
     assert out["history"].read_bytes() == stored["history"].read_bytes()
@@ -41,8 +46,8 @@ def test_the_networks_of_the_default_configuration_are_there(tmp_path, variant):
 
 
 def test_the_reference_was_made_with_these_networks():
-    digest = hashlib.sha256((ROOT / "data/networks/cnn.safetensors").read_bytes()).hexdigest()
-    assert digest in (ROOT / "docs/reference/model/model-card.md").read_text()
+    weights = hashlib.sha256((ROOT / "data/networks/cnn.safetensors").read_bytes()).hexdigest()
+    assert weights in (ROOT / "docs/reference/model/model-card.md").read_text()
 
 
 def other(**sections):
@@ -60,7 +65,7 @@ def other(**sections):
         other(network={"hidden": [100, 51]}),
         other(signals={"filter_coefficient": 2e-4}),
         other(data={"prior": "uniform"}),
-        other(images={"published": {"scale": "channel-max"}}),
+        other(image={"scale": "channel-max"}),
     ],
 )
 def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, config):
@@ -71,12 +76,12 @@ def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, con
 
 
 def test_what_does_not_decide_a_network_does_not_refuse_it():
-    same = other(training={"source": "stored", "networks": "elsewhere"}, images={"scale-aware": {"constant": 5.0}})
-    assert configuration_digest(same, "published") == configuration_digest(CONFIG, "published")
-    assert configuration_digest(same, "scale-aware") != configuration_digest(CONFIG, "scale-aware")
-    paper = other(training={"paper": {**CONFIG["training"]["paper"], "steps": 1}})
-    assert configuration_digest(paper, "published") == configuration_digest(CONFIG, "published")
-    assert configuration_digest(paper, "paper-recipe") != configuration_digest(CONFIG, "paper-recipe")
+    same = other(training={"source": "stored", "networks": "elsewhere"}, image={"constant": 5.0})
+    assert digest(same, "published") == digest(CONFIG, "published")
+    assert digest(same, "scale-aware") != digest(CONFIG, "scale-aware")
+    paper = other(training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
+    assert digest(paper, "published") == digest(CONFIG, "published")
+    assert digest(paper, "paper-recipe") != digest(CONFIG, "paper-recipe")
 
 
 @pytest.mark.parametrize("fault", ["missing", "swapped", "a changed byte"])

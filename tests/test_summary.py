@@ -123,7 +123,7 @@ def test_one_seed_has_no_spread():
 
 
 def test_rows_come_by_method_then_case_then_joint():
-    methods = METHODS[:4]
+    methods = tuple(METHODS)[:4]
     scores = random_scores((1,), cases=("N4", "N2", "N1"), methods=tuple(reversed(methods)))
     table = similarity_table(scores, "ID")
     expected = list(itertools.product(methods, ("N1", "N2", "N4"), (1, 2)))

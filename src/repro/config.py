@@ -82,6 +82,10 @@ class _Sources:
         self._config = config
         self._files = [(str(file), yaml.safe_load(Path(file).read_text(encoding="utf-8"))) for file in files]
 
+    def hold(self, place: Place) -> bool:
+        """Whether there is a value."""
+        return _at(self._config, place) is not _ABSENT
+
     def rank(self, place: Place) -> int:
         """Position of the last file that holds the merged value there; their number if none does."""
         value = _at(self._config, place)
@@ -91,10 +95,19 @@ class _Sources:
 
     def name(self, place: Place) -> str:
         """Name of that file; the first one for a value that is missing."""
-        if _at(self._config, place) is _ABSENT and self._files:
+        if not self.hold(place) and self._files:
             return self._files[0][0]
         rank = self.rank(place)
         return self._files[rank][0] if rank < len(self._files) else "command line"
+
+
+def merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration changed by another one, as Snakemake merges them: sections are merged, lists replaced."""
+    changed = dict(base)
+    for key, value in overlay.items():
+        both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
+        changed[key] = merged(base[key], value) if both else value
+    return changed
 
 
 def _expected(error: jsonschema.ValidationError) -> tuple[Place, str, str]:
@@ -199,12 +212,23 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
     sources = _Sources(config, files)
     for place, key in _odd_keys(config):
         raise InputError.at(f"{sources.name(place)}: {_field(place) or 'configuration'}", f"the key {key!r}", "text")
-    violations = list(_Validator(yaml.safe_load(schema.read_text(encoding="utf-8"))).iter_errors(config))
+    validator = _Validator(yaml.safe_load(schema.read_text(encoding="utf-8")))
+    _check(config, validator, sources)
+    for name, changes in config["networks"].items():
+        _check(merged(config, changes), validator, sources, ("networks", name))
+
+
+def _check(config: Mapping[str, Any], validator: Any, sources: _Sources, network: Place = ()) -> None:  # noqa: ANN401
+    """Raise an `InputError` at the first violation; `network` leads to the changes of a network in `config`."""
+    violations = list(validator.iter_errors(config))
     if violations:
         place, found, expected = _expected(min(violations, key=lambda e: [str(p) for p in e.absolute_path]))
+        place = (*network, *place)
         raise InputError.at(f"{sources.name(place)}: {_field(place)}", found, expected)
-    for place in _infinite(config):
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place), "a finite number")
+    for inner in _infinite(config):
+        place = (*network, *inner)
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, inner), "a finite number")
     for places, expected in _contradictions(config):
-        place = max(places, key=sources.rank)  # the one that was set last
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place), expected)
+        own = [(*network, *place) for place in places if sources.hold((*network, *place))]
+        place = max(own, key=sources.rank)  # the one that was set last
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place[len(network) :]), expected)

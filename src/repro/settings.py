@@ -14,6 +14,8 @@ from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
+from repro.cnn.unmodelled import UnmodelledSettings
+from repro.config import merged
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.model.parameters import Array
@@ -68,24 +70,26 @@ def network_settings(config: Config) -> NetworkSettings:
     )
 
 
-def data_settings(config: Config, variant: str) -> DataSettings:
-    """Training distribution of a variant, from sections ``data`` and ``images``."""
+def of_network(config: Config, network: str) -> dict[str, Any]:
+    """Configuration as a network changes it, from section ``networks``; the published one changes nothing."""
+    return merged(config, config["networks"][network]) if network != "published" else dict(config)
+
+
+def data_settings(config: Config) -> DataSettings:
+    """Training distribution, from sections ``data`` and ``image``."""
     d = config["data"]
     guess = GuessSettings(
         d["guess_low"], d["guess_high"], d["exact_share"], d["near_share"], d["near_low"], d["near_high"]
     )
-    image = "scale-aware" if variant == "scale-aware" else "published"
-    return DataSettings(d["prior"], guess, ImageSettings(**config["images"][image]), d["label"])
+    image, unmodelled = ImageSettings(**config["image"]), UnmodelledSettings(**d["unmodelled"])
+    return DataSettings(d["prior"], guess, image, d["label"], unmodelled)
 
 
-def training_settings(config: Config, variant: str) -> TrainingSettings:
-    """Recipe and budget of a variant, from section ``training``."""
+def training_settings(config: Config) -> TrainingSettings:
+    """Recipe and budget, from section ``training``; the paper's schedule only where the recipe is the paper's."""
     t = {key: value for key, value in config["training"].items() if key not in ("paper", "source", "networks")}
-    if variant != "paper-recipe":
-        return TrainingSettings(**t)
-    paper = dict(config["training"]["paper"])
-    own = {"recipe": "paper", "steps": paper.pop("steps"), "batch": paper.pop("batch")}
-    return TrainingSettings(**{**t, **own}, paper=PaperSchedule(**paper))
+    paper = PaperSchedule(**config["training"]["paper"]) if t["recipe"] == "paper" else PaperSchedule()
+    return TrainingSettings(**t, paper=paper)
 
 
 def search_settings(config: Config) -> SearchSettings:
@@ -98,6 +102,7 @@ def search_settings(config: Config) -> SearchSettings:
         low=a["guess_low"],
         high=a["guess_high"],
         feasibility=a["feasibility"],
+        image_motion=a["image_motion"],
         metric=metric_settings(config),
     )
 

@@ -1,4 +1,6 @@
 rule ablation_train:
+    input:
+        tracked=f"{R}/data/tracked.safetensors",
     output:
         weights=f"{R}/ablation/{{trained}}.safetensors",
         loss=f"{R}/ablation/{{trained}}.json",
@@ -14,7 +16,9 @@ rule ablation_train:
         runtime=90,
     params:
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
-        config=sections("signals", "network", "data", "images", "training", "ablation"),
+        config=sections(
+            "signals", "network", "data", "image", "training", "networks", "algorithm1", "board", "experiment", "ablation"
+        ),
     message:
         "Training for the reading {wildcards.trained}"
     script:

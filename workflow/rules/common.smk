@@ -1,6 +1,11 @@
-def sections(*names):
+def network_name(wildcards):
+    """Network of a suffix."""
+    return wildcards.suffix.removeprefix("-") or "published"
+
+
+def sections(*names, of=config):
     """Parts of the configuration that jobs depend on: changing another part does not run them again."""
-    parts = {name: config[name] for name in names}
+    parts = {name: of[name] for name in names}
     if "numeric" in parts:  # one more seed changes nothing for the jobs that work on one motion or one arm
         parts["numeric"] = {key: value for key, value in config["numeric"].items() if key != "seeds"}
     if "experiment" in parts:  # likewise
@@ -8,18 +13,37 @@ def sections(*names):
     return parts
 
 
+def network_sections(*names):
+    """The same parts, as the network of a job changes them."""
+    return lambda wildcards: sections(*names, of=of_network(config, network_name(wildcards)))
+
+
 def training_sections(wildcards):
     """What one network depends on; of where it comes from, stored networks only."""
-    parts = training_config(config, wildcards.suffix.removeprefix("-") or "published")
+    parts = training_config(of_network(config, network_name(wildcards)))
     source = {key: config["training"][key] for key in ("source", "networks")}
     return {**parts, "training": {**parts["training"], **source}}
 
 
+# Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
+SUFFIXES = ["", "-scale-aware", "-tracked"]
+
+
+def is_stored(wildcards):
+    """Whether a network is taken from those that come with the project."""
+    return config["training"]["source"] == "stored" and wildcards.suffix in SUFFIXES
+
+
 def stored_network(wildcards):
     """Files that a stored network is read from; one that is trained needs none."""
-    if config["training"]["source"] == "trained" or wildcards.suffix == "-paper-recipe":
-        return []
-    return list(stored_files(config["training"]["networks"], wildcards.suffix).values())
+    stored = stored_files(config["training"]["networks"], wildcards.suffix)
+    return list(stored.values()) if is_stored(wildcards) else []
+
+
+def tracked_motions(wildcards):
+    """Motions that a network is trained on, where they are not Eq. 10's own."""
+    motions = of_network(config, network_name(wildcards))["data"]["motions"]
+    return [] if is_stored(wildcards) or motions == "ideal" else f"{R}/data/tracked.safetensors"
 
 
 def identifications(suffixes):
@@ -43,10 +67,10 @@ def captures(motions):
 
 
 def experiment_identifications():
-    """Identifications of the arm: both networks with every seed, and least squares."""
+    """Identifications of the arm: every network with every seed, and least squares."""
     numbered = expand(
         f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
-        suffix=["", "-scale-aware"],
+        suffix=SUFFIXES,
         seed=config["experiment"]["search_seeds"],
     )
     return [*numbered, f"{R}/identification/experiment-least-squares.json"]
@@ -68,8 +92,9 @@ def ablation_sections():
         "signals",
         "network",
         "data",
-        "images",
+        "image",
         "training",
+        "networks",
         "metric",
         "algorithm1",
         "refinement",
@@ -90,7 +115,7 @@ def ledger_sources():
         "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=tables, ext=["csv", "tex", "md"]),
         "training": f"{R}/model/training.csv",
         "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
-        "identifications": [*identifications(["", "-scale-aware"]), *experiment_identifications()],
+        "identifications": [*identifications(SUFFIXES), *experiment_identifications()],
     }
 
 

@@ -1,3 +1,23 @@
+rule simulate_tracked:
+    output:
+        f"{R}/data/tracked.safetensors",
+    log:
+        f"{R}/logs/simulate_tracked.log",
+    benchmark:
+        f"{R}/benchmarks/simulate_tracked.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        config=sections("signals", "data", "board", "experiment"),
+    message:
+        "Simulating the arms whose motions a network is trained on"
+    script:
+        "../scripts/simulate_tracked.py"
+
+
 rule mean_torque:
     output:
         f"{R}/data/mean_torque.csv",
@@ -11,7 +31,7 @@ rule mean_torque:
     resources:
         mem_mb=1000,
     params:
-        config=sections("signals", "data", "images", "training"),
+        config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"
     script:

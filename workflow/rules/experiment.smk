@@ -53,8 +53,8 @@ rule identify_experiment:
         mem_mb=2000,
     params:
         seeds=config["experiment"]["search_seeds"],
-        config=sections(
-            "signals", "arm", "board", "experiment", "network", "data", "images", "metric", "algorithm1", "refinement"
+        config=network_sections(
+            "signals", "arm", "board", "experiment", "network", "data", "image", "metric", "algorithm1", "refinement"
         ),
     message:
         "Identifying the arm, network{wildcards.suffix}"
@@ -151,7 +151,7 @@ rule score_spread:
             "experiment",
             "network",
             "data",
-            "images",
+            "image",
             "metric",
             "algorithm1",
             "refinement",

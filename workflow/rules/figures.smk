@@ -215,7 +215,7 @@ rule fig08:
         mem_mb=1500,
     params:
         name="fig08",
-        config=sections("signals", "data", "images", "training"),
+        config=sections("signals", "data", "image", "training"),
     message:
         "Images of the training data (Fig. 8)"
     script:
@@ -243,7 +243,7 @@ rule fig09:
         mem_mb=1500,
     params:
         name="fig09",
-        config=sections("signals", "data", "images", "training"),
+        config=sections("signals", "data", "image", "training"),
     message:
         "Torque distribution of the training data (Fig. 9)"
     script:

@@ -19,7 +19,7 @@ rule identify_numeric:
         mem_mb=2000,
     params:
         seeds=config["numeric"]["seeds"],
-        config=sections("signals", "network", "data", "images", "metric", "algorithm1", "refinement", "numeric"),
+        config=network_sections("signals", "network", "data", "image", "metric", "algorithm1", "refinement", "numeric"),
     message:
         "Identifying N1 to N4, network{wildcards.suffix}"
     script:

@@ -84,8 +84,8 @@ rule table03:
 
 rule table04:
     input:
-        identifications=identifications(["", "-scale-aware"]),
-        scores=[f"{R}/validation/numeric.csv", f"{R}/validation/numeric-scale-aware.csv"],
+        identifications=identifications(SUFFIXES),
+        scores=expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     output:
         csv=report(
             f"{R}/tables/table04.csv",
@@ -115,8 +115,8 @@ rule table04:
 
 rule table05:
     input:
-        identifications=identifications(["", "-scale-aware"]),
-        scores=[f"{R}/validation/numeric.csv", f"{R}/validation/numeric-scale-aware.csv"],
+        identifications=identifications(SUFFIXES),
+        scores=expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     output:
         csv=report(
             f"{R}/tables/table05.csv",
@@ -146,7 +146,7 @@ rule table05:
 
 rule table06:
     input:
-        scores=[f"{R}/validation/numeric.csv", f"{R}/validation/numeric-scale-aware.csv"],
+        scores=expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     output:
         csv=report(
             f"{R}/tables/table06.csv",
@@ -176,7 +176,7 @@ rule table06:
 
 rule table07:
     input:
-        scores=[f"{R}/validation/numeric.csv", f"{R}/validation/numeric-scale-aware.csv"],
+        scores=expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     output:
         csv=report(
             f"{R}/tables/table07.csv",

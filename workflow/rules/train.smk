@@ -1,6 +1,7 @@
 rule train:
     input:
-        stored_network,
+        stored=stored_network,
+        motions=tracked_motions,
     output:
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
         history=report(

@@ -4,29 +4,30 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from repro.estimators.interface import Estimate, Method
-from repro.model.parameters import NAMES
-from repro.regression.prepare import Regression
+from repro.model.parameters import NAMES, Array
 from repro.regression.solve import asked, nine_rows, snap
 
 
-def estimate(regression: Regression) -> Estimate:
+def solve(y: Array, tau: Array) -> Estimate:
     """Least squares under the bounds beta >= 0.
 
     Parameters
     ----------
-    regression : Regression
-        Filtered regressor and torque.
+    y : array of shape (2, n, 9)
+        Filtered regressor.
+    tau : array of shape (2, n)
+        Filtered torque, N m.
 
     Returns
     -------
     Estimate
         With the names of the parameters held at their bound.
     """
-    r, c, scale = nine_rows(regression.y, regression.tau)
+    r, c, scale = nine_rows(y, tau)
     z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(r, c)
     beta = snap(np.maximum(z, 0.0), 1e-12) / scale
     held = [name for name, value in zip(NAMES, beta, strict=True) if value == 0.0]
     return Estimate(beta, (f"held at zero: {', '.join(held)}",) if held else ())
 
 
-METHOD = Method("bounded", "bounded least squares", "branch1999subspace", estimate)
+METHOD = Method("bounded", "bounded least squares", "branch1999subspace", lambda r: solve(r.y, r.tau))

@@ -14,7 +14,6 @@ from scipy.optimize import lsq_linear
 from repro.estimators.interface import Estimate, Method, NoSolutionError
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array
-from repro.regression.prepare import Regression
 from repro.regression.solve import asked, nine_rows, snap
 
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
@@ -93,22 +92,24 @@ def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
     return solve_consistent(r, c, scale, margin), True
 
 
-def estimate(regression: Regression) -> Estimate:
+def solve(y: Array, tau: Array) -> Estimate:
     """Least squares over physically consistent parameters.
 
     Parameters
     ----------
-    regression : Regression
-        Filtered regressor and torque.
+    y : array of shape (2, n, 9)
+        Filtered regressor.
+    tau : array of shape (2, n)
+        Filtered torque, N m.
 
     Returns
     -------
     Estimate
         M(q) is positive definite in every pose and no friction is negative.
     """
-    beta, held = consistent(*nine_rows(regression.y, regression.tau))
+    beta, held = consistent(*nine_rows(y, tau))
     note = "the conditions of physical consistency hold it" if held else "consistent without being held"
     return Estimate(beta, (note,))
 
 
-METHOD = Method("consistent", "consistent least squares", "sousa2014physical", estimate)
+METHOD = Method("consistent", "consistent least squares", "sousa2014physical", lambda r: solve(r.y, r.tau))

@@ -1,7 +1,7 @@
 """Algorithm 1: parametric identification, lines 8 to 32; `repro.identify.prepare` holds lines 1 to 12."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from repro.signals.metric import MetricSettings, TorqueScorer
 
 if TYPE_CHECKING:
     from repro.identify.residual import ResidualReader
+
+
+ImageMotion = Literal["measured", "desired"]
+IMAGE_MOTIONS: tuple[ImageMotion, ...] = get_args(ImageMotion)
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,8 @@ class SearchSettings:
         What line 22 calls physically possible, see `repro.model.feasibility`.
     metric : MetricSettings
         Formulas of **metr2ev**.
+    image_motion : {"measured", "desired"}
+        Motion that f of the image is taken on, line 18: the measured one as listed, or the one that was sent.
     """
 
     executions: int = 100
@@ -42,6 +48,7 @@ class SearchSettings:
     high: float = 3.0
     feasibility: str = "positive"
     metric: MetricSettings = field(default_factory=MetricSettings)
+    image_motion: ImageMotion = "measured"
 
     def __post_init__(self) -> None:
         """Refuse budgets that are not positive and an unknown check."""
@@ -49,6 +56,8 @@ class SearchSettings:
             raise ValueError("executions, inner_limit: must be at least 1.")
         if not 0 < self.low < self.high:
             raise ValueError(f"low, high: must be positive with low below high, got {self.low} and {self.high}.")
+        if self.image_motion not in IMAGE_MOTIONS:
+            raise ValueError(f"image_motion: must be one of {IMAGE_MOTIONS}, got {self.image_motion!r}.")
         if self.feasibility not in CHECKS:
             raise ValueError(f"feasibility: must be one of {tuple(CHECKS)}, got {self.feasibility!r}.")
 

@@ -100,6 +100,13 @@ def fit2trt(tau: Array, tau_mean: Array) -> float:
     return float(np.mean(np.linalg.norm(tau_mean, axis=0)[level] / norm[level]))
 
 
+def _cut_motion(q: Array, settings: SignalSettings, proper: slice, pace: float) -> tuple[Array, Array, Array]:
+    """Lines 1, 2 and 4 for a position: the cut motion in canonical time."""
+    dq = dct2dev(q, settings.h, settings.c_f, settings.reading)
+    ddq = dct2dev(dq, settings.h, settings.c_f, settings.reading)
+    return q[:, proper], dq[:, proper] / pace, ddq[:, proper] / pace**2
+
+
 def prepare(
     q: Array,
     tau: Array,
@@ -108,6 +115,7 @@ def prepare(
     n1: int = 0,
     n2: int | None = None,
     pace: float = 1.0,
+    desired: Array | None = None,
 ) -> Prepared:
     """Lines 1 to 12 of Algorithm 1.
 
@@ -125,6 +133,8 @@ def prepare(
         First sample kept and the one after the last; all by default.
     pace : float
         Canonical time over recorded time, for a trajectory that was run slower or faster than in training.
+    desired : array of shape (2, N), optional
+        Position as it was sent, rad: f of the image is taken on it instead of on `q`, an extension of ours.
 
     Returns
     -------
@@ -141,15 +151,14 @@ def prepare(
         raise ValueError(f"pace: must be positive and finite, got {pace}.")
     q, tau = check_motion(q, tau)
     h, c_f, reading = settings.h, settings.c_f, settings.reading
-    dq = dct2dev(q, h, c_f, reading)  # line 1
-    ddq = dct2dev(dq, h, c_f, reading)  # line 2
     tau = dct2low(tau, h, c_f, reading)  # line 3
     n2 = q.shape[-1] if n2 is None else n2
     if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
         raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
-    q, dq, ddq, tau = (x[:, n1:n2] for x in (q, dq, ddq, tau))  # line 4
-    dq, ddq = dq / pace, ddq / pace**2  # canonical time; tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
-    steepness = LAMBDA * pace
+    q, dq, ddq = _cut_motion(q, settings, slice(n1, n2), pace)
+    tau = tau[:, n1:n2]  # line 4
+    steepness = LAMBDA * pace  # tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
+    shown = (q, dq, ddq) if desired is None else _cut_motion(desired, settings, slice(n1, n2), pace)
     c_p = fit2trt(tau, tau_mean)  # line 5
     # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
     # alone; it is left out of the signals here and carried as a number.
@@ -157,7 +166,7 @@ def prepare(
     largest = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
     return Prepared(
         q, dq, ddq, tau, c_p, largest, tau_s / largest,
-        model=image_regressor(q, dq, ddq, settings, steepness),
+        model=image_regressor(*shown, settings, steepness),
         y_sub=regressor(q_s, dq_s, ddq_s, steepness),
         y=regressor(q, dq, ddq, steepness),
         pace=pace,

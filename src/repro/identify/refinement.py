@@ -40,7 +40,7 @@ class RefinementSettings:
     keep : int
         Most similar candidates that survive a pass and are moved in the next.
     passes : int
-        Number of passes.
+        Number of passes; with none there is no refinement.
     read_passes : int
         Passes whose guesses the network reads. In those after, moves and selection go on without it: by then the set
         closes in on what the similarity prefers, and a reading costs a hundred times a comparison.
@@ -60,8 +60,8 @@ class RefinementSettings:
 
     def __post_init__(self) -> None:
         """Refuse budgets and moves that cannot be."""
-        if self.restarts < 0 or self.keep < 1 or self.passes < 1 or self.read_passes < 0:
-            raise ValueError("restarts, keep, passes, read_passes: must be at least 0, 1, 1 and 0.")
+        if self.restarts < 0 or self.keep < 1 or self.passes < 0 or self.read_passes < 0:
+            raise ValueError("restarts, keep, passes, read_passes: must be at least 0, 1, 0 and 0.")
         if not 0 < self.reach < np.inf:
             raise ValueError(f"reach: must be positive and finite, got {self.reach}.")
         if not 0 <= self.jitter < np.inf:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from repro.cnn.checkpoint import load_network, save_network
-from repro.cnn.dataset import sample_motion
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.train import train
 from repro.files import write_json
@@ -21,6 +20,7 @@ from repro.pipeline.network_stages import identifier_of
 from repro.pipeline.numeric import mean_training_torque, score_estimates
 from repro.pipeline.readings import READINGS, read_as
 from repro.pipeline.recordings import Recording, read_recording
+from repro.pipeline.tracked import training_motion
 from repro.progress import Progress
 from repro.settings import (
     data_settings,
@@ -35,7 +35,7 @@ from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
 
-def train_reading(name: str, weights_file: str, checkpoint: str, config: Config) -> None:
+def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, config: Config) -> None:
     """Train the network of a reading and keep its held-out loss beside it.
 
     Parameters
@@ -44,6 +44,8 @@ def train_reading(name: str, weights_file: str, checkpoint: str, config: Config)
         Key of `READINGS`.
     weights_file : str
         ``NAME.safetensors``; ``NAME.json`` with the loss is written beside it.
+    tracked : str
+        File of `repro.pipeline.tracked.simulate_tracked`.
     checkpoint : str
         Where training continues from after an interruption.
     config : mapping
@@ -51,23 +53,22 @@ def train_reading(name: str, weights_file: str, checkpoint: str, config: Config)
     """
     reading, weights = READINGS[name], Path(weights_file)
     c = read_as(config, reading)
-    signals = signal_settings(c)
     progress = Progress(f"training, {reading.question}: {reading.name}")
     trained = train(
-        sample_motion(identification_trajectory(signals.duration, signals.h), signals),
-        data_settings(c, reading.variant),
+        training_motion(c, Path(tracked)),
+        data_settings(c),
         network_settings(c),
-        training_settings(c, reading.variant),
+        training_settings(c),
         Path(checkpoint),
         lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
     )
-    save_network(weights, trained.network, {"variant": reading.variant})
+    save_network(weights, trained.network, {"reading": name})
     step, _, test_loss = (float(x) for x in trained.history[-1][:3])
     write_json(weights.with_suffix(".json"), {"steps": int(step), "held_out_loss": test_loss})
     Path(checkpoint).unlink(missing_ok=True)
 
 
-def _identify_literally(network: FactoredCNN, variant: str, c: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
+def _identify_literally(network: FactoredCNN, c: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
     """Algorithm 1 alone on every test arm, in the form of `numeric_identification.identify_arms`."""
     signals, numeric, settings = signal_settings(c), numeric_settings(c), search_settings(c)
     motion = identification_trajectory(signals.duration, signals.h, numeric.margin)
@@ -75,11 +76,11 @@ def _identify_literally(network: FactoredCNN, variant: str, c: Config, tau_mean:
     arms = {}
     for index, (case, beta) in enumerate(numeric.arms.items()):
         prepared = prepare(motion.q, rebuild_torque(y, beta), tau_mean, signals, numeric.margin, numeric.margin + n)
-        reader = ResidualReader(network, data_settings(c, variant).image, prepared)
+        reader = ResidualReader(network, data_settings(c).image, prepared)
         found = search(reader, prepared, settings, stream(seed, Stream.SEARCH, index))
         estimate = {"beta": select(found.beta, prepared, settings).beta.tolist()}
         arms[case] = {"true": beta.tolist(), "methods": {"algorithm1": estimate}}
-    return {"variant": variant, "seed": seed, "arms": arms}
+    return {"variant": "reading", "seed": seed, "arms": arms}
 
 
 def run_reading(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
@@ -103,13 +104,13 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
     c = read_as(config, reading)
     signals, metric = signal_settings(c), metric_settings(c)
     network = load_network(Path(weights), network_settings(c))
-    data, seeds = data_settings(c, reading.variant), c["ablation"]["seeds"]
+    data, seeds = data_settings(c), c["ablation"]["seeds"]
     tau_mean = mean_training_torque(signals, data, c["training"]["seed"])
-    runs = [_identify_literally(network, reading.variant, c, tau_mean, seed) for seed in seeds]
+    runs = [_identify_literally(network, c, tau_mean, seed) for seed in seeds]
     numeric = score_estimates(runs, signals, numeric_settings(c), metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
     recordings = [read_recording(Path(name), c) for name in captures if name.endswith(".bin")]
-    arm = _arm_scores(network, reading.variant, recordings, tau_mean, c)
+    arm = _arm_scores(network, recordings, tau_mean, c)
     result: dict[str, Any] = {
         "id_mean": float(cells["ID"].mean()),
         "id_lowest": float(cells["ID"].min()),
@@ -120,11 +121,11 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
 
 
 def _arm_scores(
-    network: FactoredCNN, variant: str, recordings: Sequence[Recording], tau_mean: Array, c: Config
+    network: FactoredCNN, recordings: Sequence[Recording], tau_mean: Array, c: Config
 ) -> Mapping[str, float]:
     """Mean total similarity on T1 to T4 for the refined Algorithm 1, least squares and the true parameters."""
     signals, true = signal_settings(c), true_parameters(c)
-    identifier = identifier_of(variant, network, c)
+    identifier = identifier_of("published", network, c)
     runs = [identify_recording(identifier, recordings[0], tau_mean, signals, c["ablation"]["seeds"][0], true)]
     runs.append(least_squares_of(recordings[0], signals, true))
     scores = score_runs(runs, recordings[1:], signals, metric_settings(c))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from repro.config import check_config
+from repro.config import check_config, merged
 from repro.errors import InputError
 from repro.fpga.about import About, Host
 from repro.fpga.controller import ControlConstants
@@ -46,7 +46,7 @@ def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
     """
     config = _read_yaml(path)
     for overlay in overlays:
-        config = _merged(config, _read_yaml(overlay))
+        config = merged(config, _read_yaml(overlay))
     schema = path.resolve().parent.parent / SCHEMA
     if not schema.exists():
         raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
@@ -66,14 +66,6 @@ def _read_yaml(path: Path) -> dict[str, Any]:
     if not isinstance(config, dict):
         raise InputError.at(str(path), type(config).__name__, "sections, as in config/config.yaml")
     return config
-
-
-def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
-    changed = dict(base)
-    for key, value in overlay.items():
-        both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
-        changed[key] = _merged(base[key], value) if both else value
-    return changed
 
 
 def control_constants(config: Config) -> ControlConstants:

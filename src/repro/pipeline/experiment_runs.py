@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 
 from repro.cnn.dataset import SignalSettings
+from repro.estimators import bounded, consistent
+from repro.identify.algorithm1 import ImageMotion
 from repro.identify.least_squares import least_squares
 from repro.identify.prepare import Prepared, prepare
 from repro.model.dynamics import rebuild_torque, regressor
@@ -55,7 +57,9 @@ def filtered(recording: Recording, signals: SignalSettings) -> Filtered:
     return Filtered(recording.q[:, proper], dq[:, proper], ddq[:, proper], tau[:, proper])
 
 
-def prepare_recording(recording: Recording, tau_mean: Array, signals: SignalSettings) -> Prepared:
+def prepare_recording(
+    recording: Recording, tau_mean: Array, signals: SignalSettings, image_motion: ImageMotion = "measured"
+) -> Prepared:
     """Lines 1 to 12 of Algorithm 1 for a recording of any duration.
 
     Parameters
@@ -66,6 +70,8 @@ def prepare_recording(recording: Recording, tau_mean: Array, signals: SignalSett
         Mean torque of the training data at the M samples of the training's trajectory.
     signals : SignalSettings
         Sampling and filter.
+    image_motion : {"measured", "desired"}
+        Motion that f of the image is taken on.
 
     Returns
     -------
@@ -76,7 +82,8 @@ def prepare_recording(recording: Recording, tau_mean: Array, signals: SignalSett
     n, m = n2 - n1, tau_mean.shape[1]
     phase = (np.arange(n) + 0.5) * m / n - 0.5
     mean = np.stack([np.interp(phase, np.arange(m), joint) for joint in tau_mean])
-    return prepare(recording.q, recording.tau, mean, signals, n1, n2, pace=m / n)
+    desired = recording.program.q if image_motion == "desired" else None
+    return prepare(recording.q, recording.tau, mean, signals, n1, n2, m / n, desired)
 
 
 def identify_recording(
@@ -104,7 +111,7 @@ def identify_recording(
     dict
         One arm in the form of `repro.pipeline.numeric_identification.identify_arms`.
     """
-    prepared = prepare_recording(recording, tau_mean, signals)
+    prepared = prepare_recording(recording, tau_mean, signals, identifier.search.image_motion)
     methods, met = identifier.methods(
         prepared, stream(seed, Stream.EXPERIMENT_SEARCH), stream(seed, Stream.EXPERIMENT_REFINE)
     )
@@ -113,16 +120,25 @@ def identify_recording(
 
 
 def least_squares_of(recording: Recording, signals: SignalSettings, true: Array) -> dict[str, Any]:
-    """Least squares on the signals that Algorithm 1 sees, in the same form; it has no seed of its own."""
+    """Least squares on the signals that Algorithm 1 sees, in the same form; it has no seed of its own.
+
+    As the paper has it; with no parameter below zero, which is what line 22 asks of Algorithm 1; and with a
+    positive-definite inertia matrix. The last two are the methods that a user's own arm is identified by.
+    """
     f = filtered(recording, signals)
-    solution = least_squares(f.regressor, f.tau)
-    own = {
-        "beta": solution.beta.tolist(),
-        "standard_error": solution.standard_error.tolist(),
-        "condition": solution.condition,
+    y = f.regressor
+    solution = least_squares(y, f.tau)
+    methods = {
+        "least-squares": {
+            "beta": solution.beta.tolist(),
+            "standard_error": solution.standard_error.tolist(),
+            "condition": solution.condition,
+        },
+        "bounded": {"beta": bounded.solve(y, f.tau).beta.tolist()},
+        "consistent": {"beta": consistent.solve(y, f.tau).beta.tolist()},
+        "true": {"beta": true.tolist()},
     }
-    arm = {"true": true.tolist(), "methods": {"least-squares": own, "true": {"beta": true.tolist()}}}
-    return {"variant": "least-squares", "seed": 0, "arms": {CASE: arm}}
+    return {"variant": "least-squares", "seed": 0, "arms": {CASE: {"true": true.tolist(), "methods": methods}}}
 
 
 def every_seed(runs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

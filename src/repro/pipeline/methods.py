@@ -12,9 +12,6 @@ from repro.identify.prepare import Prepared
 from repro.identify.refinement import RefinementSettings, refine, restart
 from repro.identify.residual import ResidualReader
 
-#: What each network adds to a method's name.
-SUFFIX = {"published": "", "scale-aware": "+scale-aware", "paper-recipe": "+paper-recipe"}
-
 
 @dataclass(frozen=True)
 class Identifier:
@@ -23,7 +20,7 @@ class Identifier:
     Attributes
     ----------
     variant : str
-        Network variant, a key of `SUFFIX`.
+        Network's name, which methods carry behind theirs unless it is the published one.
     network : FactoredCNN
         Trained network.
     image : ImageSettings
@@ -46,7 +43,7 @@ class Identifier:
         search_rng: np.random.Generator,
         refine_rng: np.random.Generator,
     ) -> tuple[dict[str, dict[str, Any]], int]:
-        """Run all three.
+        """Run all three, or Algorithm 1 alone where the refinement has no passes.
 
         Parameters
         ----------
@@ -65,14 +62,17 @@ class Identifier:
         """
         reader = ResidualReader(self.network, self.image, prepared)
         found = search(reader, prepared, self.search, search_rng)
-        suffix = SUFFIX[self.variant]
+        suffix = "" if self.variant == "published" else f"+{self.variant}"
         results = {f"algorithm1{suffix}": _estimate(select(found.beta, prepared, self.search), reader.images)}
+        met = int((found.similarity >= self.search.threshold).sum())
+        if not self.refinement.passes:
+            return results, met
         candidates = restart(reader, found.beta, self.search, self.refinement, refine_rng)
         for method, feed_back in (("local-search", False), ("refinement", True)):  # the control reads no further image
             best = refine(reader, candidates, prepared, self.search, self.refinement, refine_rng, feed_back)
             chosen = select(best, prepared, self.search)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
-        return results, int((found.similarity >= self.search.threshold).sum())
+        return results, met
 
 
 def _estimate(selected: Selected, images: int) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from repro.cnn.checkpoint import load_network, save_network
-from repro.cnn.dataset import sample_motion
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.train import on_this_processor, train
@@ -25,6 +24,7 @@ from repro.pipeline.numeric_identification import Experiment, identify_arms
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.spread import read_spread
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
+from repro.pipeline.tracked import training_motion
 from repro.progress import Progress
 from repro.settings import (
     data_settings,
@@ -36,21 +36,21 @@ from repro.settings import (
     signal_settings,
     training_settings,
 )
-from repro.signals.trajectories import identification_trajectory, sample_times
+from repro.signals.trajectories import sample_times
 
 _LOG = logging.getLogger(__name__)
 
 
-def train_network(variant: str, named_outputs: Named, checkpoint: str, config: Config) -> None:
+def train_network(name: str, named_inputs: Named, named_outputs: Named, checkpoint: str, config: Config) -> None:
     """Stage train: weights, history and model card, stored or trained; training continues from `checkpoint`."""
     out = {name: files[0] for name, files in paths(named_outputs).items()}
-    if config["training"]["source"] == "stored" and variant != "paper-recipe":
-        take_stored(variant, out, config)
+    if config["training"]["source"] == "stored" and name != "paper-recipe":
+        take_stored(name, out, config)
         return
-    signals, network = signal_settings(config), network_settings(config)
-    data, training = data_settings(config, variant), on_this_processor(training_settings(config, variant))
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
-    progress = Progress(f"training, {variant}")
+    network = network_settings(config)
+    data, training = data_settings(config), on_this_processor(training_settings(config))
+    motion = training_motion(config, *paths(named_inputs).get("motions", []))
+    progress = Progress(f"training, {name}")
     trained = train(
         motion,
         data,
@@ -60,7 +60,7 @@ def train_network(variant: str, named_outputs: Named, checkpoint: str, config: C
         lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
     )
     history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
-    save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config, variant)})
+    save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config)})
     write_csv(out["history"], history)
     card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
     write_text(out["card"], card)
@@ -97,7 +97,7 @@ def identify_numeric(
     experiment = Experiment(
         variant,
         signals,
-        data_settings(config, variant),
+        data_settings(config),
         search_settings(config),
         refinement_settings(config),
         numeric_settings(config),
@@ -117,7 +117,7 @@ def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identif
     network : FactoredCNN
         Trained network.
     config : mapping
-        Sections ``data``, ``images``, ``metric``, ``algorithm1``, ``refinement`` and ``experiment``.
+        Sections ``data``, ``image``, ``metric``, ``algorithm1``, ``refinement`` and ``experiment``.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identif
     return Identifier(
         variant,
         network,
-        data_settings(config, variant).image,
+        data_settings(config).image,
         replace(search_settings(config), threshold=config["experiment"]["threshold"]),
         refinement_settings(config),
     )

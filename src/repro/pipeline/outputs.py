@@ -80,12 +80,8 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig05": lambda _, c: draw.subsampling(signal_settings(c), numeric_settings(c).arms["N1"]),
     "fig06": lambda _, c: _id_trajectory(c),
     "fig07": lambda _, c: architecture(network_settings(c)),
-    "fig08": lambda _, c: draw.example_images(
-        signal_settings(c), data_settings(c, "published"), training_settings(c, "published").seed
-    ),
-    "fig09": lambda _, c: draw.torque_distribution(
-        signal_settings(c), data_settings(c, "published"), training_settings(c, "published").seed
-    ),
+    "fig08": lambda _, c: draw.example_images(signal_settings(c), data_settings(c), training_settings(c).seed),
+    "fig09": lambda _, c: draw.torque_distribution(signal_settings(c), data_settings(c), training_settings(c).seed),
     "fig10": lambda i, _: draw.loss(read_csv(i["history"][0], HISTORY_COLUMNS)),
     "fig11": lambda i, c: draw.kernel_spectra(read_weights(i["weights"][0], network_settings(c))),
     "fig12": lambda i, c: _torques(i, c, "ID", ("N1", "N2")),
@@ -104,7 +100,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
 TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "table01": lambda _, __: schematics.related_work(),
     "table02": lambda _, __: parameter_description(),
-    "table03": lambda _, c: network_features(network_settings(c), training_settings(c, "published")),
+    "table03": lambda _, c: network_features(network_settings(c), training_settings(c)),
     "table04": lambda i, _: parameter_table(read_identifications(i["identifications"]), _scores(i), ("N1", "N2")),
     "table05": lambda i, _: parameter_table(read_identifications(i["identifications"]), _scores(i), ("N3", "N4")),
     "table06": lambda i, _: similarity_table(_scores(i), "ID"),

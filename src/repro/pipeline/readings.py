@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from repro.config import merged
 from repro.pipeline.named import Config
+from repro.settings import of_network
 
 
 @dataclass(frozen=True)
@@ -23,8 +25,8 @@ class Reading:
         This way.
     change : mapping
         Sections and keys of the configuration that differ from the default.
-    variant : str
-        Network variant.
+    network : str
+        Network that it starts from.
     trained : bool
         Whether it needs a network of its own; otherwise the default reading's is used.
     """
@@ -32,7 +34,7 @@ class Reading:
     question: str
     name: str
     change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    variant: str = "published"
+    network: str = "published"
     trained: bool = False
 
 
@@ -48,8 +50,8 @@ READINGS: dict[str, Reading] = {
     ),
     "ranges-published": Reading("training ranges", "as printed", {"data": {"prior": "published"}}, trained=True),
     "label-physical": Reading("label scale", "SI units", {"data": {"label": "physical"}}, trained=True),
-    "image-constant": Reading("divisor of Z1", "a constant (ours)", variant="scale-aware", trained=True),
-    "recipe-paper": Reading("training recipe", "the paper's schedule", variant="paper-recipe", trained=True),
+    "image-constant": Reading("divisor of Z1", "a constant (ours)", network="scale-aware", trained=True),
+    "recipe-paper": Reading("training recipe", "the paper's schedule", network="paper-recipe", trained=True),
     "metric-mean-square": Reading("time factor of metr2ev", "mean square", {"metric": {"time_formula": "mean-square"}}),
     "check-definite": Reading(
         "physically possible", "positive-definite inertia", {"algorithm1": {"feasibility": "positive-definite"}}
@@ -74,15 +76,10 @@ def read_as(config: Config, reading: Reading) -> dict[str, Any]:
     dict
         A copy.
     """
-    changed: dict[str, Any] = copy.deepcopy(dict(config))
-    for section, keys in reading.change.items():
-        changed[section] = {**changed[section], **keys}
-    budget = changed["ablation"]
-    changed["training"] = {
-        **changed["training"],
-        "steps": budget["steps"],
-        "paper": {**changed["training"]["paper"], "steps": budget["paper_steps"]},
-    }
+    changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))
+    paper = changed["training"]["recipe"] == "paper"
+    changed["training"]["steps"] = changed["ablation"]["paper_steps" if paper else "steps"]
+    changed["refinement"] = config["refinement"]  # every reading is refined, whatever its network is used for
     return changed
 
 

@@ -16,7 +16,7 @@ from repro.signals.trajectories import identification_trajectory
 def mean_torque(output: str, config: Config) -> None:
     """Stage data: mean training torque, which fit2trt needs."""
     signals = signal_settings(config)
-    tau = mean_training_torque(signals, data_settings(config, "published"), training_settings(config, "published").seed)
+    tau = mean_training_torque(signals, data_settings(config), training_settings(config).seed)
     time = identification_trajectory(signals.duration, signals.h).time
     write_csv(Path(output), pd.DataFrame({"time": time, "joint1": tau[0], "joint2": tau[1]}))
 

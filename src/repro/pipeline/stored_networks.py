@@ -19,20 +19,31 @@ CONFIGURATION = "configuration"
 SOURCE_KEYS = ("source", "networks")
 
 
-def training_config(config: Config, variant: str) -> dict[str, Any]:
-    """What decides a network: its own image, and the paper's schedule only if it is trained by it."""
-    image = "scale-aware" if variant == "scale-aware" else "published"
-    left_out = SOURCE_KEYS if variant == "paper-recipe" else (*SOURCE_KEYS, "paper")
+def training_config(config: Config) -> dict[str, Any]:
+    """What decides a network: nothing of another recipe or another divisor."""
+    left_out = SOURCE_KEYS if config["training"]["recipe"] == "paper" else (*SOURCE_KEYS, "paper")
+    image = config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]}
+    data = {key: value for key, value in config["data"].items() if key != "tracked"}
+    how: dict[str, Any] = {"data": data}
+    if data["motions"] == "tracked":
+        e = config["experiment"]
+        how = {
+            "data": config["data"],
+            "board": config["board"],
+            "experiment": {key: e[key] for key in ("margin_samples", "lead_in_s")},
+            "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
+        }
     return {
-        **{name: config[name] for name in ("signals", "network", "data")},
-        "images": {image: config["images"][image]},
+        **{name: config[name] for name in ("signals", "network")},
+        **how,
+        "image": image,
         "training": {key: value for key, value in config["training"].items() if key not in left_out},
     }
 
 
-def configuration_digest(config: Config, variant: str) -> str:
+def configuration_digest(config: Config) -> str:
     """SHA-256 of `training_config` as text: the same on every machine."""
-    text = json.dumps(training_config(config, variant), sort_keys=True)
+    text = json.dumps(training_config(config), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -42,7 +53,7 @@ def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
     return {what: Path(folder) / name.format(suffix) for what, name in names.items()}
 
 
-def take_stored(variant: str, out: dict[str, Path], config: Config) -> None:
+def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     """Copy a stored network, its history and its model card to `out`.
 
     Raises
@@ -50,7 +61,7 @@ def take_stored(variant: str, out: dict[str, Path], config: Config) -> None:
     InputError
         If there is none, it is damaged, or it was trained with another configuration.
     """
-    suffix = "" if variant == "published" else f"-{variant}"
+    suffix = "" if network == "published" else f"-{network}"
     stored = stored_files(config["training"]["networks"], suffix)
     weights = stored["weights"]
     expected = "one trained with this configuration; training.source: trained trains it"
@@ -60,7 +71,7 @@ def take_stored(variant: str, out: dict[str, Path], config: Config) -> None:
         card, digest = stored["card"].read_text(encoding="utf-8"), hashlib.sha256(weights.read_bytes()).hexdigest()
     except (OSError, SafetensorError, UnicodeDecodeError) as error:
         raise InputError.at(str(weights), f"no readable stored network ({error})", expected) from error
-    if metadata.get(CONFIGURATION) != configuration_digest(config, variant):
+    if metadata.get(CONFIGURATION) != configuration_digest(config):
         raise InputError.at(str(weights), "a network of another configuration", expected)
     if digest not in card:
         raise InputError.at(f"{weights}: SHA-256", digest, f"that of {stored['card'].name}")

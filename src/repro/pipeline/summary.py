@@ -6,18 +6,8 @@ from typing import Any
 import pandas as pd
 
 from repro.errors import InputError
+from repro.identify.registry import METHODS
 from repro.model.parameters import NAMES, UNITS
-
-#: Order of methods in every table.
-METHODS = (
-    *(
-        f"algorithm1{step}{network}"
-        for network in ("", "+scale-aware", "+paper-recipe")
-        for step in ("", "+refinement", "+local-search")
-    ),
-    "least-squares",
-    "true",
-)
 
 
 def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
@@ -48,7 +38,7 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
     unknown = set(frame["method"]) - set(METHODS)
     if unknown:
         raise InputError.at("results: method", sorted(unknown)[0], f"one of {', '.join(METHODS)}")
-    method = pd.Categorical(frame["method"], METHODS, ordered=True)
+    method = pd.Categorical(frame["method"], list(METHODS), ordered=True)
     return frame.assign(method=method).sort_values(["method", "case"], kind="stable").astype({"method": str})
 
 

@@ -5,20 +5,9 @@ from collections.abc import Sequence
 import pandas as pd
 
 from repro.errors import InputError
+from repro.identify.registry import METHODS
 from repro.render.contract import check_names, check_range, check_table
 from repro.render.markup import Table, Text, formula, number, plain, unit
-
-#: What the tables call each method, in the order of their blocks; others follow under their own name.
-METHODS = {
-    "algorithm1": "Algorithm 1",
-    "algorithm1+refinement": "Algorithm 1 + refinement (extension)",
-    "algorithm1+local-search": "Algorithm 1 + the refinement's selection without the network (control)",
-    "algorithm1+scale-aware": "Algorithm 1 + scale-aware image (extension)",
-    "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement + scale-aware image (extension)",
-    "algorithm1+local-search+scale-aware": "Algorithm 1 + scale-aware image, selection without the network (control)",
-    "least-squares": "Least squares",
-    "true": "True parameters",
-}
 
 
 def methods_of(table: pd.DataFrame) -> list[str]:
@@ -29,7 +18,7 @@ def methods_of(table: pd.DataFrame) -> list[str]:
 
 def heading_of(method: str) -> Text:
     """What a method is called."""
-    return plain(METHODS.get(method, method))
+    return plain(METHODS[method].title if method in METHODS else method)
 
 
 def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:

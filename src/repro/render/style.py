@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
 from repro.files import write_whole
+from repro.identify import registry
 from repro.render import markup
 
 #: Widths of one IEEE column and of the full page, inches.
@@ -86,32 +87,13 @@ STROKES: Final[dict[str, dict[str, Any]]] = {
     "desired1": {"color": "#9fcbe6", "linestyle": "-", "linewidth": 2.6},
     "desired2": {"color": "#f8dcae", "linestyle": "-", "linewidth": 2.6},
     "measured": {"color": "0.80", "linestyle": "-", "linewidth": 2.6},
-    "algorithm1": {"color": "#5ab8ea", "linestyle": (0, (6.0, 1.2, 1.2, 1.2)), "linewidth": 1.1},
-    "algorithm1+refinement": {"color": "#004a78", "linestyle": "-", "linewidth": 0.9},
-    "algorithm1+local-search": {"color": "#a6761d", "linestyle": (0, (2.0, 1.2)), "linewidth": 1.0},
-    "algorithm1+scale-aware": {"color": "#7fc8a0", "linestyle": (0, (6.0, 1.2, 1.2, 1.2)), "linewidth": 1.1},
-    "algorithm1+refinement+scale-aware": {"color": "#0b5d3b", "linestyle": "-", "linewidth": 0.9},
-    "algorithm1+local-search+scale-aware": {"color": "#c6a0c8", "linestyle": (0, (2.0, 1.2)), "linewidth": 1.0},
-    "least-squares": {"color": "#d1490a", "linestyle": (0, (3.5, 2.5)), "linewidth": 1.1},
-    "true": {"color": "0.0", "linestyle": (0, (1.0, 2.0)), "linewidth": 1.1},
+    **{name: dict(entry.stroke) for name, entry in registry.METHODS.items()},
 }
 
 #: Marks of the series that are also drawn point by point; the colour is that of the stroke.
 MARKS: Final[dict[str, dict[str, Any]]] = {
     "rebuilt": {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.0},
-    "algorithm1": {"marker": "o", "markersize": 3.4, "markeredgewidth": 0.0},
-    "algorithm1+refinement": {"marker": "D", "markersize": 3.2, "fillstyle": "none", "markeredgewidth": 0.7},
-    "algorithm1+local-search": {"marker": "v", "markersize": 3.4, "markeredgewidth": 0.0},
-    "algorithm1+scale-aware": {"marker": "s", "markersize": 3.0, "markeredgewidth": 0.0},
-    "algorithm1+refinement+scale-aware": {
-        "marker": "s",
-        "markersize": 3.4,
-        "fillstyle": "none",
-        "markeredgewidth": 0.7,
-    },
-    "algorithm1+local-search+scale-aware": {"marker": "^", "markersize": 3.4, "markeredgewidth": 0.0},
-    "least-squares": {"marker": "x", "markersize": 3.4, "markeredgewidth": 0.9},
-    "true": {"marker": "+", "markersize": 4.0, "markeredgewidth": 0.8},
+    **{name: dict(entry.mark) for name, entry in registry.METHODS.items()},
 }
 
 #: What the legend calls each series.
@@ -128,27 +110,11 @@ SERIES_LABELS: Final[dict[str, str]] = {
     "desired1": "Desired, joint 1",
     "desired2": "Desired, joint 2",
     "measured": "Measured",
-    "algorithm1": "Algorithm 1",
-    "algorithm1+refinement": "Algorithm 1 + refinement",
-    "algorithm1+local-search": "Algorithm 1 + selection alone",
-    "algorithm1+scale-aware": "Algorithm 1, scale-aware",
-    "algorithm1+refinement+scale-aware": "Algorithm 1 + refinement, scale-aware",
-    "algorithm1+local-search+scale-aware": "Algorithm 1 + selection alone, scale-aware",
-    "least-squares": "Least squares",
-    "true": "True parameters",
+    **{name: entry.label for name, entry in registry.METHODS.items()},
 }
 
 #: Methods of identification in the order in which they are drawn.
-METHODS: Final = (
-    "algorithm1",
-    "algorithm1+refinement",
-    "algorithm1+local-search",
-    "algorithm1+scale-aware",
-    "algorithm1+refinement+scale-aware",
-    "algorithm1+local-search+scale-aware",
-    "least-squares",
-    "true",
-)
+METHODS: Final = tuple(registry.METHODS)
 
 #: Heads the legend of every figure whose signals come from the simulated arm.
 SIMULATED: Final = "Simulated experiment"

@@ -7,8 +7,8 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_csv
+from repro.identify.registry import METHODS
 from repro.render.contract import check_table
-from repro.render.result_tables import METHODS
 from repro.report.inputs import ReportInputs
 
 MOTIONS = ("T1", "T2", "T3", "T4")
@@ -73,7 +73,7 @@ def answer(inputs: ReportInputs) -> Answer | None:
     others = [name for name in dict.fromkeys(table["method"]) if name not in METHODS]
     tallies = {
         method: [
-            _tally(METHODS.get(method, method), duration, table[(table["method"] == method)])
+            _tally(METHODS[method].title if method in METHODS else method, duration, table[(table["method"] == method)])
             for duration in sorted(set(table.loc[table["method"] == method, "duration"]))
         ]
         for method in (*known, *others)

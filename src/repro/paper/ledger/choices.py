@@ -72,7 +72,9 @@ def _training(config: Config) -> dict[str, Ours]:
         return chosen(value, f"training.paper.{key}", _PAPER_RECIPE)
 
     images, share = paper["images"], paper["train_share"]
-    steps, sets = recipe(paper["steps"], "steps"), recipe(images, "images")
+    sets = recipe(images, "images")
+    iterations = config["networks"]["paper-recipe"]["training"]["steps"]
+    steps = chosen(iterations, "networks.paper-recipe.training.steps", _PAPER_RECIPE)
     return {
         "section4b/learning-rate": recipe(paper["learning_rate"], "learning_rate"),
         "section4b/learning-rate-slope": recipe(paper["learning_rate_slope"], "learning_rate_slope"),

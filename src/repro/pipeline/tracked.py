@@ -1,0 +1,154 @@
+"""Motions as arms track Eq. 10 behind the simulated board: what a network of ``data.motions: tracked`` is trained on.
+
+The paper trains on Eq. 10 exactly and says that a recorded motion need not be identical to it (Section VI). A network
+that has seen one motion has no reason to bear another one: this extension shows it how arms track.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save_file
+
+from repro.cnn.dataset import SampledMotion, image_regressor, sample_motion, stack_motions
+from repro.cnn.priors import sample_beta
+from repro.errors import InputError
+from repro.files import write_whole
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant, Unmodelled
+from repro.model.parameters import Array
+from repro.pipeline.experiment import control_constants
+from repro.pipeline.named import Config
+from repro.progress import Progress
+from repro.settings import signal_settings
+from repro.signals.dct import dct2dev
+from repro.signals.programs import Program, identification_program
+from repro.signals.trajectories import Motion, identification_trajectory
+from repro.streams import Stream, stream
+
+
+def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
+    """Physical arms that the motors can carry and the loop can hold.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of randomness.
+    n : int
+        How many.
+    config : mapping
+        Sections ``data`` and ``board``.
+
+    Returns
+    -------
+    array of shape (n, 9)
+        Of the links prior: gravity and Coulomb friction together within ``load_share`` of the full torque, inertias
+        I1 and I3 above ``least_inertia_kg_m2``, below which the sampled loop is not stable.
+    """
+    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
+    arms = np.empty((0, 9))
+    while len(arms) < n:
+        beta = sample_beta(rng, 4 * n, "links")
+        g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
+        load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
+        fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
+        arms = np.concatenate([arms, beta[fit]])
+    return arms[:n]
+
+
+def _program(config: Config) -> Program:
+    s, e = config["signals"], config["experiment"]
+    return identification_program(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
+
+
+def simulate_tracked(config: Config, out: Path) -> None:
+    """Simulate the arms as one batch and keep those that track.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``data``, ``board`` and ``experiment``.
+    out : Path
+        safetensors file: ``position`` (int16, encoder counts, shape (K, 2, N)), ``desired`` as sent (float32, (2, N)),
+        and of each arm its ``parameters`` (K, 9) and ``unmodelled`` levels of Stribeck friction and ripple (K, 2).
+
+    Raises
+    ------
+    InputError
+        If too few arms track.
+    """
+    t, program = config["data"]["tracked"], _program(config)
+    rng = stream(t["seed"], Stream.TRACKED_ARMS)
+    drawn = t["arms"] + t["arms"] // 4 + 1
+    beta = draw_arms(rng, drawn, config)
+    levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2))
+    effects = [Unmodelled(stribeck=s, ripple=a, ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()]
+    plant = Plant(beta, program.h, effects, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
+    progress = Progress(f"simulating {drawn} arms for training")
+    position, _ = simulate(plant, control_constants(config), program.q, progress)
+    error = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
+    kept = np.flatnonzero(error <= t["largest_error_rad"])[: t["arms"]]
+    if len(kept) < t["arms"]:
+        found = f"{len(kept)} of {drawn} arms that track"
+        raise InputError.at("data.tracked.largest_error_rad", found, f"{t['arms']}: a larger error")
+    arrays: dict[str, np.ndarray[Any, np.dtype[Any]]] = {
+        "position": np.ascontiguousarray(position[kept]),  # safetensors writes memory as it lies
+        "desired": program.q.astype(np.float32),
+        "parameters": beta[kept],
+        "unmodelled": levels[kept],
+    }
+    write_whole(out, lambda temporary: save_file(arrays, temporary))
+
+
+def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
+    """Motions that a network is trained on.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``data``, ``algorithm1`` and, for tracked motions, ``experiment``.
+    tracked : Path, optional
+        File of `simulate_tracked`, for ``data.motions: tracked``.
+
+    Returns
+    -------
+    SampledMotion
+        Eq. 10's own, or those tracked, through lines 1 to 4 of Algorithm 1 as a recording is. With
+        ``algorithm1.image_motion: desired``, f of the image is on the motion as it was sent.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged or of other motions.
+    """
+    signals = signal_settings(config)
+    if config["data"]["motions"] == "ideal":
+        return sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    program = _program(config)
+    proper = slice(program.n1, program.n2)
+
+    def derived(q: Array) -> Motion:
+        dq = dct2dev(q, signals.h, signals.c_f, signals.reading)
+        time = signals.h * np.arange(q.shape[-1], dtype=np.float64)
+        return Motion(time, q, dq, dct2dev(dq, signals.h, signals.c_f, signals.reading))
+
+    position, desired = _read(Path(tracked or ""), program, config["data"]["tracked"]["arms"])
+    motions = [sample_motion(derived(q * RADIANS_PER_COUNT), signals, proper) for q in position]
+    if config["algorithm1"]["image_motion"] == "measured":
+        return stack_motions(motions)
+    sent = derived(desired.astype(np.float64))
+    model = image_regressor(sent.q[:, proper], sent.dq[:, proper], sent.ddq[:, proper], signals)
+    return stack_motions(motions, model)
+
+
+def _read(path: Path, program: Program, arms: int) -> tuple[Array, Array]:
+    try:
+        kept = load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no safetensors file ({error})", "motions of `simulate_tracked`") from error
+    for name, shape in (("position", (arms, *program.q.shape)), ("desired", program.q.shape)):
+        if name not in kept or kept[name][: shape[0]].shape != shape:
+            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
+    return kept["position"][:arms], kept["desired"]
