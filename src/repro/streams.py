@@ -26,6 +26,7 @@ class Stream(IntEnum):
     OWN_REFINE = 15
     OWN_BOOTSTRAP = 16
     TRACKED_ARMS = 17
+    WHY = 18
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -17,7 +17,16 @@ rule ablation_train:
     params:
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections(
-            "signals", "network", "data", "image", "training", "networks", "algorithm1", "board", "experiment", "ablation"
+            "signals",
+            "network",
+            "data",
+            "image",
+            "training",
+            "networks",
+            "algorithm1",
+            "board",
+            "experiment",
+            "ablation",
         ),
     message:
         "Training for the reading {wildcards.trained}"

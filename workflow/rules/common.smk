@@ -109,10 +109,9 @@ def ablation_sections():
 def ledger_sources():
     """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
     stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
-    tables = [*TABLES, "stability", "verdict", "metric_search", "audit"]
     return {
         "captures": [f"{stored}/SHA256SUMS"] if stored else [],
-        "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=tables, ext=["csv", "tex", "md"]),
+        "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
         "training": f"{R}/model/training.csv",
         "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
         "identifications": [*identifications(SUFFIXES), *experiment_identifications()],

@@ -157,17 +157,50 @@ def prepare(
         raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
     q, dq, ddq = _cut_motion(q, settings, slice(n1, n2), pace)
     tau = tau[:, n1:n2]  # line 4
-    steepness = LAMBDA * pace  # tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
     shown = (q, dq, ddq) if desired is None else _cut_motion(desired, settings, slice(n1, n2), pace)
+    return assemble((q, dq, ddq), tau, tau_mean, settings, pace, shown)
+
+
+def assemble(
+    motion: tuple[Array, Array, Array],
+    tau: Array,
+    tau_mean: Array,
+    settings: SignalSettings,
+    pace: float = 1.0,
+    shown: tuple[Array, Array, Array] | None = None,
+) -> Prepared:
+    """Lines 5 to 12 of Algorithm 1.
+
+    Parameters
+    ----------
+    motion : tuple of three arrays of shape (2, N)
+        Cut position, velocity and acceleration in canonical time.
+    tau : array of shape (2, N)
+        Filtered and cut torque, N m.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data.
+    settings : SignalSettings
+        Length of the subsampled signals.
+    pace : float
+        Canonical time over recorded time.
+    shown : tuple of three arrays of shape (2, N), optional
+        Motion that f of the image is taken on; `motion` by default.
+
+    Returns
+    -------
+    Prepared
+        Signals for the search.
+    """
+    steepness = LAMBDA * pace  # tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
     c_p = fit2trt(tau, tau_mean)  # line 5
     # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
-    # alone; it is left out of the signals here and carried as a number.
-    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (q, dq, ddq, tau))  # line 7
+    # alone, where it cancels; it is left out of the signals here and carried as a number.
+    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (*motion, tau))  # line 7
     largest = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
     return Prepared(
-        q, dq, ddq, tau, c_p, largest, tau_s / largest,
-        model=image_regressor(*shown, settings, steepness),
+        *motion, tau, c_p, largest, tau_s / largest,
+        model=image_regressor(*(motion if shown is None else shown), settings, steepness),
         y_sub=regressor(q_s, dq_s, ddq_s, steepness),
-        y=regressor(q, dq, ddq, steepness),
+        y=regressor(*motion, steepness),
         pace=pace,
     )  # fmt: skip

@@ -15,6 +15,7 @@ from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording, read_recording
 from repro.pipeline.summary import median_cells, parameter_table
 from repro.pipeline.verdict import verdict
+from repro.pipeline.why_table import why_table
 from repro.settings import metric_settings, signal_settings
 
 Inputs = Mapping[str, Sequence[Path]]
@@ -22,6 +23,7 @@ Inputs = Mapping[str, Sequence[Path]]
 #: Columns of the scores of the experiment, and of the spread.
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 SPREAD = ("case", "joint", "method", "duration", "seed", "total")
+EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
 #: Methods set against least squares.
 CONTENDERS = ("algorithm1", "algorithm1+refinement")
 #: Methods drawn for the spread; the literal Algorithm 1 would leave the others on one line.
@@ -82,6 +84,10 @@ def _drawn_spread(inputs: Inputs) -> pd.DataFrame:
     return drawn.assign(median=median)
 
 
+def _explained(inputs: Inputs) -> pd.DataFrame:
+    return pd.concat([read_csv(path, EXPLAINED) for path in inputs["scores"]], ignore_index=True)
+
+
 FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig18": lambda _, c: _setup(c),
     "fig19": lambda i, c: _identification(i, c, in_frequency=False),
@@ -91,6 +97,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig23": lambda i, c: _validation(i, c, in_frequency=False),
     "fig24": lambda i, c: _validation(i, c, in_frequency=True),
     "spread": lambda i, _: _drawn_spread(i),
+    "why": lambda i, _: _explained(i),
 }
 
 TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
@@ -99,4 +106,5 @@ TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "table10": lambda i, _: median_cells(_scores(i)),
     "stability": lambda i, _: draw.stability_table(_estimates(i), ("algorithm1", *draw.SHOWN, "true")),
     "verdict": lambda i, _: verdict(_spread(i), CONTENDERS),
+    "why": lambda i, _: why_table(_explained(i)),
 }

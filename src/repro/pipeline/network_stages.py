@@ -25,6 +25,7 @@ from repro.pipeline.recordings import read_recording
 from repro.pipeline.spread import read_spread
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
 from repro.pipeline.tracked import training_motion
+from repro.pipeline.why import explain
 from repro.progress import Progress
 from repro.settings import (
     data_settings,
@@ -145,6 +146,16 @@ def identify_experiment(
     for seed, output in zip(seeds, outputs, strict=True):
         run = identify_recording(identifier, recording, tau_mean, signals, seed, true_parameters(config))
         write_json(Path(output), run)
+
+
+def explain_network(variant: str, named_inputs: Named, output: str, config: Config) -> None:
+    """Stage identify: the search of one network on every step from the ideal case to the recording."""
+    inputs = paths(named_inputs)
+    signals = signal_settings(config)
+    tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
+    identifier = identifier_of(variant, load_network(inputs["weights"][0], network_settings(config)), config)
+    recording = read_recording(inputs["captures"][0], config)
+    write_csv(Path(output), explain(identifier, recording, tau_mean, config["why"]["seeds"], config))
 
 
 def score_specimens(index: int, named_inputs: Named, output: str, config: Config) -> None:

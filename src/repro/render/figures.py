@@ -23,6 +23,7 @@ from repro.render import (
     style,
     torques,
     two_link_arm,
+    why,
 )
 
 #: Figure from the table that holds its numbers; call these inside `style.house_style`.
@@ -52,6 +53,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "fig23": experiment.validation_torques,
     "fig24": experiment.validation_spectra,
     "spread": spread.spread,
+    "why": why.figure,
     "metric_search": candidates.metric_search,
     "ablation": ablation.figure,
 }

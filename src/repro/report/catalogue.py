@@ -84,6 +84,7 @@ TABLES = (
         Exhibit("table", f"table{n:02d}", f"table{n:02d}", f"Table {n}", title, n in _SIMULATED_TABLES)
         for n, title in _TABLES.items()
     ),
+    Exhibit("table", "why", "why_table", "Why", "From the ideal case to the recording, one cause at a time", True),
     Exhibit("table", "verdict", "verdict", "Verdict", "Algorithm 1 against least squares", True),
     Exhibit("table", "stability", "stability", "Stability", "Conditions of the appendix", True),
     Exhibit("table", "metric_search", "metric_search_table", "Metric search", "Ranking of the formulas of metr2ev"),
@@ -95,6 +96,7 @@ FIGURES = (
         Exhibit("figure", f"fig{n:02d}", f"fig{n:02d}", f"Figure {n}", title, n in _SIMULATED_FIGURES)
         for n, title in _FIGURES.items()
     ),
+    Exhibit("figure", "why", "why_figure", "Why", "From the ideal case to the recording, one cause at a time", True),
     Exhibit("figure", "spread", "spread_figure", "Spread", "Similarity over many simulated arms", True),
     Exhibit("figure", "metric_search", "metric_search_figure", "Metric search", "Candidates for the metric's formula"),
     Exhibit("figure", "ablation", "ablation_figure", "Ablation", "Headline numbers by reading", optional=True),

@@ -1,0 +1,177 @@
+"""Why the literal Algorithm 1 fails on the arm: from the ideal case to the recording, one cause at a time.
+
+Each step is the identification run of the simulated arm with one more cause than the one before, and the search of
+Algorithm 1 is run on each with the same guesses.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.fpga.controller import PDController
+from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
+from repro.fpga.plant import Plant
+from repro.identify.algorithm1 import ImageMotion, search, select
+from repro.identify.prepare import Prepared, assemble
+from repro.identify.residual import ResidualReader
+from repro.model.dynamics import LAMBDA, rebuild_torque, regressor
+from repro.model.parameters import Array
+from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.methods import Identifier
+from repro.pipeline.named import Config
+from repro.pipeline.recordings import Recording
+from repro.pipeline.specimen import disturbance
+from repro.progress import Progress
+from repro.settings import metric_settings, signal_settings
+from repro.signals.dct import dct2dev, dct2low
+from repro.signals.metric import metr2ev
+from repro.streams import Stream, stream
+
+#: What each step adds to the one before it.
+STEPS = {
+    "ideal": "Eq. 10's motion and the torque of Eq. 1",
+    "beyond": "+ what Eq. 1 leaves out",
+    "quantised": "+ encoder and PWM in counts",
+    "loop": "+ the motion as the loop tracks it",
+    "recording": "+ velocity and acceleration from the encoder",
+}
+
+
+def beyond(q: Array, dq: Array, config: Config) -> Array:
+    """Torque that Eq. 1 leaves out of the specimen that was recorded, N m, shape (2, N)."""
+    levels, phase = disturbance(config, config["experiment"]["seed"])
+    fade = np.tanh(LAMBDA * dq) - np.tanh(dq / levels.stribeck_velocity)
+    friction = levels.stribeck * true_parameters(config)[7:, np.newaxis] * fade
+    ripple = levels.ripple * np.sin(levels.ripple_cycles * q + phase[:, np.newaxis])
+    return np.asarray(friction + ripple)
+
+
+def tracked_states(recording: Recording, config: Config) -> tuple[Array, Array, Array, Array]:
+    """The recorded specimen once more, with what no encoder shows: q, dq, ddq and the motors' torque, (2, N) each.
+
+    Between two samples the torque is held; velocity and acceleration are those right after it was set.
+    """
+    control, (levels, phase) = control_constants(config), disturbance(config, config["experiment"]["seed"])
+    plant = Plant(true_parameters(config), recording.program.h, levels, phase)
+    controller = PDController(control.kp_counts, control.kv_counts)
+    inertia3, torque = true_parameters(config)[2], control.torque_per_count[:, np.newaxis]
+    desired = recording.program.q.astype(np.float32)
+    n = desired.shape[1]
+    states, motors = np.empty((n, 6)), np.empty((n, 2))
+    slope = np.empty((4, 1))
+    for i in range(n):
+        pwm = controller(desired[:, i : i + 1], np.rint(plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32))
+        plant.derivative(plant.state, pwm * torque / inertia3, slope)
+        states[i] = np.concatenate([plant.state[:, 0], slope[2:, 0]])
+        motors[i] = (pwm * torque)[:, 0]
+        plant.advance(pwm, control.torque_per_count)
+    q, dq, ddq = states.T.reshape(3, 2, n)
+    return q, dq, ddq, motors.T
+
+
+def dissect(recording: Recording, tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[str, Prepared]:
+    """Signals of each step after line 12 of Algorithm 1.
+
+    Parameters
+    ----------
+    recording : Recording
+        Identification run of the simulated board.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data.
+    config : mapping
+        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
+    image_motion : {"measured", "desired"}
+        Motion that f of the image is taken on.
+
+    Returns
+    -------
+    dict
+        By name of `STEPS`.
+    """
+    signals, beta, control = signal_settings(config), true_parameters(config), control_constants(config)
+    proper = slice(recording.program.n1, recording.program.n2)
+    h, c_f, reading = signals.h, signals.c_f, signals.reading
+
+    def derived(q: Array) -> tuple[Array, Array, Array]:
+        dq = dct2dev(q, h, c_f, reading)
+        return q, dq, dct2dev(dq, h, c_f, reading)
+
+    sent = derived(recording.program.q)
+    eq1 = rebuild_torque(regressor(*sent), beta)
+    more = eq1 + beyond(sent[0], sent[1], config)
+    torque = control.torque_per_count[:, np.newaxis]
+    counted = np.clip(np.rint(more / torque), -PWM_LIMIT, PWM_LIMIT) * torque
+    on_counts = derived(np.rint(sent[0] / RADIANS_PER_COUNT) * RADIANS_PER_COUNT)
+    _, dq, ddq, motors = tracked_states(recording, config)
+    exact = (recording.q, dct2low(dq, h, c_f, reading), dct2low(ddq, h, c_f, reading))
+    steps: Mapping[str, tuple[tuple[Array, Array, Array], Array]] = {
+        "ideal": (sent, eq1),
+        "beyond": (sent, more),
+        "quantised": (on_counts, counted),
+        "loop": (exact, motors),
+        "recording": (derived(recording.q), recording.tau),
+    }
+
+    def cut(motion: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        first, second, third = (x[:, proper] for x in motion)
+        return first, second, third
+
+    return {
+        name: assemble(
+            cut(motion),
+            dct2low(tau, h, c_f, reading)[:, proper],
+            tau_mean,
+            signals,
+            shown=cut(sent) if image_motion == "desired" else None,
+        )
+        for name, (motion, tau) in steps.items()
+    }
+
+
+def explain(
+    identifier: Identifier, recording: Recording, tau_mean: Array, seeds: Sequence[int], config: Config
+) -> pd.DataFrame:
+    """Similarity and the estimate's error of one network at each step.
+
+    Parameters
+    ----------
+    identifier : Identifier
+        Network and settings.
+    recording : Recording
+        Identification run.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data.
+    seeds : sequence of int
+        Of the search.
+    config : mapping
+        Sections ``signals``, ``arm``, ``board``, ``experiment``, ``metric`` and ``why``.
+
+    Returns
+    -------
+    DataFrame
+        ``network, step, seed, total1, total2, error_uniform, error_near``: similarities as fractions of 1, root mean
+        square errors of single estimates of beta over the largest torque, from guesses as Algorithm 1 draws them and
+        from guesses near the truth.
+    """
+    metric, why, true = metric_settings(config), config["why"], true_parameters(config)
+    prepared = dissect(recording, tau_mean, config, identifier.search.image_motion)
+    progress = Progress(f"why, network {identifier.variant}")
+    rows: list[dict[str, Any]] = []
+    for k, (step, signals) in enumerate(prepared.items()):
+        right = true / signals.largest
+        for seed in seeds:
+            reader = ResidualReader(identifier.network, identifier.image, signals)
+            found = search(reader, signals, identifier.search, stream(seed, Stream.EXPERIMENT_SEARCH))
+            rebuilt = rebuild_torque(signals.y, select(found.beta, signals, identifier.search).beta)
+            total = metr2ev(signals.tau, rebuilt, metric).total
+            rng = stream(seed, Stream.WHY)
+            uniform = rng.uniform(identifier.search.low, identifier.search.high, (why["guesses"], len(right)))
+            near = np.maximum(right + why["near"] * rng.standard_normal(uniform.shape), identifier.search.low)
+            errors = (float(np.sqrt(np.mean((reader.estimate(g) - right) ** 2))) for g in (uniform, near))
+            names = ("total1", "total2", "error_uniform", "error_near")
+            values = dict(zip(names, (*map(float, total), *errors), strict=True))
+            rows.append({"network": identifier.variant, "step": step, "seed": seed, **values})
+            progress(k * len(seeds) + len(rows) % (len(seeds) + 1), len(prepared) * len(seeds))
+    return pd.DataFrame(rows)

@@ -1,0 +1,27 @@
+"""Table of the steps from the ideal case to the recording; `repro.pipeline.why` runs the searches."""
+
+import pandas as pd
+
+
+def why_table(explained: pd.DataFrame) -> pd.DataFrame:
+    """Medians over the seeds, and what each step costs.
+
+    Parameters
+    ----------
+    explained : DataFrame
+        From `explain`, of one or more networks.
+
+    Returns
+    -------
+    DataFrame
+        ``network, step, seeds, total1, total2, spread1, spread2, lost, error_uniform, error_near``: median and
+        standard deviation of the similarities, and by how much the mean of both joints falls from the step before.
+    """
+    groups = explained.groupby(["network", "step"], sort=False)
+    table = groups[["total1", "total2", "error_uniform", "error_near"]].median()
+    table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=0).to_numpy()
+    table["seeds"] = groups.size()
+    mean = table[["total1", "total2"]].mean(axis=1)
+    table["lost"] = mean.groupby("network", sort=False).transform(lambda totals: -totals.diff().fillna(0.0))
+    columns = ["network", "step", "seeds", "total1", "total2", "spread1", "spread2", "lost"]
+    return table.reset_index()[[*columns, "error_uniform", "error_near"]]
