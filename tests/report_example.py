@@ -20,6 +20,7 @@ NOTES = {
     "better": "Refinement is an extension of ours.",
     "differs": f"The published ranges cannot produce these parameters; {TRICKY}.",
     "contradicts itself": "Time x Frequency is 88.48, the table prints 85.82.",
+    "not run": "Of another target.",
     "needs the hardware": "A measurement of the real arm.",
 }
 
@@ -27,8 +28,9 @@ NOTES = {
 def claim_rows(count=60):
     """Rows of ``claims.csv``: every verdict, blank numbers where there are none, a tiny one and a negative one."""
     rows = []
+    of_results = [verdict for verdict in VERDICTS if verdict != "not run"]
     for n in range(count):
-        verdict = VERDICTS[n % len(VERDICTS)]
+        verdict = "not run" if n == 41 else of_results[n % len(of_results)]
         known = verdict != "needs the hardware"
         rows.append(
             {
@@ -36,7 +38,7 @@ def claim_rows(count=60):
                 "place": f"Table {4 + n % 7}",
                 "quantity": f"total similarity {n}",
                 "unit": "%",
-                "kind": "stochastic" if known else "hardware-only",
+                "kind": "setting" if n == 41 else "stochastic" if known else "hardware-only",
                 "published": f"{97.38 - n:g}",
                 "ours": f"{97.38 - n + 0.123456789:.10g}" if known else "",
                 "difference": "0.123456789" if known else "",

@@ -193,11 +193,15 @@ def test_the_headline_counts_the_verdicts_and_the_promises(page, inputs):
     claims = read_claims(inputs)
     assert [claim.id for claim in claims] == [row["id"] for row in claim_rows()]
     headline = " ".join(page.one("headline")["text"].split())
+    results = [row for row in claim_rows() if row["kind"] != "setting" and "@" not in row["id"]]
+    settings = [row for row in claim_rows() if row["kind"] == "setting"]
     for verdict in VERDICTS:
-        assert f"{verdict} {sum(row['verdict'] == verdict for row in claim_rows())} " in headline
+        for rows, words in ((results, "{0} {1} "), (settings, "{1} {0} (")):
+            number = sum(row["verdict"] == verdict for row in rows)
+            assert (words.format(verdict, number) in headline) == (number > 0)
     assert "All 6 promised claims hold" in headline
-    own = sum("@" not in claim.id for claim in claims)
-    assert f"The ledger holds {own} published numbers" in headline
+    assert f"Of the {len(results)} results that the paper prints" in headline
+    assert f"{len(settings)} settings of the paper are counted apart" in headline
 
 
 def test_a_promise_holds_here_where_it_holds_in_the_check(inputs, tmp_path):

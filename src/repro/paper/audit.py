@@ -54,6 +54,7 @@ def findings(published: Published | None = None) -> tuple[Finding, ...]:
         *signals.sampling(p),
         *signals.image_and_trajectory(p),
         *signals.random_trajectories(p),
+        *signals.level_factor(p),
         *training.training(p),
         *hardware.encoder(p),
         *torque.torque(p),

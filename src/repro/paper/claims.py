@@ -10,8 +10,10 @@ from repro.paper.published_value import PublishedValue
 
 #: Verdicts, best first.
 REPRODUCED, BETTER, DIFFERS = "reproduced", "better", "differs"
-CONTRADICTS, HARDWARE = "contradicts itself", "needs the hardware"
-VERDICTS = (REPRODUCED, BETTER, DIFFERS, CONTRADICTS, HARDWARE)
+CONTRADICTS, NOT_RUN, HARDWARE = "contradicts itself", "not run", "needs the hardware"
+VERDICTS = (REPRODUCED, BETTER, DIFFERS, CONTRADICTS, NOT_RUN, HARDWARE)
+#: Kind of the numbers that the authors chose and a reproduction adopts: they cannot come out otherwise.
+SETTING = "setting"
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "kind", "published", "ours", "difference", "tolerance", "tolerance_from",
@@ -51,6 +53,8 @@ class Ours:
         Largest part of the tolerance that the spread may give: what scatters by more reproduces nothing.
     strict : bool
         Compare without a tolerance: a choice can be adopted as printed, a limit can be kept.
+    unused : bool
+        A setting that the default run does not use: a key of the configuration reproduces nothing.
     must : bool
         The project promises that it holds.
     contradicts : str
@@ -65,6 +69,7 @@ class Ours:
     better: Callable[[float, float], bool] | None = None
     widest: float = math.inf
     strict: bool = False
+    unused: bool = False
     must: bool = False
     contradicts: str = ""
     note: str = ""
@@ -92,6 +97,8 @@ def _verdict(printed: PublishedValue, ours: Ours, value: float, tolerance: float
     difference = value - printed.value
     if ours.contradicts:
         return CONTRADICTS
+    if ours.unused:
+        return NOT_RUN
     if abs(difference) <= tolerance + _ROUNDING * abs(printed.value):
         return REPRODUCED
     if ours.better is not None and ours.better(printed.value, value):

@@ -5,7 +5,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from repro.errors import InputError
-from repro.paper.claims import BETTER, CONTRADICTS, DIFFERS, HARDWARE, REPRODUCED, VERDICTS
+from repro.paper.claims import (
+    BETTER,
+    CONTRADICTS,
+    DIFFERS,
+    EXTENSION,
+    HARDWARE,
+    NOT_RUN,
+    REPRODUCED,
+    SETTING,
+    VERDICTS,
+)
 from repro.render.markup import unit as unit_text
 from repro.report.inputs import ReportInputs, read_rows
 
@@ -20,6 +30,7 @@ MEANINGS = {
     BETTER: "our number is better than the published one",
     DIFFERS: "our number is another one, by more than the tolerance",
     CONTRADICTS: "other numbers of the paper say otherwise, whatever ours is",
+    NOT_RUN: "a setting of the paper that the default run does not use",
     HARDWARE: "only a measurement on the real arm or board could tell",
 }
 
@@ -58,6 +69,16 @@ class Claim:
     must: bool
     target: str
     note: str
+
+    @property
+    def setting(self) -> bool:
+        """Whether it is a number that the authors chose, which we adopt."""
+        return self.kind == SETTING
+
+    @property
+    def extension(self) -> bool:
+        """Whether it holds an extension of ours against a published number."""
+        return EXTENSION in self.id
 
     @property
     def holds(self) -> bool:
@@ -184,5 +205,6 @@ def differences(claims: Sequence[Claim], verdict: str) -> list[Difference]:
 
 
 def counts(claims: Sequence[Claim]) -> list[tuple[str, int, str]]:
-    """How many claims have each verdict, with what it means; best verdict first."""
-    return [(verdict, sum(claim.verdict == verdict for claim in claims), MEANINGS[verdict]) for verdict in VERDICTS]
+    """How many claims have each verdict that occurs, with what it means; best verdict first."""
+    found = [(verdict, sum(claim.verdict == verdict for claim in claims)) for verdict in VERDICTS]
+    return [(verdict, number, MEANINGS[verdict]) for verdict, number in found if number]

@@ -53,8 +53,9 @@ def build_report(inputs: ReportInputs) -> str:
             policy=policy(style, script),
             claims=claims,
             claims_link=link(ledger_file, inputs.page) if claims else None,
-            counts=counts(claims),
-            extended=sum("@" in claim.id for claim in claims),  # rows of ours beside a published number's own
+            counts=counts([claim for claim in claims if not (claim.setting or claim.extension)]),
+            settings=counts([claim for claim in claims if claim.setting]),
+            extensions=counts([claim for claim in claims if claim.extension]),
             promised=[claim for claim in claims if claim.must],
             answer=answer(inputs),
             differing=[

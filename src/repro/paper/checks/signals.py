@@ -142,3 +142,18 @@ def random_trajectories(p: Published) -> list[Finding]:
             (stated.id,),
         )
     ]
+
+
+def level_factor(_: Published) -> list[Finding]:
+    """What Eq. 15 does to the result of Algorithm 1."""
+    return [
+        remark(
+            "eq15/cancels",
+            "Eq. 15, Algorithm 1",
+            "the factor of fit2trt brings a torque to the level of the training torques",
+            "tau_c = c_p tau (line 6); the largest torque that line 12 divides by holds the same c_p; line 32: "
+            "beta_o max(c_p tau) / (c_p max(tau_r)) = beta_o max(tau) / max(tau_r)",
+            QUESTIONABLE,
+            "c_p cancels: Eq. 15 and Fig. 9's mean torque affect no output of the algorithm.",
+        )
+    ]

@@ -14,9 +14,9 @@ FILE = "config/config.yaml"
 _PAPER_RECIPE = "of target paper_recipe; the default network is trained by the streamed recipe"
 
 
-def chosen(value: float, key: str, note: str = "") -> Ours:
+def chosen(value: float, key: str, note: str = "", unused: bool = False) -> Ours:
     """A number that the configuration holds, with the key it comes from."""
-    return Ours(float(value), FILE, strict=True, note=f"{key}, {note}" if note else key)
+    return Ours(float(value), FILE, strict=True, unused=unused, note=f"{key}, {note}" if note else key)
 
 
 def choices(config: Config) -> dict[str, Ours]:
@@ -69,12 +69,12 @@ def _training(config: Config) -> dict[str, Ours]:
     paper = config["training"]["paper"]
 
     def recipe(value: float, key: str) -> Ours:
-        return chosen(value, f"training.paper.{key}", _PAPER_RECIPE)
+        return chosen(value, f"training.paper.{key}", _PAPER_RECIPE, unused=True)
 
     images, share = paper["images"], paper["train_share"]
     sets = recipe(images, "images")
     iterations = config["networks"]["paper-recipe"]["training"]["steps"]
-    steps = chosen(iterations, "networks.paper-recipe.training.steps", _PAPER_RECIPE)
+    steps = chosen(iterations, "networks.paper-recipe.training.steps", _PAPER_RECIPE, unused=True)
     return {
         "section4b/learning-rate": recipe(paper["learning_rate"], "learning_rate"),
         "section4b/learning-rate-slope": recipe(paper["learning_rate_slope"], "learning_rate_slope"),

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from repro.paper.claims import DIFFERS, EXTENSION, VERDICTS, broken
+from repro.paper.claims import DIFFERS, EXTENSION, SETTING, VERDICTS, broken
 
 _HEADER = ("id", "quantity", "published", "ours", "tolerance", "verdict", "must", "target", "note")
 
@@ -44,6 +44,18 @@ def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
     ]
 
 
+def by_verdict(claims: pd.DataFrame) -> pd.DataFrame:
+    """How many settings, results and results by an extension of ours have each verdict: rows of `VERDICTS`.
+
+    Settings are counted apart: a reproduction that adopts them cannot come out otherwise.
+    """
+    setting = claims["kind"] == SETTING
+    extension = claims["id"].str.contains(EXTENSION, regex=False)
+    groups = {"settings": setting, "results": ~setting & ~extension, "extensions": ~setting & extension}
+    counts = {name: claims.loc[chosen, "verdict"].value_counts() for name, chosen in groups.items()}
+    return pd.DataFrame(counts).reindex(list(VERDICTS)).fillna(0).astype(int)
+
+
 def summary(claims: pd.DataFrame) -> list[str]:
     """How many claims have each verdict, and every promise that does not hold.
 
@@ -57,10 +69,15 @@ def summary(claims: pd.DataFrame) -> list[str]:
     list of str
         Lines.
     """
-    own = ~claims["id"].str.contains(EXTENSION, regex=False)
+    counted = by_verdict(claims)
     kept, failed = claims["must"].sum(), broken(claims)
-    lines = [f"{int(own.sum())} published numbers, {int((~own).sum())} of them held against our extension too"]
-    lines += [f"{int((claims['verdict'] == verdict).sum()):5d}  {verdict}" for verdict in VERDICTS]
+    totals = counted.sum()
+    lines = [
+        f"{totals['settings']} settings of the paper: "
+        + ", ".join(f"{n} {verdict}" for verdict, n in counted["settings"].items() if n),
+        f"{totals['results']} results of the paper, {totals['extensions']} of them held against an extension too:",
+    ]
+    lines += [f"{row.results:5d}  {row.Index} ({row.extensions} by an extension)" for row in counted.itertuples()]
     lines.append(f"{kept - len(failed):5d}  of {kept} promises hold")
     lines += [
         f"promise broken: {row['id']}: published {_published(row)}, ours {_number(row['ours'])}"
@@ -82,7 +99,6 @@ def markdown(claims: pd.DataFrame) -> str:
     str
         Counts by verdict, promises, what differs, then every number by its place.
     """
-    counts = claims["verdict"].value_counts()
     failed = broken(claims)
     promises = claims[claims["must"]]
     by_kind = promises.groupby("kind", sort=True)["id"].size()
@@ -90,7 +106,10 @@ def markdown(claims: pd.DataFrame) -> str:
     lines = ["# Claims", "", "Every number that the paper prints as its own, beside ours."]
     lines += ["What is measured on the arm is simulated: better means an easier arm there as much as a better method."]
     lines += [f"An id with `{EXTENSION}` holds an extension of ours against the same number.", ""]
-    lines += _table(("verdict", "numbers"), [(verdict, int(counts.get(verdict, 0))) for verdict in VERDICTS])
+    lines += ["Settings are what the authors chose and we adopt: they could not have come out otherwise.", ""]
+    header = ("verdict", "results", "results by an extension", "settings")
+    rows = by_verdict(claims)[["results", "extensions", "settings"]].itertuples()
+    lines += _table(header, [(row.Index, row.results, row.extensions, row.settings) for row in rows])
     lines += ["## Promises", ""]
     lines += _table(("kind", "promised", "hold"), list(kept))
     results = promises[promises["kind"].isin(["stochastic", "hardware-only"])]
