@@ -36,7 +36,7 @@ def short_config():
     config["signals"]["duration_s"] = 6.0
     config["board"]["full_torque_nm"] = [8.0, 8.0]
     config["experiment"] |= {"validation_samples": 2400, "random_range_rad": 0.1, "search_seeds": list(ERROR)}
-    config["spread"] |= {"seeds": [1, 2], "durations_s": [5.0, 6.0]}
+    config["spread"] |= {"arms": 2, "seeds": [1, 2], "durations_s": [5.0, 6.0]}
     return config
 
 
@@ -79,7 +79,8 @@ def identification(seed, true, suffix=""):
 
 def least_squares_run(true):
     """What least squares leaves: no seed of its own, and the truth beside it."""
-    methods = {"least-squares": {"beta": (LEAST_SQUARES * true).tolist()}, "true": {"beta": true.tolist()}}
+    names = ("least-squares", "bounded", "consistent")
+    methods = {name: {"beta": (LEAST_SQUARES * true).tolist()} for name in names} | {"true": {"beta": true.tolist()}}
     return {"seed": 0, "variant": "least-squares", "arms": {"ID": {"true": true.tolist(), "methods": methods}}}
 
 
@@ -98,15 +99,39 @@ def score_table(runs):
 def spread_table(config, difference=0.02):
     """Scores of the spread: Algorithm 1 above least squares by a given amount on T1 to T4, below it on ID."""
     sign = {"algorithm1": 1.0, "algorithm1+refinement": 2.0, "algorithm1+local-search": 1.5, "least-squares": 0.0}
+    sign |= {"algorithm1+tracked": 0.5, "bounded": 0.25, "consistent": 0.125}
     rows = [
-        (motion, joint, method, duration, seed, 0.9, 1.0, 0.9 + s * (-difference if motion == "ID" else difference))
+        (
+            motion,
+            joint,
+            method,
+            duration,
+            k % config["spread"]["arms"],
+            seed,
+            0.9,
+            1.0,
+            0.9 + s * (-difference if motion == "ID" else difference),
+        )
         for duration in config["spread"]["durations_s"]
         for motion in MOTIONS
-        for seed in config["spread"]["seeds"]
+        for k, seed in enumerate(config["spread"]["seeds"])
         for joint in (1, 2)
         for method, s in sign.items()
     ]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "time", "frequency", "total"])
+    scores = ["time", "frequency", "total"]
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "seed", *scores])
+
+
+def explained_table():
+    """Searches on every step from the ideal case to the recording, of two networks and two seeds."""
+    rows = [
+        (network, step, seed, 0.98 - 0.1 * k, 0.9 - 0.1 * k + 0.01 * seed, 0.2 + 0.1 * k, 0.05)
+        for network in ("published", "tracked")
+        for k, step in enumerate(("ideal", "beyond", "quantised", "loop", "recording"))
+        for seed in (1, 2)
+    ]
+    columns = ["network", "step", "seed", "total1", "total2", "error_uniform", "error_near"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def experiment_inputs(folder, config):
@@ -122,6 +147,7 @@ def experiment_inputs(folder, config):
         write_csv(folder / f"scores-{k}.csv", table[table["duration"] == duration])
     for motion in MOTIONS:
         capture(folder, motion, config)
+    write_csv(folder / "steps.csv", explained_table())
     estimates = {"identifications": sorted(folder.glob("experiment*.json")), "scores": [folder / "experiment.csv"]}
 
     def captures(*motions):
@@ -139,6 +165,7 @@ def experiment_inputs(folder, config):
         "fig23": validation,
         "fig24": validation,
         "spread": spread,
+        "why": {"scores": [folder / "steps.csv"]},
         "table08": captures("ID"),
         "table09": estimates,
         "table10": {"scores": estimates["scores"]},

@@ -256,13 +256,16 @@ def stability_frame() -> pd.DataFrame:
 def verdict_frame() -> pd.DataFrame:
     differences = itertools.cycle(((0.02, 0.01, 0.03), (-0.02, -0.03, -0.01), (0.01, -0.01, 0.03)))
     rows = [
-        (motion, joint, duration, 12, 9, 0.75, 0.43, 0.95, *difference)
-        for (duration, motion, joint), difference in zip(
-            itertools.product((20.48, 9.42), ("ID", *MOTIONS), (1, 2)), differences, strict=False
+        (motion, joint, duration, "algorithm1", opponent, 4, 12, 9, 0.75, 0.43, 0.95, *difference)
+        for (opponent, duration, motion, joint), difference in zip(
+            itertools.product(("least-squares", "bounded"), (20.48, 9.42), ("ID", *MOTIONS), (1, 2)),
+            differences,
+            strict=False,
         )
     ]
-    counts = ["motion", "joint", "duration", "runs", "wins", "win_share", "win_low", "win_high"]
-    return pd.DataFrame(rows, columns=[*counts, "difference_median", "difference_low", "difference_high"])
+    names = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
+    shares = ["win_share", "win_low", "win_high"]
+    return pd.DataFrame(rows, columns=[*names, *shares, "difference_median", "difference_low", "difference_high"])
 
 
 def audit_frame() -> pd.DataFrame:

@@ -92,11 +92,13 @@ def verdict_rows():
     signs |= {("algorithm1+refinement", 9.42): (0.01, 0.1)}
     return [
         {
-            "motion": motion, "joint": joint, "duration": duration, "method": method, "runs": 20, "wins": 3,
+            "motion": motion, "joint": joint, "duration": duration, "method": method, "opponent": opponent,
+            "arms": 4, "runs": 20, "wins": 3,
             "win_share": 0.15, "win_low": 0.05, "win_high": 0.3,
             "difference_median": (low + high) / 2, "difference_low": low, "difference_high": high,
         }
         for (method, duration), (low, high) in signs.items()
+        for opponent in ("least-squares", "bounded")
         for motion in ("ID", "T1", "T2", "T3", "T4")
         for joint in (1, 2)
     ]  # fmt: skip

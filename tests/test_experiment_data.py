@@ -62,7 +62,7 @@ def test_every_seed_has_a_part_in_what_has_no_seed_of_its_own():
     runs = every_seed(RUNS)
     assert [run["seed"] for run in runs] == [1, 2, 3, 1, 2, 3]
     for run in runs[3:]:
-        assert set(run["arms"]["ID"]["methods"]) == {"least-squares", "true"}
+        assert set(run["arms"]["ID"]["methods"]) == {"least-squares", "bounded", "consistent", "true"}
         assert run["arms"] == RUNS[-1]["arms"]
     assert runs[:3] == RUNS[:3]
     assert [run["seed"] for run in every_seed(RUNS[-1:])] == [0]
@@ -76,7 +76,8 @@ def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
     worse = scores["case"] != "ID"
     scores.loc[worse, "total"] = 1.0 - scores.loc[worse, "total"]  # what other motions say does not count
     shown = shown_estimates(runs, scores)
-    assert set(shown) == {"algorithm1", "algorithm1+refinement", "algorithm1+local-search", "least-squares", "true"}
+    field = {"least-squares", "bounded", "consistent"}
+    assert set(shown) == {"algorithm1", "algorithm1+refinement", "algorithm1+local-search", *field, "true"}
     np.testing.assert_allclose(shown["algorithm1"], ERROR[MEDIAN] * TRUE)
     np.testing.assert_allclose(shown["algorithm1+refinement"], (1 + 0.01 * MEDIAN) * TRUE)
     np.testing.assert_allclose(shown["least-squares"], LEAST_SQUARES * TRUE)
@@ -199,8 +200,8 @@ def test_table_10_has_every_motion_method_and_joint(inputs):
     table = TABLE_DATA["table10"](inputs["table10"], CONFIG)
     suffixes = ("", "+scale-aware")
     methods = {f"algorithm1{step}{s}" for step in ("", "+refinement", "+local-search") for s in suffixes}
-    assert set(table["method"]) == {*methods, "least-squares", "true"}
-    assert len(table) == 5 * 8 * 2
+    assert set(table["method"]) == {*methods, "least-squares", "bounded", "consistent", "true"}
+    assert len(table) == 5 * 10 * 2
     assert (table["seeds"] == 3).all()
     np.testing.assert_allclose(table["total"], table["time"] * table["frequency"])
 
@@ -230,7 +231,7 @@ def test_conditions_that_do_not_hold_are_told():
 def test_scores_are_of_the_motion_and_the_truth_is_above_what_is_wrong(recordings):
     runs = every_seed(RUNS)
     table = score_runs(runs, [recordings["ID"], recordings["T4"]], SIGNALS, metric_settings(CONFIG))
-    assert len(table) == 2 * 3 * 5 * 2
+    assert len(table) == 3 * (3 + 4) * 2 * 2  # seeds, methods, motions, joints
     total = table.groupby(["method", "case"])["total"].mean()
     for case in ("ID", "T4"):
         assert total["true", case] > total["least-squares", case]

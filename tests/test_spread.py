@@ -16,7 +16,7 @@ from repro.errors import InputError
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import read_spread, simulate_spread
 from repro.pipeline.verdict import verdict, wilson
@@ -29,7 +29,8 @@ def brief_config():
     config = short_config()
     config["board"] |= {"full_torque_nm": [60.0, 60.0], "speed_limit_rad_s": 200.0}
     config["experiment"] |= {"validation_samples": 2200, "random_range_rad": 0.01, "lead_in_s": 0.5}
-    config["spread"] |= {"seeds": [4, 9], "durations_s": [2.0, 1.5]}
+    config["data"]["tracked"] |= {"load_share": 0.03}  # of those motors
+    config["spread"] |= {"arms": 2, "seeds": [4, 9], "durations_s": [2.0, 1.5]}
     return config
 
 
@@ -46,22 +47,22 @@ def recorded(tmp_path_factory):
 def test_every_seed_and_motion_comes_back(recorded):
     for index, duration in enumerate(CONFIG["spread"]["durations_s"]):
         found = read_spread(recorded, CONFIG, index)
-        assert [seed for seed, _ in found] == [4, 9]
-        for seed, recordings in found:
-            assert list(recordings) == MOTIONS
-            for name, recording in recordings.items():
-                program = program_from_config(CONFIG, name, seed, duration)
+        assert [(one.seed, one.arm) for one in found] == [(4, 0), (9, 1)]
+        for one in found:
+            assert list(one.recordings) == MOTIONS
+            for name, recording in one.recordings.items():
+                program = program_from_config(CONFIG, name, one.seed, duration)
                 assert (recording.program.q == program.q.astype(np.float32)).all()  # as the board was sent it
                 assert (recording.program.n1, recording.program.n2) == (program.n1, program.n2)
                 assert recording.q.shape == recording.tau.shape == program.q.shape
                 assert np.abs(recording.q - program.q).max() < 0.3
                 assert np.ptp(recording.tau, axis=1).min() > 0
-        proper = found[0][1]["ID"].program
+        proper = found[0].recordings["ID"].program
         assert proper.n2 - proper.n1 == round(duration / 0.0025)
 
 
 def test_specimens_differ_and_the_random_motion_with_them(recorded):
-    (_, first), (_, second) = read_spread(recorded, CONFIG, 0)
+    first, second = (one.recordings for one in read_spread(recorded, CONFIG, 0))
     for name in MOTIONS:
         assert (first[name].tau != second[name].tau).any()
         assert (first[name].program.q == second[name].program.q).all() == (name != "T1")
@@ -71,14 +72,14 @@ def test_specimens_differ_and_the_random_motion_with_them(recorded):
 def test_a_specimen_is_the_arm_simulated_alone(recorded, name):
     """Arms of a batch share their substeps, so now and then a position falls on the other side of a count."""
     control = control_constants(CONFIG)
-    for seed, recordings in read_spread(recorded, CONFIG, 1):
-        levels, phase = disturbance(CONFIG, seed)
-        plant = Plant(true_parameters(CONFIG), 0.0025, levels, phase)
-        position, _ = simulate(plant, control, recordings[name].program.q)
-        counts = np.rint(recordings[name].q / RADIANS_PER_COUNT)
+    for one in read_spread(recorded, CONFIG, 1):
+        levels, phase = disturbance(CONFIG, one.seed)
+        recording = one.recordings[name]
+        position, _ = simulate(Plant(one.true, 0.0025, levels, phase), control, recording.program.q)
+        counts = np.rint(recording.q / RADIANS_PER_COUNT)
         assert np.abs(counts - position[0]).max() <= 1
         assert (counts == position[0]).mean() > 0.95
-        np.testing.assert_allclose(recordings[name].q, counts * RADIANS_PER_COUNT, atol=1e-12)
+        np.testing.assert_allclose(recording.q, counts * RADIANS_PER_COUNT, atol=1e-12)
 
 
 def refused(path, config=CONFIG, index=0):
@@ -110,8 +111,8 @@ def test_a_damaged_file_is_refused_in_one_line(recorded, tmp_path, damage):
 
 def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded, tmp_path):
     more = copy.deepcopy(CONFIG)
-    more["spread"]["seeds"] = [4, 9, 11]
-    assert "ID0" in refused(recorded, more)
+    more["spread"]["seeds"] = [4, 9, 11, 12]
+    assert "parameters" in refused(recorded, more)
     longer = copy.deepcopy(CONFIG)
     longer["experiment"]["validation_samples"] = 2300
     assert "T1" in refused(recorded, longer)
@@ -125,31 +126,32 @@ def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded,
 # --- Verdict ------------------------------------------------------------------------------------------------------
 
 
-def scores_of(differences, base=0.9):
+def scores_of(differences, base=0.9, arms=1):
     """Scores of one motion, joint and duration with these differences to least squares."""
     rows = [
-        ("T1", 1, method, 3.0, seed, base + (d if method == "algorithm1" else 0.0))
+        ("T1", 1, method, 3.0, seed % arms, seed, base + (d if method == "algorithm1" else 0.0))
         for seed, d in enumerate(differences)
         for method in ("algorithm1", "least-squares")
     ]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "seed", "total"])
 
 
-def verdict_of(differences, base=0.0):
-    (row,) = verdict(scores_of(differences, base), ["algorithm1"]).to_dict("records")
+def verdict_of(differences, base=0.0, arms=1):
+    (row,) = verdict(scores_of(differences, base, arms), ["algorithm1"], ["least-squares"]).to_dict("records")
     return row
 
 
 def test_wins_and_the_median_difference_of_every_motion_joint_and_duration():
     config = short_config()
-    config["spread"]["seeds"] = [1, 2, 3]
-    table = verdict(spread_table(config, 0.02), ["algorithm1", "algorithm1+refinement"])
-    assert len(table) == 2 * 5 * 2 * 2
-    assert list(table.columns[:5]) == ["motion", "joint", "duration", "method", "runs"]
+    config["spread"]["seeds"] = [1, 2, 3, 4]
+    table = verdict(spread_table(config, 0.02), ["algorithm1", "algorithm1+refinement"], ["least-squares", "bounded"])
+    assert len(table) == 2 * 2 * 5 * 2 * 2
+    assert list(table.columns[:7]) == ["motion", "joint", "duration", "method", "opponent", "arms", "runs"]
     for row in table.itertuples():
         amount = {"algorithm1": 0.02, "algorithm1+refinement": 0.04}[row.method]
+        amount -= 0.005 * (row.opponent == "bounded")
         won = row.motion != "ID"
-        assert (row.runs, row.wins, row.win_share) == (3, 3 * won, float(won))
+        assert (row.arms, row.runs, row.wins, row.win_share) == (2, 4, 4 * won, float(won))
         assert row.difference_median == pytest.approx(amount if won else -amount)
         assert row.difference_low == pytest.approx(row.difference_median)
         assert row.difference_high == pytest.approx(row.difference_median)
@@ -164,7 +166,7 @@ def test_differences_are_paired_by_the_seed():
     """Whatever a seed does to both methods falls out, and the order of the rows does not matter."""
     scores = scores_of([0.01, 0.03, 0.02])
     scores["total"] += 0.05 * scores["seed"]
-    (row,) = verdict(scores.sample(frac=1.0, random_state=1), ["algorithm1"]).to_dict("records")
+    (row,) = verdict(scores.sample(frac=1.0, random_state=1), ["algorithm1"], ["least-squares"]).to_dict("records")
     assert row["difference_median"] == pytest.approx(0.02)
     assert row["wins"] == 3
 
@@ -200,9 +202,18 @@ def test_the_interval_of_the_median_is_that_of_all_resamples():
     assert row["difference_high"] == pytest.approx(np.quantile(medians, 0.975), abs=1e-12)
 
 
+def test_arms_that_differ_widen_the_interval():
+    """Specimens of an arm agree and arms do not: as many runs say less, and the interval spans the arms."""
+    values = [0.01 * (seed % 4) + 1e-4 * seed for seed in range(16)]
+    as_one, as_four = verdict_of(values), verdict_of(values, arms=4)
+    assert as_four["arms"] == 4
+    assert as_four["difference_median"] == as_one["difference_median"]
+    assert as_four["difference_high"] - as_four["difference_low"] > as_one["difference_high"] - as_one["difference_low"]
+
+
 def test_the_bootstrap_gives_the_same_numbers_every_time():
     values = np.random.default_rng(3).normal(size=12)
-    pd.testing.assert_frame_equal(*(verdict(scores_of(values), ["algorithm1"]) for _ in range(2)))
+    pd.testing.assert_frame_equal(*(verdict(scores_of(values), ["algorithm1"], ["least-squares"]) for _ in range(2)))
 
 
 @pytest.mark.parametrize("values", [[0.04], [0.04] * 7])

@@ -20,8 +20,9 @@ TABLES = [f"table{n:02d}" for n in range(1, 11)]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 #: What the paper has no number for: name of its files and the rule that makes them.
-FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure"}
-FURTHER_TABLES = {"metric_search": "metric_search_table", **{name: name for name in ("stability", "verdict", "audit")}}
+FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure", "why": "why_figure"}
+FURTHER_TABLES = {name: name for name in ("stability", "verdict", "audit")}
+FURTHER_TABLES |= {name: f"{name}_table" for name in ("metric_search", "why")}
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 
 

@@ -177,6 +177,9 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
             yield (place, *others), expected
         elif round(duration / h) <= signals["image_samples"]:
             yield (place,), f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
+    spread = config["spread"]
+    if len(spread["seeds"]) % spread["arms"]:
+        yield (("spread", "arms"), ("spread", "seeds")), "as many specimens of every arm"
     if round(experiment["lead_in_s"] / h) < 1:
         yield (("experiment", "lead_in_s"),), f"at least one sampling period ({h} s)"
     first, second = config["arm"]["link_lengths_m"]

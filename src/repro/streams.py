@@ -27,6 +27,7 @@ class Stream(IntEnum):
     OWN_BOOTSTRAP = 16
     TRACKED_ARMS = 17
     WHY = 18
+    SPREAD_ARMS = 19
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

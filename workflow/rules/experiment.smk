@@ -120,7 +120,7 @@ rule simulate_spread:
     resources:
         mem_mb=2000,
     params:
-        config=sections("signals", "arm", "board", "experiment", "spread"),
+        config=sections("signals", "data", "arm", "board", "experiment", "spread"),
     message:
         "Simulating many specimens of the arm"
     script:
@@ -130,7 +130,7 @@ rule simulate_spread:
 rule score_spread:
     input:
         recordings=f"{R}/spread/recordings.safetensors",
-        weights=f"{R}/model/cnn.safetensors",
+        weights=expand(f"{R}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
         f"{R}/spread/scores-{{index}}.csv",
@@ -155,6 +155,7 @@ rule score_spread:
             "metric",
             "algorithm1",
             "refinement",
+            "networks",
             "spread",
         ),
     message:

@@ -96,7 +96,7 @@ def program_settings(config: Config) -> ProgramSettings:
     )
 
 
-def _limits(config: Config) -> tuple[tuple[float, float], float]:
+def limits(config: Config) -> tuple[tuple[float, float], float]:
     """Torque (N m) that motions may ask of the nominal arm, and speed (rad/s); friction needs the rest."""
     first, second = config["board"]["full_torque_nm"]
     share = config["experiment"]["torque_share"]
@@ -105,7 +105,7 @@ def _limits(config: Config) -> tuple[tuple[float, float], float]:
 
 def check_program(config: Config, program: Program) -> None:
     """Refuse a motion that the arm cannot follow; see `repro.signals.limits.check_limits`."""
-    check_limits(program, true_parameters(config), *_limits(config))
+    check_limits(program, true_parameters(config), *limits(config))
 
 
 def program_from_config(config: Config, name: str, seed: int | None = None, duration: float | None = None) -> Program:
@@ -139,7 +139,7 @@ def program_from_config(config: Config, name: str, seed: int | None = None, dura
     if duration is not None:
         settings = replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
-    return permitted_program(known[name], settings, rng, true_parameters(config), *_limits(config))
+    return permitted_program(known[name], settings, rng, true_parameters(config), *limits(config))
 
 
 def download(program: Program, control: ControlConstants) -> tuple[bytes, bytes]:

@@ -22,12 +22,13 @@ Inputs = Mapping[str, Sequence[Path]]
 
 #: Columns of the scores of the experiment, and of the spread.
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
-SPREAD = ("case", "joint", "method", "duration", "seed", "total")
+SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
 EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
-#: Methods set against least squares.
-CONTENDERS = ("algorithm1", "algorithm1+refinement")
+#: Methods of the verdict, and what they are set against.
+CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")
+OPPONENTS = ("least-squares", "bounded", "consistent")
 #: Methods drawn for the spread; the literal Algorithm 1 would leave the others on one line.
-DRAWN = ("algorithm1+refinement", "least-squares", "true")
+DRAWN = ("algorithm1+tracked", "algorithm1+refinement", "least-squares", "bounded", "true")
 
 
 def _recordings(inputs: Inputs, config: Config) -> list[Recording]:
@@ -105,6 +106,6 @@ TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "table09": lambda i, _: _parameters(i),
     "table10": lambda i, _: median_cells(_scores(i)),
     "stability": lambda i, _: draw.stability_table(_estimates(i), ("algorithm1", *draw.SHOWN, "true")),
-    "verdict": lambda i, _: verdict(_spread(i), CONTENDERS),
+    "verdict": lambda i, _: verdict(_spread(i), CONTENDERS, OPPONENTS),
     "why": lambda i, _: why_table(_explained(i)),
 }

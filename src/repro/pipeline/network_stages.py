@@ -32,6 +32,7 @@ from repro.settings import (
     metric_settings,
     network_settings,
     numeric_settings,
+    of_network,
     refinement_settings,
     search_settings,
     signal_settings,
@@ -163,19 +164,21 @@ def score_specimens(index: int, named_inputs: Named, output: str, config: Config
     inputs = paths(named_inputs)
     signals = signal_settings(config)
     tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
-    network = load_network(inputs["weights"][0], network_settings(config))
-    identifier = identifier_of("published", network, config)
-    duration, true = config["spread"]["durations_s"][index], true_parameters(config)
+    names = dict(zip(("published", "tracked"), inputs["weights"], strict=True))
+    identifiers = [
+        identifier_of(name, load_network(weights, network_settings(config)), of_network(config, name))
+        for name, weights in names.items()
+    ]
+    duration = config["spread"]["durations_s"][index]
     specimens = read_spread(inputs["recordings"][0], config, index)
     progress = Progress(f"spread, identification of {duration:.4g} s")
     frames = []
-    for k, (seed, recordings) in enumerate(specimens):
-        runs = [
-            identify_recording(identifier, recordings["ID"], tau_mean, signals, seed, true),
-            {**least_squares_of(recordings["ID"], signals, true), "seed": seed},
-        ]
-        scores = score_runs(runs, list(recordings.values()), signals, metric_settings(config))
-        frames.append(scores.assign(duration=duration))
+    for k, one in enumerate(specimens):
+        recorded = one.recordings["ID"]
+        runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in identifiers]
+        runs.append({**least_squares_of(recorded, signals, one.true), "seed": one.seed})
+        scores = score_runs(runs, list(one.recordings.values()), signals, metric_settings(config))
+        frames.append(scores.assign(duration=duration, arm=one.arm))
         progress(k + 1, len(specimens))
     table = pd.concat(frames, ignore_index=True)
-    write_csv(Path(output), table[["case", "joint", "method", "duration", "seed", "time", "frequency", "total"]])
+    write_csv(Path(output), table[["case", "joint", "method", "duration", "arm", "seed", "time", "frequency", "total"]])

@@ -1,6 +1,9 @@
-"""The whole experiment over many specimens of the arm: their recordings; `repro.pipeline.verdict` draws from them."""
+"""The whole experiment over many specimens of several arms: their recordings; `repro.pipeline.verdict` draws from them.
 
-from dataclasses import replace
+A specimen is one arm with its own share of what Eq. 1 leaves out and its own random motion T1.
+"""
+
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +16,89 @@ from repro.files import write_whole
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.model.parameters import Array
+from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters
 from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
+from repro.pipeline.tracked import draw_arms, tracking_error
 from repro.progress import Progress
+from repro.signals.limits import check_limits
 from repro.signals.programs import PROGRAMS, Program
+from repro.streams import Stream, stream
 
 #: Motions that only validate.
 VALIDATION = PROGRAMS[1:]
+
+
+#: Arms drawn for each that is wanted.
+DRAWN = 8
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """One specimen and its recordings.
+
+    Attributes
+    ----------
+    seed : int
+        Of what Eq. 1 leaves out, and of T1.
+    arm : int
+        Which arm; 0 is that of section ``arm``.
+    true : array of shape (9,)
+        Its parameters.
+    recordings : dict
+        By motion, ID first.
+    """
+
+    seed: int
+    arm: int
+    true: Array
+    recordings: dict[str, Recording]
+
+
+def spread_arms(config: Config) -> Array:
+    """Arms of the spread: that of section ``arm``, and others that can do the same motions.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment`` and ``spread``.
+
+    Returns
+    -------
+    array of shape (arms, 9)
+        The further ones are drawn as the arms of tracked motions are, from a stream of their own, and kept if no
+        motion of any specimen asks more torque or speed of them than it may and they track the identification motion.
+
+    Raises
+    ------
+    InputError
+        If too few arms are kept.
+    """
+    seeds = config["spread"]["seeds"]
+    motions = [program_from_config(config, "ID", duration=d) for d in config["spread"]["durations_s"]]
+    motions += [program_from_config(config, name, seed) for name in VALIDATION for seed in seeds]
+    count = config["spread"]["arms"]
+    drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
+    able = [beta for beta in drawn if all(_may(motion, beta, config) for motion in motions)]
+    fastest = min(motions[: len(config["spread"]["durations_s"])], key=lambda motion: motion.q.shape[1])
+    plant = Plant(np.stack([true_parameters(config), *able]), fastest.h)
+    position, _ = simulate(plant, control_constants(config), fastest.q)
+    tracked = tracking_error(position, fastest) <= config["data"]["tracked"]["largest_error_rad"]
+    arms = np.stack([true_parameters(config), *(beta for beta, ok in zip(able, tracked[1:], strict=True) if ok)])
+    if len(arms) < count:
+        raise InputError.at("spread.arms", count, f"at most {len(arms)}, of {DRAWN * count} drawn ones that can")
+    return arms[:count]
+
+
+def _may(motion: Program, beta: Array, config: Config) -> bool:
+    """Whether a motion stays within torque and speed of an arm."""
+    try:
+        check_limits(motion, beta, *limits(config))
+    except InputError:
+        return False
+    return True
 
 
 def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
@@ -36,11 +113,11 @@ def simulate_spread(config: Config, out: Path) -> None:
     Parameters
     ----------
     config : mapping
-        Sections ``signals``, ``arm``, ``board``, ``experiment`` and ``spread``.
+        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment`` and ``spread``.
     out : Path
         safetensors file, arrays of shape (seeds, 2, N) named ``{motion}/position`` and ``{motion}/pwm`` (int16), and
         ``{motion}/desired`` as sent (float32); the identification motions are named ``ID0``, ``ID1`` ... after the
-        durations.
+        durations; ``parameters`` of each specimen, which take the arms in turn, (seeds, 9).
     """
     seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
     kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {}
@@ -48,17 +125,19 @@ def simulate_spread(config: Config, out: Path) -> None:
         f"ID{k}": [program_from_config(config, "ID", duration=d).q] * len(seeds) for k, d in enumerate(durations)
     }
     desired |= {name: [program_from_config(config, name, seed).q for seed in seeds] for name in VALIDATION}
-    beta, control, h = true_parameters(config), control_constants(config), config["signals"]["sampling_period_s"]
+    arms, control, h = spread_arms(config), control_constants(config), config["signals"]["sampling_period_s"]
+    beta = arms[np.arange(len(seeds)) % len(arms)]
+    kept["parameters"] = beta
     levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
     for name, q in desired.items():
-        plant = Plant(np.tile(beta, (len(seeds), 1)), h, levels, np.stack(phase))
+        plant = Plant(beta, h, levels, np.stack(phase))
         position, pwm = simulate(plant, control, np.stack(q), Progress(f"simulating {name}, {len(seeds)} seeds"))
         kept |= {f"{name}/position": position.copy(), f"{name}/pwm": pwm.copy()}
         kept[f"{name}/desired"] = np.stack(q).astype(np.float32)
     write_whole(out, lambda temporary: save_file(kept, temporary))
 
 
-def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[str, Recording]]]:
+def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     """Recordings of every seed for one identification duration.
 
     Parameters
@@ -72,8 +151,8 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
 
     Returns
     -------
-    list of (seed, dict)
-        Seed and its recordings by motion, ID first.
+    list of Specimen
+        In the order of the seeds.
 
     Raises
     ------
@@ -85,6 +164,9 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
         kept = load_file(path)
     except (OSError, SafetensorError) as error:
         raise InputError.at(str(path), f"no safetensors file ({error})", "the recordings of the spread") from error
+    true = kept.get("parameters", np.empty(0))
+    if true.shape != (len(seeds), 9):
+        raise InputError.at(f"{path}: parameters", "another shape or nothing", f"an array of shape ({len(seeds)}, 9)")
     torque = control_constants(config).torque_per_count[:, np.newaxis]
     found = []
     for k, seed in enumerate(seeds):
@@ -99,5 +181,5 @@ def read_spread(path: Path, config: Config, index: int) -> list[tuple[int, dict[
             position, pwm, desired = shaped
             sent = replace(program, q=desired.astype(np.float64))
             recordings[name] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
-        found.append((seed, recordings))
+        found.append(Specimen(seed, k % config["spread"]["arms"], true[k], recordings))
     return found

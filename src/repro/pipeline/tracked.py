@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
@@ -63,6 +64,12 @@ def _program(config: Config) -> Program:
     return identification_program(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
 
 
+def tracking_error(position: NDArray[np.int16], program: Program) -> Array:
+    """Largest error of each arm along the trajectory proper, rad, of encoder counts of shape (K, 2, N)."""
+    error: Array = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
+    return error
+
+
 def simulate_tracked(config: Config, out: Path) -> None:
     """Simulate the arms as one batch and keep those that track.
 
@@ -88,8 +95,7 @@ def simulate_tracked(config: Config, out: Path) -> None:
     plant = Plant(beta, program.h, effects, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
     progress = Progress(f"simulating {drawn} arms for training")
     position, _ = simulate(plant, control_constants(config), program.q, progress)
-    error = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
-    kept = np.flatnonzero(error <= t["largest_error_rad"])[: t["arms"]]
+    kept = np.flatnonzero(tracking_error(position, program) <= t["largest_error_rad"])[: t["arms"]]
     if len(kept) < t["arms"]:
         found = f"{len(kept)} of {drawn} arms that track"
         raise InputError.at("data.tracked.largest_error_rad", found, f"{t['arms']}: a larger error")

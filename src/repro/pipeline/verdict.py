@@ -1,4 +1,4 @@
-"""Does Algorithm 1 beat least squares on T1 to T4? Shares of runs won, and medians of the difference."""
+"""Does a method beat another on T1 to T4? Shares of runs won and differences, over arms and specimens."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -14,35 +14,40 @@ from repro.streams import Stream, stream
 RESAMPLES = 9999
 
 
-def verdict(scores: pd.DataFrame, methods: Sequence[str], opponent: str = "least-squares") -> pd.DataFrame:
-    """Is a method better than least squares: in how many runs, and by how much?
+def verdict(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
+    """Is a method better than an opponent: in how many runs, and by how much?
 
     Parameters
     ----------
     scores : DataFrame
-        Columns ``case, joint, method, duration, seed, total``.
+        Columns ``case, joint, method, duration, arm, seed, total``; as many specimens of each arm.
     methods : sequence of str
-        Methods to compare with `opponent`.
-    opponent : str
+        Methods to compare with each of `opponents`.
+    opponents : sequence of str
         What they are compared with.
 
     Returns
     -------
     DataFrame
-        For each method, motion, joint and duration: runs, wins, their share with its 95 % Wilson interval, and
-        the median of the paired difference of total similarity with its 95 % bootstrap percentile interval.
+        For each method, opponent, motion, joint and duration: arms, runs, wins, their share with its 95 % Wilson
+        interval, and the median of the paired difference of total similarity with its 95 % bootstrap percentile
+        interval, for which arms are drawn first and then specimens of each.
     """
-    index = ["motion", "joint", "duration", "seed"]
+    index = ["motion", "joint", "duration", "arm", "seed"]
     totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
     rows = []
     for method in methods:
-        difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
-        for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
-            d = group["difference"].to_numpy()
-            wins = int((d > 0).sum())
-            rows.append((*list(key), method, len(d), wins, wins / len(d), *wilson(wins, len(d)), *_median(d, k)))
-    columns = ["motion", "joint", "duration", "method", "runs", "wins", "win_share", "win_low", "win_high"]
-    return pd.DataFrame(rows, columns=[*columns, "difference_median", "difference_low", "difference_high"])
+        for opponent in opponents:
+            difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
+            for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
+                of_arms = [arm.to_numpy() for _, arm in group.groupby("arm")["difference"]]
+                d = np.stack(of_arms)  # (arms, specimens)
+                wins = int((d > 0).sum())
+                shares = (wins / d.size, *wilson(wins, d.size))
+                rows.append((*list(key), method, opponent, len(d), d.size, wins, *shares, *_median(d, k)))
+    columns = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
+    columns += ["win_share", "win_low", "win_high", "difference_median", "difference_low", "difference_high"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def wilson(wins: int, runs: int) -> tuple[float, float]:
@@ -66,10 +71,20 @@ def wilson(wins: int, runs: int) -> tuple[float, float]:
 
 
 def _median(values: Array, index: int) -> tuple[float, float, float]:
-    """Median with its 95 % bootstrap percentile interval; a single value, or equal ones, are their own interval."""
+    """Median with its 95 % bootstrap percentile interval; equal values are their own interval.
+
+    Parameters
+    ----------
+    values : array of shape (arms, specimens)
+        Differences.
+    index : int
+        Which comparison, for a stream of its own.
+    """
     middle = float(np.median(values))
     if np.ptp(values) == 0:
         return middle, middle, middle
-    resamples = stream(0, Stream.BOOTSTRAP, index).choice(values, (RESAMPLES, len(values)))
-    low, high = np.quantile(np.median(resamples, axis=1), [0.025, 0.975])
+    rng, (arms, specimens) = stream(0, Stream.BOOTSTRAP, index), values.shape
+    arm = rng.integers(arms, size=(RESAMPLES, arms, 1))
+    drawn = values[arm, rng.integers(specimens, size=(RESAMPLES, arms, specimens))]
+    low, high = np.quantile(np.median(drawn.reshape(RESAMPLES, -1), axis=1), [0.025, 0.975])
     return middle, float(low), float(high)

@@ -154,72 +154,65 @@ def stability(frame: pd.DataFrame) -> Table:
 
 
 def verdict(frame: pd.DataFrame) -> Table:
-    """Whether Algorithm 1 beats least squares, by motion, joint and duration of the identification trajectory.
+    """Each method against each of the field's, over many specimens of several arms.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        ``motion, joint, duration, runs, wins, win_share, win_low, win_high, difference_median, difference_low,
-        difference_high`` and, where more than one method is compared, ``method``; duration in s, shares and
-        differences of the total (Algorithm 1 less least squares) as fractions of 1; motions ID, T1 ... T4.
-
-    Returns
-    -------
-    Table
-        A block for each duration (and method), a row for each motion and joint.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
+    Columns ``motion, method, opponent, joint, duration, arms, runs, wins, win_share, win_low, win_high,
+    difference_median, difference_low, difference_high``; shares and differences as fractions of 1. A block for each
+    opponent, a row for each method and duration: of its comparisons, one for each motion of T1 to T4 and joint, in how
+    many the whole interval of the difference lies on either side of 0.
     """
-    named = frame if "method" in frame.columns else frame.assign(method="algorithm1")
     shares = ("win_share", "win_low", "win_high")
     differences = ("difference_median", "difference_low", "difference_high")
-    table = check_table(named, ("motion", "method"), ("joint", "duration", "runs", "wins", *shares, *differences))
+    numbers = ("joint", "duration", "arms", "runs", "wins", *shares, *differences)
+    table = check_table(frame, ("motion", "method", "opponent"), numbers)
     check_names(table["motion"], _MOTIONS, "motion")
     check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
-    check_range(table, ("runs",), 1.0, float("inf"), "at least 1 run")
+    check_range(table, ("arms", "runs"), 1.0, float("inf"), "at least 1 run")
     check_range(table, ("wins",), 0.0, float(table["runs"].max()), "no more wins than runs")
     check_range(table, shares, 0.0, 1.0, "a fraction of 1")
     check_range(table, differences, -1.0, 1.0, "a difference of fractions of 1")
     blocks = []
-    for method in methods_of(table):
-        for duration in sorted(set(table["duration"])):
-            rows = []
-            for motion in _MOTIONS:
-                for joint in (1, 2):
-                    key = {"method": method, "duration": duration, "motion": motion, "joint": joint}
-                    rows.append(_verdict_row(motion, joint, one_row(table, key)))
-            blocks.append((heading_of(method) + plain(f", identified on {duration:.4g} s"), rows))
+    for opponent in dict.fromkeys(table["opponent"]):
+        rows = []
+        for method in methods_of(table):
+            for duration in sorted(set(table["duration"])):
+                key = {"method": method, "opponent": opponent, "duration": duration}
+                rows.append(_tally_row(method, duration, validation_rows(table, key)))
+        blocks.append((plain("Against:") + Text(" ", " ") + heading_of(opponent), rows))
+    arms, runs = int(table["arms"].max()), int(table["runs"].max())
     caption = plain(
-        "Algorithm 1 against least squares on the simulated arm: runs in which its total similarity is higher, and the "
-        "median difference of the totals in points of a percent, each with its confidence interval. A method is named "
-        "better where the whole interval of the difference lies on its side of 0."
+        f"Algorithm 1 and the field's methods on T1 to T4, {runs} specimens of {arms} simulated arms. A comparison is "
+        "one motion and joint: a method is better where the whole 95 % interval of the median difference of the totals "
+        "lies above 0, worse where it lies below; arms are resampled first, then specimens. The last two columns are "
+        "the share of runs won and the median over the comparisons of the difference, in points of a percent. Every "
+        "comparison is in the CSV."
     )
-    names = ("Motion", "Runs", "Wins", "Share of wins (%)", "Difference (points)", "Better")
-    header = tuple(plain(name) for name in names)
-    return Table("Verdict", "tab:verdict", caption, "lrrrrl", header, blocks)
+    names = ("Method", "Identified on", "Better", "Worse", "Open", "Runs won (%)", "Difference (points)")
+    return Table("Verdict", "tab:verdict", caption, "lrrrrrr", tuple(plain(name) for name in names), blocks)
 
 
-def _interval(values: pd.Series, decimals: int) -> Text:
-    """A percentage followed by its interval."""
-    middle, low, high = (number(100.0 * float(value), decimals) for value in values)
-    return middle + Text(" [", " [") + low + Text(", ", ", ") + high + Text("]", "]")
+def validation_rows(table: pd.DataFrame, key: dict[str, object]) -> pd.DataFrame:
+    """Comparisons on T1 to T4 with these values.
+
+    Raises
+    ------
+    InputError
+        If a motion and joint is missing or comes twice.
+    """
+    rows = table[(table[list(key)] == pd.Series(key)).all(axis=1) & (table["motion"] != "ID")]
+    expected = 2 * (len(_MOTIONS) - 1)
+    if len(rows) != expected or rows.duplicated(["motion", "joint"]).any():
+        place = ", ".join(f"{name} {value}" for name, value in key.items())
+        raise InputError.at(place, f"{len(rows)} rows on T1 to T4", f"{expected}: each motion and joint once")
+    return rows
 
 
-def _verdict_row(motion: str, joint: int, row: pd.Series) -> list[Text]:
-    """Cells of one motion and joint."""
-    better = "undecided"
-    if row["difference_low"] > 0.0:
-        better = "Algorithm 1"
-    elif row["difference_high"] < 0.0:
-        better = "least squares"
+def _tally_row(method: str, duration: float, rows: pd.DataFrame) -> list[Text]:
+    better, worse = int((rows["difference_low"] > 0).sum()), int((rows["difference_high"] < 0).sum())
     return [
-        plain(motion) + Text(", ", ", ") + formula(f"tau{joint}"),
-        number(float(row["runs"]), 0),
-        number(float(row["wins"]), 0),
-        _interval(row[["win_share", "win_low", "win_high"]], 0),
-        _interval(row[["difference_median", "difference_low", "difference_high"]], 2),
-        plain(better),
+        heading_of(method),
+        plain(f"{duration:.4g} s"),
+        *(number(float(count), 0) for count in (better, worse, len(rows) - better - worse)),
+        number(100.0 * float(rows["wins"].sum() / rows["runs"].sum()), 0),
+        number(100.0 * float(rows["difference_median"].median()), 2),
     ]
