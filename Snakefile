@@ -36,8 +36,8 @@ R = config["results"]
 F = config["figures"]
 FIGURES = [f"fig{n:02d}" for n in range(1, 25)]
 TABLES = [f"table{n:02d}" for n in range(1, 11)]
-ALL_FIGURES = [*FIGURES, "why", "spread", "metric_search"]
-ALL_TABLES = [*TABLES, "why", "stability", "verdict", "metric_search", "audit"]
+ALL_FIGURES = [*FIGURES, "why", "coverage", "spread", "metric_search"]
+ALL_TABLES = [*TABLES, "why", "coverage", "intervals", "stability", "verdict", "metric_search", "audit"]
 
 
 wildcard_constraints:
@@ -62,6 +62,7 @@ include: "workflow/rules/metric_search.smk"
 include: "workflow/rules/experiment.smk"
 include: "workflow/rules/experiment_outputs.smk"
 include: "workflow/rules/why.smk"
+include: "workflow/rules/coverage.smk"
 include: "workflow/rules/ablation.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"

@@ -113,7 +113,7 @@ WORDS = {"fig01": "unit", "fig02": "label", "fig03": "label", "fig04": "label", 
 WITHOUT_AXES = {*WORDS, "fig07"}
 
 #: Figures that must say so.
-SIMULATED = ("fig18", "fig19", "fig20", "fig21", "fig22", "fig23", "fig24", "spread", "ablation")
+SIMULATED = ("fig18", "fig19", "fig20", "fig21", "fig22", "fig23", "fig24", "spread", "why", "coverage", "ablation")
 
 #: Tables that go on over pages, and the columns that may be blank.
 LONG = ("audit",)
@@ -146,6 +146,42 @@ def paths_frame() -> pd.DataFrame:
         for name, size in (("desired", 0.0315), ("actual", 0.031))
     ]
     return pd.concat(frames, ignore_index=True)
+
+
+def why_frame() -> pd.DataFrame:
+    rows = [
+        (network, step, 3, 0.98 - 0.1 * k, 0.9 - 0.2 * k, 0.01, 0.02, 0.15 * (k > 0), 0.2 + k, 0.05)
+        for network in ("published", "tracked")
+        for k, step in enumerate(("ideal", "beyond", "quantised", "loop", "recording"))
+    ]
+    totals = ["total1", "total2", "spread1", "spread2", "lost", "error_uniform", "error_near"]
+    return pd.DataFrame(rows, columns=["network", "step", "seeds", *totals])
+
+
+def why_figure_frame() -> pd.DataFrame:
+    one = why_frame().drop(columns=["seeds", "spread1", "spread2", "lost"])
+    return pd.concat([one.assign(seed=seed, total1=one["total1"] - 0.01 * seed) for seed in (1, 2)])
+
+
+def coverage_frame() -> pd.DataFrame:
+    rows = [
+        (arms, name, level, min(1.0, level + 0.05), level - 0.01 * k, 0.5 + level, 0.1 + 0.01 * k)
+        for arms in ("Eq. 1", "unmodelled")
+        for k, name in enumerate(NAMES)
+        for level in (0.5, 0.9, 0.95)
+    ]
+    return pd.DataFrame(rows, columns=["arms", "parameter", "level", "raw", "calibrated", "factor", "width"])
+
+
+def intervals_frame() -> pd.DataFrame:
+    rows = [(name, 0.1, 0.12, 0.05, 0.2 if k else 0.06, 0.95, 0) for k, name in enumerate(NAMES)]
+    return pd.DataFrame(rows, columns=["parameter", "true", "centre", "low", "high", "level", "warned"])
+
+
+def ranks_frame() -> pd.DataFrame:
+    both = itertools.product(("Eq. 1", "unmodelled"), NAMES, range(10))
+    rows = [(arms, name, k, 300, 0.19 - 0.02 * k, 0.1) for arms, name, k in both]
+    return pd.DataFrame(rows, columns=["arms", "parameter", "bin", "number", "raw", "calibrated"])
 
 
 def spread_frame() -> pd.DataFrame:
@@ -198,6 +234,8 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "fig23": lambda: waves(validated_panels()),
     "fig24": lambda: bands(validated_panels()),
     "spread": spread_frame,
+    "why": why_figure_frame,
+    "coverage": ranks_frame,
     "metric_search": candidates_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
 }
@@ -289,6 +327,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "table10": lambda: similarity_frame(5, ("ID", *MOTIONS), RIVALS),
     "stability": stability_frame,
     "verdict": verdict_frame,
+    "why": why_frame,
+    "coverage": coverage_frame,
+    "intervals": intervals_frame,
     "metric_search": search_frame,
     "ablation": readings_frame,
     "audit": audit_frame,

@@ -20,9 +20,10 @@ TABLES = [f"table{n:02d}" for n in range(1, 11)]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 #: What the paper has no number for: name of its files and the rule that makes them.
-FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure", "why": "why_figure"}
-FURTHER_TABLES = {name: name for name in ("stability", "verdict", "audit")}
-FURTHER_TABLES |= {name: f"{name}_table" for name in ("metric_search", "why")}
+FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure"}
+FURTHER_FIGURES |= {name: f"{name}_figure" for name in ("why", "coverage")}
+FURTHER_TABLES = {name: name for name in ("intervals", "stability", "verdict", "audit")}
+FURTHER_TABLES |= {name: f"{name}_table" for name in ("metric_search", "why", "coverage")}
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 
 
@@ -49,7 +50,7 @@ def rules():
 
 RULES = rules()
 #: Rules that only name other rules' files.
-COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search"}
+COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage"}
 WORKING = sorted(RULES.keys() - COLLECTIONS)
 
 
@@ -81,10 +82,9 @@ def summary(folder, *arguments):
 def test_the_default_target_makes_every_table_and_figure(folder):
     files = summary(folder)
     assert targets() <= files.keys()
-    expected = {f"results/identification/numeric{s}-seed{k}.json" for s in ("", "-scale-aware") for k in SEEDS}
-    expected |= {
-        f"results/identification/experiment{s}-seed{k}.json" for s in ("", "-scale-aware") for k in SEARCH_SEEDS
-    }
+    networks = ("", "-scale-aware", "-tracked")
+    expected = {f"results/identification/numeric{s}-seed{k}.json" for s in networks for k in SEEDS}
+    expected |= {f"results/identification/experiment{s}-seed{k}.json" for s in networks for k in SEARCH_SEEDS}
     expected.add("results/identification/experiment-least-squares.json")
     assert {name for name in files if "/identification/" in name} == expected
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
@@ -103,7 +103,7 @@ def test_the_smoke_run_makes_the_same_in_folders_of_its_own(folder):
     assert targets("results/smoke", "paper_figures/smoke") <= files.keys()
     assert all(name.startswith(("results/smoke/", "paper_figures/smoke/")) for name in files)
     identified = [name for name in files if "/identification/" in name]
-    assert len(identified) == 5  # one seed and two networks for each experiment, and least squares
+    assert len(identified) == 7  # one seed and three networks for each experiment, and least squares
 
 
 def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
@@ -126,8 +126,8 @@ def test_each_target_can_be_asked_for_by_its_rule_name(folder):
     assert code == 0, said
     counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
     assert {counts.get(name) for name in names} == {"1"}
-    assert counts["train"] == "3"  # published, scale-aware and the paper's recipe
-    assert counts["identify_numeric"] == "3"  # every seed in one job
+    assert counts["train"] == "4"  # published, scale-aware, tracked and the paper's recipe
+    assert counts["identify_numeric"] == "4"  # every seed in one job
     assert counts["identify_experiment"] == "2"
     assert counts["acquire"] == "5"
 

@@ -28,6 +28,8 @@ class Stream(IntEnum):
     TRACKED_ARMS = 17
     WHY = 18
     SPREAD_ARMS = 19
+    COVERAGE_ARMS = 20
+    COVERAGE_GUESSES = 21
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

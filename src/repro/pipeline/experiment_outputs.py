@@ -24,6 +24,9 @@ Inputs = Mapping[str, Sequence[Path]]
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
 EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
+RANKS = ("arms", "parameter", "bin", "number", "raw", "calibrated")
+COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width")
+INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
 #: Methods of the verdict, and what they are set against.
 CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")
 OPPONENTS = ("least-squares", "bounded", "consistent")
@@ -99,6 +102,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig24": lambda i, c: _validation(i, c, in_frequency=True),
     "spread": lambda i, _: _drawn_spread(i),
     "why": lambda i, _: _explained(i),
+    "coverage": lambda i, _: read_csv(i["ranks"][0], RANKS),
 }
 
 TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
@@ -108,4 +112,6 @@ TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "stability": lambda i, _: draw.stability_table(_estimates(i), ("algorithm1", *draw.SHOWN, "true")),
     "verdict": lambda i, _: verdict(_spread(i), CONTENDERS, OPPONENTS),
     "why": lambda i, _: why_table(_explained(i)),
+    "coverage": lambda i, _: read_csv(i["coverage"][0], COVERAGE),
+    "intervals": lambda i, _: read_csv(i["intervals"][0], INTERVALS),
 }

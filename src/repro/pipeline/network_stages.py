@@ -15,6 +15,7 @@ from repro.cnn.train import on_this_processor, train
 from repro.errors import InputError
 from repro.files import read_csv, write_csv, write_json, write_text
 from repro.model.parameters import Array
+from repro.pipeline.coverage import coverage
 from repro.pipeline.description import model_card
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
@@ -157,6 +158,18 @@ def explain_network(variant: str, named_inputs: Named, output: str, config: Conf
     identifier = identifier_of(variant, load_network(inputs["weights"][0], network_settings(config)), config)
     recording = read_recording(inputs["captures"][0], config)
     write_csv(Path(output), explain(identifier, recording, tau_mean, config["why"]["seeds"], config))
+
+
+def check_coverage(named_inputs: Named, named_outputs: Named, config: Config) -> None:
+    """Stage validate: whether the intervals of the network of tracked motions cover."""
+    inputs = paths(named_inputs)
+    signals = signal_settings(config)
+    tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
+    identifier = identifier_of("tracked", load_network(inputs["weights"][0], network_settings(config)), config)
+    recording = read_recording(inputs["captures"][0], config)
+    tables = coverage(identifier, inputs["motions"][0], recording, tau_mean, config)
+    for name, files in paths(named_outputs).items():
+        write_csv(files[0], tables[name])
 
 
 def score_specimens(index: int, named_inputs: Named, output: str, config: Config) -> None:

@@ -4,6 +4,7 @@ The paper trains on Eq. 10 exactly and says that a recorded motion need not be i
 that has seen one motion has no reason to bear another one: this extension shows it how arms track.
 """
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
-from repro.cnn.dataset import SampledMotion, image_regressor, sample_motion, stack_motions
+from repro.cnn.dataset import SampledMotion, SignalSettings, image_regressor, sample_motion, stack_motions
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import write_whole
@@ -28,6 +29,26 @@ from repro.signals.dct import dct2dev
 from repro.signals.programs import Program, identification_program
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """Arms and how they tracked Eq. 10.
+
+    Attributes
+    ----------
+    program : Program
+        The motion that was sent.
+    position, pwm : int16 arrays of shape (K, 2, N)
+        Counts of encoder and PWM.
+    parameters : array of shape (K, 9)
+        Of each arm.
+    """
+
+    program: Program
+    position: NDArray[np.int16]
+    pwm: NDArray[np.int16]
+    parameters: Array
 
 
 def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
@@ -70,16 +91,24 @@ def tracking_error(position: NDArray[np.int16], program: Program) -> Array:
     return error
 
 
-def simulate_tracked(config: Config, out: Path) -> None:
-    """Simulate the arms as one batch and keep those that track.
+def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects: bool = True) -> Tracked:
+    """Simulate arms as one batch and keep those that track.
 
     Parameters
     ----------
     config : mapping
         Sections ``signals``, ``data``, ``board`` and ``experiment``.
-    out : Path
-        safetensors file: ``position`` (int16, encoder counts, shape (K, 2, N)), ``desired`` as sent (float32, (2, N)),
-        and of each arm its ``parameters`` (K, 9) and ``unmodelled`` levels of Stribeck friction and ripple (K, 2).
+    count : int
+        How many to keep.
+    rng : numpy.random.Generator
+        Source of arms and effects.
+    effects : bool
+        Whether they have what Eq. 1 leaves out.
+
+    Returns
+    -------
+    Tracked
+        Of `count` arms.
 
     Raises
     ------
@@ -87,25 +116,74 @@ def simulate_tracked(config: Config, out: Path) -> None:
         If too few arms track.
     """
     t, program = config["data"]["tracked"], _program(config)
-    rng = stream(t["seed"], Stream.TRACKED_ARMS)
-    drawn = t["arms"] + t["arms"] // 4 + 1
+    drawn = count + count // 4 + 1
     beta = draw_arms(rng, drawn, config)
-    levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2))
-    effects = [Unmodelled(stribeck=s, ripple=a, ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()]
-    plant = Plant(beta, program.h, effects, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
-    progress = Progress(f"simulating {drawn} arms for training")
-    position, _ = simulate(plant, control_constants(config), program.q, progress)
-    kept = np.flatnonzero(tracking_error(position, program) <= t["largest_error_rad"])[: t["arms"]]
-    if len(kept) < t["arms"]:
+    levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2)) * effects
+    unmodelled = [Unmodelled(stribeck=s, ripple=a, ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()]
+    plant = Plant(beta, program.h, unmodelled, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
+    progress = Progress(f"simulating {drawn} arms")
+    position, pwm = simulate(plant, control_constants(config), program.q, progress)
+    kept = np.flatnonzero(tracking_error(position, program) <= t["largest_error_rad"])[:count]
+    if len(kept) < count:
         found = f"{len(kept)} of {drawn} arms that track"
-        raise InputError.at("data.tracked.largest_error_rad", found, f"{t['arms']}: a larger error")
+        raise InputError.at("data.tracked.largest_error_rad", found, f"{count}: a larger error")
+    return Tracked(program, position[kept], pwm[kept], beta[kept])
+
+
+def simulate_tracked(config: Config, out: Path) -> None:
+    """Simulate the arms whose motions a network is trained on, and keep them.
+
+    Parameters
+    ----------
+    config : mapping
+        Sections ``signals``, ``data``, ``board`` and ``experiment``.
+    out : Path
+        safetensors file: ``position`` and ``pwm`` (int16 counts, shape (K, 2, N)), ``desired`` as sent (float32,
+        (2, N)), and ``parameters`` of each arm (K, 9).
+
+    Raises
+    ------
+    InputError
+        If too few arms track.
+    """
+    t = config["data"]["tracked"]
+    arms = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
+    # safetensors writes memory as it lies
+    counts = {name: np.ascontiguousarray(getattr(arms, name)) for name in ("position", "pwm")}
     arrays: dict[str, np.ndarray[Any, np.dtype[Any]]] = {
-        "position": np.ascontiguousarray(position[kept]),  # safetensors writes memory as it lies
-        "desired": program.q.astype(np.float32),
-        "parameters": beta[kept],
-        "unmodelled": levels[kept],
+        **counts,
+        "desired": arms.program.q.astype(np.float32),
+        "parameters": arms.parameters,
     }
     write_whole(out, lambda temporary: save_file(arrays, temporary))
+
+
+def read_tracked(path: Path, config: Config) -> Tracked:
+    """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged or of other motions.
+    """
+    program, arms = _program(config), config["data"]["tracked"]["arms"]
+    try:
+        kept = load_file(path)
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no safetensors file ({error})", "motions of `simulate_tracked`") from error
+    n = program.q.shape
+    for name, shape in (("position", (arms, *n)), ("pwm", (arms, *n)), ("desired", n), ("parameters", (arms, 9))):
+        if name not in kept or kept[name][: shape[0]].shape != shape:
+            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
+    sent = replace(program, q=kept["desired"].astype(np.float64))
+    return Tracked(sent, *(kept[name][:arms] for name in ("position", "pwm", "parameters")))
+
+
+def derived_motion(q: Array, signals: SignalSettings) -> Motion:
+    """Motion of a recorded position, lines 1 and 2 of Algorithm 1."""
+    dq = dct2dev(q, signals.h, signals.c_f, signals.reading)
+    time = signals.h * np.arange(q.shape[-1], dtype=np.float64)
+    return Motion(time, q, dq, dct2dev(dq, signals.h, signals.c_f, signals.reading))
 
 
 def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
@@ -132,29 +210,11 @@ def training_motion(config: Config, tracked: Path | None = None) -> SampledMotio
     signals = signal_settings(config)
     if config["data"]["motions"] == "ideal":
         return sample_motion(identification_trajectory(signals.duration, signals.h), signals)
-    program = _program(config)
-    proper = slice(program.n1, program.n2)
-
-    def derived(q: Array) -> Motion:
-        dq = dct2dev(q, signals.h, signals.c_f, signals.reading)
-        time = signals.h * np.arange(q.shape[-1], dtype=np.float64)
-        return Motion(time, q, dq, dct2dev(dq, signals.h, signals.c_f, signals.reading))
-
-    position, desired = _read(Path(tracked or ""), program, config["data"]["tracked"]["arms"])
-    motions = [sample_motion(derived(q * RADIANS_PER_COUNT), signals, proper) for q in position]
+    arms = read_tracked(tracked or Path(), config)
+    proper = slice(arms.program.n1, arms.program.n2)
+    motions = [sample_motion(derived_motion(q * RADIANS_PER_COUNT, signals), signals, proper) for q in arms.position]
     if config["algorithm1"]["image_motion"] == "measured":
         return stack_motions(motions)
-    sent = derived(desired.astype(np.float64))
+    sent = derived_motion(arms.program.q, signals)
     model = image_regressor(sent.q[:, proper], sent.dq[:, proper], sent.ddq[:, proper], signals)
     return stack_motions(motions, model)
-
-
-def _read(path: Path, program: Program, arms: int) -> tuple[Array, Array]:
-    try:
-        kept = load_file(path)
-    except (OSError, SafetensorError) as error:
-        raise InputError.at(str(path), f"no safetensors file ({error})", "motions of `simulate_tracked`") from error
-    for name, shape in (("position", (arms, *program.q.shape)), ("desired", program.q.shape)):
-        if name not in kept or kept[name][: shape[0]].shape != shape:
-            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
-    return kept["position"][:arms], kept["desired"]

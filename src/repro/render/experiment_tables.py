@@ -10,7 +10,7 @@ from repro.render.result_tables import heading_of, methods_of, one_row
 _MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 
 
-def _with_unit(name: Text, si: str) -> Text:
+def with_unit(name: Text, si: str) -> Text:
     """Name of a column with its unit in brackets."""
     return name + Text("~(", " (") + unit(si) + plain(")")
 
@@ -53,10 +53,10 @@ def control(frame: pd.DataFrame) -> Table:
     header = (
         plain("Joint"),
         plain("metr2ev (%)"),
-        _with_unit(gain[0], "N m/rad"),
-        _with_unit(gain[1], "N m/rad"),
+        with_unit(gain[0], "N m/rad"),
+        with_unit(gain[1], "N m/rad"),
         Text(r"$f_{\mathrm{PWM}}$~(kHz)", "f PWM (kHz)"),
-        _with_unit(Text("$c_{f}$", "c_f"), "s^2"),
+        with_unit(Text("$c_{f}$", "c_f"), "s^2"),
     )
     caption = plain(
         "Constants of the simulated board and similarity of the desired and the simulated position on the "
@@ -100,7 +100,7 @@ def parameters(frame: pd.DataFrame) -> Table:
     rows = []
     for name, si in dict(zip(table["parameter"], table["unit"], strict=True)).items():
         found = [one_row(table, {"method": method, "parameter": name}) for method in methods]
-        cells = [_with_unit(formula(name), si), number(float(found[0]["true"]), 4)]
+        cells = [with_unit(formula(name), si), number(float(found[0]["true"]), 4)]
         cells += [number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None) for row in found]
         rows.append(cells)
     spread = ", ± the standard deviation over the seeds" if repeated else ""

@@ -11,6 +11,7 @@ from repro.files import read_csv
 from repro.render import (
     ablation,
     candidates,
+    coverage,
     experiment,
     experiment_setup,
     flow_charts,
@@ -54,6 +55,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "fig24": experiment.validation_spectra,
     "spread": spread.spread,
     "why": why.figure,
+    "coverage": coverage.figure,
     "metric_search": candidates.metric_search,
     "ablation": ablation.figure,
 }

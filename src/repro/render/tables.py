@@ -7,7 +7,15 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_csv, write_text
-from repro.render import ablation_table, audit_table, description_tables, experiment_tables, result_tables, why
+from repro.render import (
+    ablation_table,
+    audit_table,
+    coverage,
+    description_tables,
+    experiment_tables,
+    result_tables,
+    why,
+)
 from repro.render.markup import Table
 
 #: Table from the tidy table that holds its numbers.
@@ -25,6 +33,8 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
     "stability": experiment_tables.stability,
     "verdict": experiment_tables.verdict,
     "why": why.table,
+    "coverage": coverage.table,
+    "intervals": coverage.intervals,
     "metric_search": description_tables.metric_search,
     "ablation": ablation_table.table,
     "audit": audit_table.audit,

@@ -1,0 +1,182 @@
+"""Do the intervals of the network's estimate cover? Arms of known parameters, with and without unmodelled torque."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.cnn.dataset import sample_motion
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.identify.residual import ResidualReader
+from repro.identify.uncertainty import Spread, covered, distances, spread_of, stretch_factors, unlike_beyond
+from repro.model.parameters import NAMES, Array
+from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.experiment_runs import prepare_recording
+from repro.pipeline.methods import Identifier
+from repro.pipeline.named import Config
+from repro.pipeline.recordings import Recording
+from repro.pipeline.tracked import Tracked, derived_motion, read_tracked, simulate_arms, training_motion
+from repro.progress import Progress
+from repro.settings import signal_settings
+from repro.signals.programs import Program
+from repro.streams import Stream, stream
+
+
+def read_arms(
+    identifier: Identifier, arms: Tracked, tau_mean: Array, guesses: int, config: Config, seed: int
+) -> tuple[Array, Array]:
+    """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque.
+
+    Parameters
+    ----------
+    identifier : Identifier
+        Network and settings.
+    arms : Tracked
+        K arms and their recordings.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data.
+    guesses : int
+        Guesses for each arm.
+    config : mapping
+        Sections ``signals`` and ``board``.
+    seed : int
+        Of the guesses.
+
+    Returns
+    -------
+    estimates : array of shape (K, guesses, 9)
+        Read by the network.
+    truth : array of shape (K, 9)
+        What they estimate.
+    """
+    signals, search = signal_settings(config), identifier.search
+    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
+    progress = Progress(f"reading {len(truth)} arms")
+    for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
+        recording = Recording(arms.program, position * RADIANS_PER_COUNT, pwm * torque)
+        prepared = prepare_recording(recording, tau_mean, signals, search.image_motion)
+        guess = stream(seed, Stream.COVERAGE_GUESSES, k).uniform(search.low, search.high, (guesses, 9))
+        estimates[k] = ResidualReader(identifier.network, identifier.image, prepared).estimate(guess)
+        # In canonical time, which is the recorded one here, and in units of the largest torque.
+        truth[k] = arms.parameters[k] / prepared.largest
+        progress(k + 1, len(truth))
+    return estimates, truth
+
+
+def coverage(
+    identifier: Identifier, tracked: Path, recording: Recording, tau_mean: Array, config: Config
+) -> dict[str, pd.DataFrame]:
+    """Calibrate on the arms of the training motions, whose parameters training never saw, and test on others.
+
+    Parameters
+    ----------
+    identifier : Identifier
+        Network of tracked motions.
+    tracked : Path
+        File of `repro.pipeline.tracked.simulate_tracked`.
+    recording : Recording
+        Identification run of the arm of section ``arm``, which gets its intervals.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data.
+    config : mapping
+        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment``, ``algorithm1`` and ``coverage``.
+
+    Returns
+    -------
+    dict
+        ``coverage``: columns ``arms, parameter, level, raw, calibrated, factor, width``, shares of arms whose true
+        parameter lies in the central range of the guesses and in the stretched one, and the median half width of the
+        latter over the largest torque. ``ranks``: columns ``arms, parameter, bin, number, raw, calibrated``, shares
+        of arms by tenth of the interval's distribution that the truth falls in. ``unlike``: columns ``motions, number,
+        beyond, warned``. ``intervals``: columns ``parameter, true, centre, low, high, level, warned`` of the recorded
+        arm at the highest level, SI.
+    """
+    c = config["coverage"]
+    levels, guesses = tuple(c["levels"]), c["guesses"]
+    known = read_tracked(tracked, config)
+    estimates, truth = read_arms(identifier, known, tau_mean, guesses, config, 0)
+    factors = stretch_factors(spread_of(estimates), truth, levels)
+    calibration = np.sort((truth - spread_of(estimates).centre) / spread_of(estimates).width, axis=0)
+    training = training_motion(config, tracked).torque
+    beyond = unlike_beyond(training)
+    rows: list[dict[str, Any]] = []
+    ranks: list[dict[str, Any]] = []
+    unlike = [_warned("training", distances(training), beyond)]
+    for name, effects in (("Eq. 1", False), ("unmodelled", True)):
+        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS), effects)
+        found, right = read_arms(identifier, arms, tau_mean, guesses, config, 1 + effects)
+        spread = spread_of(found)
+        rows += _coverage_rows(name, found, right, spread, factors, levels)
+        ranks += _rank_rows(name, found, right, spread, calibration)
+        motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
+        unlike.append(_warned(name, distances(motions, training), beyond))
+    near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
+    unlike.append(_warned("ID", near, beyond))
+    own = _intervals(identifier, recording, tau_mean, guesses, factors[-1], config)
+    return {
+        "coverage": pd.DataFrame(rows),
+        "ranks": pd.DataFrame(ranks),
+        "unlike": pd.DataFrame(unlike),
+        "intervals": own.assign(level=levels[-1], warned=int(near[0] > beyond)),
+    }
+
+
+def _intervals(
+    identifier: Identifier, recording: Recording, tau_mean: Array, guesses: int, factor: Array, config: Config
+) -> pd.DataFrame:
+    search = identifier.search
+    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
+    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, 0, 0)
+    found = ResidualReader(identifier.network, identifier.image, prepared).estimate(
+        rng.uniform(search.low, search.high, (guesses, 9))
+    )
+    spread = spread_of(found)
+    bounds = (spread.centre, spread.centre - factor * spread.width, spread.centre + factor * spread.width)
+    centre, low, high = (prepared.recorded(x * prepared.largest) for x in bounds)
+    true = true_parameters(config)
+    return pd.DataFrame({"parameter": NAMES, "true": true, "centre": centre, "low": low, "high": high})
+
+
+def _torque(q: Array, program: Program, config: Config) -> Array:
+    signals = signal_settings(config)
+    return sample_motion(derived_motion(q, signals), signals, slice(program.n1, program.n2)).torque
+
+
+def _warned(name: str, found: Array, beyond: float) -> dict[str, Any]:
+    return {"motions": name, "number": len(found), "beyond": beyond, "warned": float((found > beyond).mean())}
+
+
+def _coverage_rows(
+    name: str, found: Array, right: Array, spread: Spread, factors: Array, levels: tuple[float, ...]
+) -> list[dict[str, Any]]:
+    stretched = covered(spread, right, factors)
+    rows = []
+    for i, level in enumerate(levels):
+        low, high = np.quantile(found, [0.5 - level / 2, 0.5 + level / 2], axis=1)
+        raw = ((low <= right) & (right <= high)).mean(axis=0)
+        width = np.median(factors[i] * spread.width, axis=0)
+        rows += [
+            {
+                "arms": name, "parameter": parameter, "level": level, "raw": raw[j],
+                "calibrated": stretched[i, j], "factor": factors[i, j], "width": width[j],
+            }
+            for j, parameter in enumerate(NAMES)
+        ]  # fmt: skip
+    return rows
+
+
+def _rank_rows(name: str, found: Array, right: Array, spread: Spread, calibration: Array) -> list[dict[str, Any]]:
+    """Simulation-based calibration: where the truth falls among the estimates, and among the calibration's scores."""
+    raw = (found < right[:, np.newaxis]).mean(axis=1)
+    score = (right - spread.centre) / spread.width
+    rows = []
+    for j, parameter in enumerate(NAMES):
+        stretched = np.searchsorted(calibration[:, j], score[:, j]) / len(calibration)
+        shares = (np.histogram(values, bins=10, range=(0.0, 1.0))[0] / len(right) for values in (raw[:, j], stretched))
+        rows += [
+            {"arms": name, "parameter": parameter, "bin": k, "number": len(right), "raw": a, "calibrated": b}
+            for k, (a, b) in enumerate(zip(*shares, strict=True))
+        ]
+    return rows
