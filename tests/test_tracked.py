@@ -55,7 +55,7 @@ def test_every_motion_is_eq_10_as_an_arm_tracks_it(motions):
 def test_no_arm_is_one_that_is_tested(tmp_path, motions):
     """By hash of what was recorded, and by parameters."""
     config = copy.deepcopy(CONFIG)
-    config["spread"] = {"seeds": [1, 2], "durations_s": [CONFIG["signals"]["duration_s"]]}
+    config["spread"] = {"arms": 2, "seeds": [1, 2], "durations_s": [CONFIG["signals"]["duration_s"]]}
     simulate_spread(config, tmp_path / "spread.safetensors")
     tested = [*load_file(tmp_path / "spread.safetensors")["ID0/position"]]
     tested.append(read_capture(Path(CONFIG["experiment"]["captures"]) / "ID.bin").position)
