@@ -37,10 +37,11 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
         for key, value in values.items() if isinstance(values, dict) else ():
             if (section, key) == ("training", "steps"):
                 continue
-            assert changed[section][key] == named.get(key, value)
-            assert key not in named or named[key] != value  # a reading that changes nothing is none
-    budget = "paper_steps" if reading.network == "paper-recipe" else "steps"
-    assert changed["training"]["steps"] == CONFIG["ablation"][budget]
+            expected = {**value, **named[key]} if isinstance(named.get(key), dict) else named.get(key, value)
+            assert changed[section][key] == expected
+            assert key not in named or expected != value  # a reading that changes nothing is none
+    budget = CONFIG["ablation"]["paper_steps" if reading.network == "paper-recipe" else "steps"]
+    assert changed["training"]["steps"] == reading.change.get("training", {}).get("steps", budget)
     assert CONFIG["training"]["steps"] != CONFIG["ablation"]["steps"]  # the default is left as it was
 
 

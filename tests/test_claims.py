@@ -151,7 +151,10 @@ def test_every_published_number_of_the_papers_own_is_there_once(published, confi
     assert len(own) >= 190 and rows["id"].is_unique
     extended = [name for name in rows["id"] if "@" in name]
     # Totals of Table 7 and of Algorithm 1 in Table 10, and five statements about all of them.
-    assert len(extended) == 8 + 10 + 5 and all(name.endswith("@refinement") for name in extended)
+    assert sum(name.endswith("@refinement") for name in extended) == 8 + 10 + 5
+    # Of the arm alone.
+    assert sum(name.endswith("@tracked") for name in extended) == 10 + 3
+    assert len(extended) == 23 + 13
     assert set(rows["verdict"]) <= set(VERDICTS)
     assert rows.loc[rows["verdict"] != HARDWARE, "target"].str.len().gt(0).all()
     known = rows[rows["verdict"].isin([REPRODUCED, BETTER, DIFFERS])]
@@ -218,9 +221,11 @@ def test_numbers_of_the_results_are_where_they_belong(claims):
     refined = claims.loc["table10/T1/algorithm1/total/joint1@refinement"]
     assert refined["ours"] == pytest.approx(99.0) and refined["verdict"] == BETTER
     assert "extension of ours" in refined["note"]
+    tracked = claims.loc["table10/T1/algorithm1/total/joint1@tracked"]
+    assert tracked["ours"] == pytest.approx(97.0) and not tracked["must"]
     assert claims.loc["table08/ID/total/joint1", "verdict"] == REPRODUCED
     simulated = claims[claims.index.str.match(r"table10|table08/ID|(abstract|section\d)/experimental/total")]
-    assert simulated["note"].str.contains("simulated").all() and len(simulated) == 60 + 10 + 2 + 6
+    assert simulated["note"].str.contains("simulated").all() and len(simulated) == 60 + 2 * 10 + 2 + 3 * 3
 
 
 def test_a_result_that_scatters_reproduces_nothing(published, config, folder):

@@ -97,7 +97,7 @@ def inputs(tmp_path_factory, scores):
     write_csv(folder / "search.csv", search(0, repeats=1, bandwidths=(10.0,)))
     files = sorted(folder.glob("run*.json"))
     numbers = {"id_mean": 0.97, "id_lowest": 0.96, "validation_mean": 0.98}
-    numbers |= {"arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
+    numbers |= {"arm_id": 0.5, "arm_validation": 0.4, "arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
     for name in READINGS:
         write_json(folder / "results" / f"{name}.json", numbers)
         write_json(folder / "losses" / f"{name}.json", {"steps": 20, "held_out_loss": 1e-3})

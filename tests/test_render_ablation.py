@@ -11,6 +11,8 @@ from render_examples import FRAMES, TABLES, drawn, laid_out, made, refused
 SHOWN = {
     "id_mean": "Identification trajectory",
     "validation_mean": "Validation trajectory",
+    "arm_id": "ID",
+    "arm_validation": "Mean over T1 to T4",
     "arm_refined": "Algorithm 1 + refinement",
     "arm_least_squares": "Least squares",
     "arm_true": "True parameters",

@@ -82,8 +82,8 @@ def spread_scores():
 
 
 def network_of(reading):
-    """Network that a reading uses: its own, or the default reading's."""
-    return reading if READINGS[reading].trained else "default"
+    """Network that a reading uses: its own, or another reading's."""
+    return reading if READINGS[reading].trained else READINGS[reading].of
 
 
 def ablation_sections():

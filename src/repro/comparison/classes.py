@@ -42,16 +42,18 @@ class Kind(StrEnum):
 #: show the validation motion of the seed that is the median of what a network found.
 TRAINED_TABLES = (
     *("model/", "tables/ablation", "figures/ablation", "figures/fig10", "figures/fig11"),
+    *("why/", "tables/why", "figures/why"),
+    *("coverage/", "tables/coverage", "tables/intervals", "figures/coverage"),
     *(f"figures/fig{n}" for n in (14, 15, 16, 17)),
 )
 #: Columns that say where a number comes from, and how those begin that a network had a part in.
-ORIGIN = ("method", "series")
+ORIGIN = ("method", "series", "network")
 TRAINED_ORIGINS = ("algorithm1", "rebuilt")
 #: Claims that are read off a trained table say so by their target; the ledger's own arithmetic is computed.
 LEDGER = "claims"
 TRAINED_TARGETS = frozenset({"train", "table04", "table05", "table06", "table07", "table09", "table10"})
 #: Columns of a trained row that are exact all the same: they say how much was done.
-COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "true"})
+COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level", "true"})
 
 
 def rounding(a: float, b: float) -> float:

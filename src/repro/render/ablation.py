@@ -17,6 +17,10 @@ _PANELS = {
         "id_mean": ("Identification trajectory", "joint1"),
         "validation_mean": ("Validation trajectory", "joint2"),
     },
+    "Simulated arm, Algorithm 1": {
+        "arm_id": ("ID", "joint1"),
+        "arm_validation": ("Mean over T1 to T4", "joint2"),
+    },
     "Simulated arm, mean over T1 to T4": {
         "arm_refined": ("Algorithm 1 + refinement", "algorithm1+refinement"),
         "arm_least_squares": ("Least squares", "least-squares"),
@@ -48,14 +52,14 @@ def figure(frame: pd.DataFrame) -> Figure:
     Parameters
     ----------
     frame : DataFrame
-        ``question, reading, quantity, value``; quantities id_mean, validation_mean, arm_refined, arm_least_squares
-        and arm_true, values as fractions of 1; every reading holds every quantity once, and the question of one
-        reading is `DEFAULT`.
+        ``question, reading, quantity, value``; quantities id_mean, validation_mean, arm_id, arm_validation,
+        arm_refined, arm_least_squares and arm_true, values as fractions of 1; every reading holds every quantity once,
+        and the question of one reading is `DEFAULT`.
 
     Returns
     -------
     Figure
-        A row for each reading under its question, a panel for the numeric arms and one for the simulated arm, page
+        A row for each reading under its question, a panel for the numeric arms and two for the simulated arm, page
         wide; vertical lines at the values of the default reading. Values far below these stand as numbers in a
         strip at the left of the panel.
 

@@ -1,0 +1,94 @@
+"""The intervals of a network's estimate on simulated arms, with a reader whose errors are known."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from experiment_example import full_config
+
+from repro.cnn.image import ImageSettings
+from repro.identify.uncertainty import distances, unlike_beyond
+from repro.model.parameters import NAMES
+from repro.pipeline import coverage as stage
+from repro.pipeline.methods import Identifier
+from repro.pipeline.numeric import mean_training_torque
+from repro.pipeline.recordings import read_recording
+from repro.pipeline.tracked import read_tracked, simulate_tracked, training_motion
+from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
+
+CONFIG = of_network(full_config(), "tracked")
+
+
+@pytest.fixture(scope="module")
+def config():
+    changed = copy.deepcopy(CONFIG)
+    changed["data"]["tracked"]["arms"] = 60
+    changed["coverage"] = {"arms": 40, "guesses": 20, "levels": [0.5, 0.9], "seed": 3}
+    return changed
+
+
+@pytest.fixture(scope="module")
+def tables(config, tmp_path_factory):
+    """Of a reader that errs by a shared normal 0.1 for each arm and scatters by 0.02 over the guesses."""
+    path = tmp_path_factory.mktemp("coverage") / "tracked.safetensors"
+    simulate_tracked(config, path)
+    rng = np.random.default_rng(0)
+
+    class Reader:
+        def __init__(self, _network, _image, prepared):
+            self._prepared = prepared
+
+        def estimate(self, guess):
+            # Least squares stands for a network that knows the arm but for its error.
+            p = self._prepared
+            right = np.linalg.lstsq(p.y.reshape(-1, 9), p.tau.reshape(-1), rcond=None)[0] / p.largest
+            return right + 0.1 * rng.standard_normal(9) + 0.02 * rng.standard_normal(guess.shape)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stage, "ResidualReader", Reader)
+        signals = signal_settings(config)
+        tau_mean = mean_training_torque(signals, data_settings(config), 1)
+        identifier = Identifier("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
+        recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
+        made = stage.coverage(identifier, path, recording, tau_mean, config)
+    return made, path
+
+
+def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
+    table = tables[0]["coverage"]
+    assert len(table) == 2 * len(NAMES) * 2
+    mean = table.groupby(["arms", "level"])[["raw", "calibrated"]].mean()
+    for arms in ("Eq. 1", "unmodelled"):
+        assert mean.loc[(arms, 0.9), "raw"] < 0.5
+        assert mean.loc[(arms, 0.9), "calibrated"] == pytest.approx(0.9, abs=0.08)
+        assert mean.loc[(arms, 0.5), "calibrated"] == pytest.approx(0.5, abs=0.12)
+    assert (table["width"] > 0).all()
+
+
+def test_ranks_are_shares_of_all_arms(tables):
+    ranks = tables[0]["ranks"]
+    sums = ranks.groupby(["arms", "parameter"])[["raw", "calibrated"]].sum()
+    np.testing.assert_allclose(sums, 1.0)
+    unmodelled = ranks[ranks["arms"] == "unmodelled"]
+    ends = unmodelled[unmodelled["bin"].isin([0, 9])]
+    assert ends["raw"].sum() > 2 * ends["calibrated"].sum()  # too narrow a spread leaves the truth outside
+
+
+def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables, config):
+    own, unlike = tables[0]["intervals"], tables[0]["unlike"].set_index("motions")
+    assert list(own["parameter"]) == list(NAMES)
+    np.testing.assert_array_equal(own["true"], config["arm"]["parameters"])
+    assert (own["low"] < own["centre"]).all()
+    assert (own["centre"] < own["high"]).all()
+    assert (own["warned"] == unlike.loc["ID", "warned"]).all()
+    assert unlike.loc["training", "warned"] <= 0.05
+    assert unlike.loc["Eq. 1", "number"] == 40
+
+
+def test_another_motion_is_unlike(tables, config):
+    _, path = tables
+    training = training_motion(config, path).torque
+    arms = read_tracked(path, config)
+    mirrored = np.stack([stage._torque(-q * 2e-4, arms.program, config) for q in arms.position[:3]])
+    assert (distances(mirrored, training) > unlike_beyond(training)).all()
