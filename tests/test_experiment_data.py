@@ -1,5 +1,7 @@
 """Numbers of Figures 18 to 24 and Tables 8 to 10 from short recordings whose results are known."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from experiment_example import (
@@ -8,6 +10,7 @@ from experiment_example import (
     MEDIAN,
     MOTIONS,
     experiment_inputs,
+    full_config,
     identification,
     least_squares_run,
     recording,
@@ -17,6 +20,7 @@ from experiment_example import (
 
 from repro.identify.prepare import prepare
 from repro.model.dynamics import inverse_dynamics
+from repro.model.feasibility import is_positive_definite
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import control_constants, program_settings, true_parameters
 from repro.pipeline.experiment_data import (
@@ -32,6 +36,7 @@ from repro.pipeline.experiment_data import (
 )
 from repro.pipeline.experiment_outputs import FIGURE_DATA, TABLE_DATA
 from repro.pipeline.experiment_runs import every_seed, filtered, least_squares_of, score_runs, tracking
+from repro.pipeline.recordings import read_recording
 from repro.settings import metric_settings, signal_settings
 
 CONFIG = short_config()
@@ -261,3 +266,20 @@ def test_least_squares_finds_the_arm_of_a_perfect_run(recordings):
     assert rebuilt < 0.05
     assert (error > 0).all()
     np.testing.assert_allclose(found[3:5], TRUE[3:5], rtol=0.05)
+
+
+def test_the_field_s_methods_keep_what_they_promise(recordings):
+    """On the stored run, whose ordinary solution has negative I2 and b2; the constrained ones cost nearly nothing."""
+    config = full_config()
+    stored = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
+    signals = signal_settings(config)
+    methods = least_squares_of(stored, signals, TRUE)["arms"]["ID"]["methods"]
+    found = {name: np.array(methods[name]["beta"]) for name in ("least-squares", "bounded", "consistent")}
+    assert found["least-squares"].min() < 0
+    assert found["bounded"].min() >= 0
+    assert is_positive_definite(found["consistent"])
+    assert found["consistent"][5:].min() >= 0
+    f = filtered(stored, signals)
+    error = {name: np.linalg.norm(f.tau - f.regressor @ beta) for name, beta in found.items()}
+    assert error["least-squares"] < min(error["bounded"], error["consistent"])
+    assert max(error.values()) < 1.02 * error["least-squares"]

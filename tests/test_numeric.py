@@ -200,6 +200,16 @@ def test_methods_are_named_after_the_network(untrained, variant, suffix):
         assert list(arm["methods"]) == [f"algorithm1{step}{suffix}" for step in steps]
 
 
+def test_without_passes_there_is_algorithm_1_alone(untrained):
+    literal = experiment(refinement=RefinementSettings(restarts=5, keep=9, passes=0), variant="tracked")
+    result = identify_arms(untrained, literal, 1)
+    whole = identify_arms(untrained, experiment(variant="tracked"), 1)
+    for name, arm in result["arms"].items():
+        assert list(arm["methods"]) == ["algorithm1+tracked"]
+        # The search is the same whether it is refined afterwards or not.
+        assert arm["methods"]["algorithm1+tracked"] == whole["arms"][name]["methods"]["algorithm1+tracked"]
+
+
 def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
     both = identify_arms(untrained, experiment(), 1)
     alone = identify_arms(untrained, experiment(numeric=replace(NUMERIC, arms={"N1": ARMS["N1"]})), 1)

@@ -93,6 +93,20 @@ def test_lines_1_to_12(normalise):
         same(found.y @ arm, inverse_dynamics(q_c, dq_c, ddq_c, arm))
 
 
+def test_the_image_may_show_the_motion_that_was_sent():
+    """f of the image is on it, and nothing else: torque, comparison and selection stay with the measured motion."""
+    sent = MOTION.q + 0.01 * np.sin(np.arange(N) / 50.0)
+    ours = prepared()
+    other = prepare(MOTION.q, TAU, MEAN, SIGNALS, *CUT, desired=sent)
+    for name in ("q", "dq", "ddq", "tau", "alpha", "y_sub", "y"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(other, name))
+    expected = prepare(sent, TAU, MEAN, SIGNALS, *CUT)
+    np.testing.assert_array_equal(other.model, expected.model)
+    assert np.abs(other.model - ours.model).max() > 1e-3
+    same = prepare(MOTION.q, TAU, MEAN, SIGNALS, *CUT, desired=MOTION.q)
+    np.testing.assert_array_equal(same.model, ours.model)
+
+
 def test_filtered_derivatives_are_those_of_the_trajectory():
     """At the published sampling the filter costs little and the backward difference lags half a sample."""
     fine = identification_trajectory(h=2.5e-3, margin=200)
