@@ -165,12 +165,12 @@ def why_figure_frame() -> pd.DataFrame:
 
 def coverage_frame() -> pd.DataFrame:
     rows = [
-        (arms, name, level, min(1.0, level + 0.05), level - 0.01 * k, 0.5 + level, 0.1 + 0.01 * k)
+        (arms, name, level, min(1.0, level + 0.05), level - 0.01 * k, 0.5 + level, 0.1 + 0.01 * k, 0.013)
         for arms in ("Eq. 1", "unmodelled")
         for k, name in enumerate(NAMES)
         for level in (0.5, 0.9, 0.95)
     ]
-    return pd.DataFrame(rows, columns=["arms", "parameter", "level", "raw", "calibrated", "factor", "width"])
+    return pd.DataFrame(rows, columns=["arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned"])
 
 
 def intervals_frame() -> pd.DataFrame:
@@ -180,8 +180,8 @@ def intervals_frame() -> pd.DataFrame:
 
 def ranks_frame() -> pd.DataFrame:
     both = itertools.product(("Eq. 1", "unmodelled"), NAMES, range(10))
-    rows = [(arms, name, k, 300, 0.19 - 0.02 * k, 0.1) for arms, name, k in both]
-    return pd.DataFrame(rows, columns=["arms", "parameter", "bin", "number", "raw", "calibrated"])
+    rows = [(arms, name, k, 300, 300, 0.19 - 0.02 * k, 0.1) for arms, name, k in both]
+    return pd.DataFrame(rows, columns=["arms", "parameter", "bin", "number", "known", "raw", "calibrated"])
 
 
 def spread_frame() -> pd.DataFrame:
@@ -296,7 +296,7 @@ def stability_frame() -> pd.DataFrame:
 def verdict_frame() -> pd.DataFrame:
     differences = itertools.cycle(((0.02, 0.01, 0.03), (-0.02, -0.03, -0.01), (0.01, -0.01, 0.03)))
     rows = [
-        (motion, joint, duration, "algorithm1", opponent, 4, 12, 9, 0.75, 0.43, 0.95, *difference)
+        (motion, joint, duration, "algorithm1", opponent, 4, 12, 9, 0.75, *difference)
         for (opponent, duration, motion, joint), difference in zip(
             itertools.product(("least-squares", "bounded"), (20.48, 9.42), ("ID", *MOTIONS), (1, 2)),
             differences,
@@ -304,8 +304,7 @@ def verdict_frame() -> pd.DataFrame:
         )
     ]
     names = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
-    shares = ["win_share", "win_low", "win_high"]
-    return pd.DataFrame(rows, columns=[*names, *shares, "difference_median", "difference_low", "difference_high"])
+    return pd.DataFrame(rows, columns=[*names, "win_share", "difference_median", "difference_low", "difference_high"])
 
 
 def audit_frame() -> pd.DataFrame:

@@ -94,7 +94,7 @@ def verdict_rows():
         {
             "motion": motion, "joint": joint, "duration": duration, "method": method, "opponent": opponent,
             "arms": 4, "runs": 20, "wins": 3,
-            "win_share": 0.15, "win_low": 0.05, "win_high": 0.3,
+            "win_share": 0.15,
             "difference_median": (low + high) / 2, "difference_low": low, "difference_high": high,
         }
         for (method, duration), (low, high) in signs.items()

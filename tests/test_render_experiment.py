@@ -256,7 +256,7 @@ def test_stability_and_verdict_tables(tmp_path: Path) -> None:
         ("verdict", lambda f: f[f["motion"] != "T2"], "'T2'"),
         ("verdict", lambda f: f.drop(index=4), "7 rows"),
         ("verdict", lambda f: f.assign(wins=13), "wins"),
-        ("verdict", lambda f: f.assign(win_high=1.2), "fraction of 1"),
+        ("verdict", lambda f: f.assign(win_share=1.2), "fraction of 1"),
     ],
 )
 def test_tables_name_what_is_wrong(

@@ -2,14 +2,11 @@
 
 import copy
 import itertools
-from math import sqrt
 
 import numpy as np
 import pandas as pd
 import pytest
 from experiment_example import short_config, spread_table
-from hypothesis import given
-from hypothesis import strategies as st
 from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
@@ -19,7 +16,7 @@ from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, program_from_config
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import read_spread, simulate_spread
-from repro.pipeline.verdict import verdict, wilson
+from repro.pipeline.verdict import verdict
 
 MOTIONS = ["ID", "T1", "T2", "T3", "T4"]
 
@@ -173,27 +170,6 @@ def test_differences_are_paired_by_the_seed():
     (row,) = verdict(scores.sample(frac=1.0, random_state=1), ["algorithm1"], ["least-squares"]).to_dict("records")
     assert row["difference_median"] == pytest.approx(0.02)
     assert row["wins"] == 3
-
-
-@given(st.integers(1, 200), st.data())
-def test_wilson_s_interval(runs, data):
-    wins = data.draw(st.integers(0, runs))
-    low, high = wilson(wins, runs)
-    z, p = 1.959963984540054, wins / runs
-    middle, half = p + z**2 / (2 * runs), z * sqrt(p * (1 - p) / runs + z**2 / (4 * runs**2))
-    assert low == pytest.approx((middle - half) / (1 + z**2 / runs), abs=1e-12)
-    assert high == pytest.approx((middle + half) / (1 + z**2 / runs), abs=1e-12)
-    assert 0 <= low <= p <= high <= 1
-    assert (low == 0) == (wins == 0)
-    assert (high == 1) == (wins == runs)
-
-
-def test_the_interval_of_a_share_is_wilson_s():
-    row = verdict_of([0.1, 0.2, 0.3, -0.1])
-    assert (row["win_low"], row["win_high"]) == wilson(3, 4)
-    # Tabulated for 3 of 4: 0.3006 to 0.9544.
-    assert row["win_low"] == pytest.approx(0.3006, abs=5e-5)
-    assert row["win_high"] == pytest.approx(0.9544, abs=5e-5)
 
 
 def test_the_interval_of_the_median_is_that_of_all_resamples():

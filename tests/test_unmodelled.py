@@ -13,7 +13,7 @@ from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings()
 MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-SAMPLED = sample_motion(MOTION, SIGNALS)
+SAMPLED = sample_motion(MOTION, SIGNALS, beyond=True)
 BETA = np.array([[0.3, 0.02, 0.1, 0.9, 0.2, 0.1, 0.05, 0.4, 0.3], [0.6, 0.1, 0.2, 0.3, 0.4, 0.2, 0.1, 0.1, 0.2]])
 
 
@@ -95,7 +95,7 @@ def test_levels_that_cannot_be_are_refused(level, wrong):
 
 def test_samples_of_many_motions_are_those_of_the_motion_they_drew():
     slow = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    other = sample_motion(replace(slow, dq=0.5 * slow.dq, ddq=0.25 * slow.ddq), SIGNALS)
+    other = sample_motion(replace(slow, dq=0.5 * slow.dq, ddq=0.25 * slow.ddq), SIGNALS, beyond=True)
     both = stack_motions([SAMPLED, other])
     levels = DataSettings(unmodelled=UnmodelledSettings(0.2, 0.05, 0.01, 1e-3))
     for data in (DataSettings(), levels):

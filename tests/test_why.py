@@ -1,5 +1,6 @@
 """From the ideal case to the recording: what each step holds, held against what made it."""
 
+import copy
 from dataclasses import fields
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.methods import Identifier
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
-from repro.pipeline.why import STEPS, dissect, explain, tracked_states
+from repro.pipeline.why import STEPS, dissect, explain, simulate_states
 from repro.pipeline.why_table import why_table
 from repro.settings import data_settings, signal_settings
 
@@ -39,8 +40,8 @@ def tau_mean():
 
 
 @pytest.fixture(scope="module")
-def steps(recording, tau_mean):
-    return dissect(recording, tau_mean, CONFIG, "measured")
+def steps(tau_mean):
+    return dissect(tau_mean, CONFIG, "measured")
 
 
 def error_of(prepared):
@@ -48,45 +49,60 @@ def error_of(prepared):
     return np.abs(found - TRUE).max()
 
 
-def test_the_states_are_those_behind_the_recording(recording):
-    q, dq, ddq, motors = tracked_states(recording, CONFIG)
-    np.testing.assert_array_equal(np.rint(q / RADIANS_PER_COUNT), np.rint(recording.q / RADIANS_PER_COUNT))
-    np.testing.assert_allclose(motors, recording.tau, atol=1e-12)
+def test_the_simulated_run_is_the_stored_recording(recording):
+    states = simulate_states(CONFIG)
+    np.testing.assert_allclose(states.recording.q, recording.q, atol=RADIANS_PER_COUNT)
+    assert (np.abs(states.recording.q - recording.q) < 1e-9).mean() > 0.999
+    np.testing.assert_array_equal(states.recording.program.q, recording.program.q)
+    np.testing.assert_array_equal(states.motors, states.recording.tau)  # no dead band
     h = recording.program.h
-    moved = np.diff(q, axis=1)
-    np.testing.assert_allclose(moved[:, 400:], h * (dq[:, 400:-1] + dq[:, 401:]) / 2, atol=3e-4)
-    assert np.corrcoef(np.diff(dq[1]) / h, ddq[1, :-1])[0, 1] > 0.9
+    moved = np.diff(recording.q, axis=1)
+    dq = states.dq
+    np.testing.assert_allclose(moved[:, 400:], h * (dq[:, 400:-1] + dq[:, 401:]) / 2, atol=1.1 * RADIANS_PER_COUNT)
+    assert np.corrcoef(np.diff(dq[1]) / h, states.ddq[1, :-1])[0, 1] > 0.9
+
+
+def test_a_dead_band_is_what_the_motors_do_not_see():
+    config = copy.deepcopy(CONFIG)
+    config["arm"]["dead_band_counts"] = 20
+    states = simulate_states(config)
+    gap = np.abs(states.recording.tau - states.motors).max(axis=1)
+    np.testing.assert_allclose(gap, 20 * np.array(config["board"]["full_torque_nm"]) / 1023)
 
 
 def test_every_step_has_one_cause_more(steps):
     """Least squares knows the parameters in the ideal case, but for what the filter takes from Coulomb friction."""
-    assert list(steps) == list(STEPS)
-    assert error_of(steps["ideal"]) < 5e-3
-    assert error_of(steps["beyond"]) > 3 * error_of(steps["ideal"])
-    same = np.abs(steps["beyond"].y - steps["ideal"].y).max()
-    assert same == 0.0
-    assert 0 < np.abs(steps["quantised"].tau - steps["beyond"].tau).max() < 2 * 2.7314 / 1023
-    assert np.abs(steps["loop"].q - steps["ideal"].q).max() > 10 * RADIANS_PER_COUNT
-    np.testing.assert_array_equal(steps["loop"].tau, steps["recording"].tau)
-    np.testing.assert_array_equal(steps["loop"].q, steps["recording"].q)
-    assert np.abs(steps["loop"].ddq - steps["recording"].ddq).max() > 0.1
+    assert tuple(steps) == STEPS
+    ideal, beyond, quantised, loop, recorded = steps.values()
+    assert error_of(ideal) < 5e-3
+    assert error_of(beyond) > 3 * error_of(ideal)
+    for name in ("q", "dq", "ddq"):  # torque alone
+        np.testing.assert_array_equal(getattr(beyond, name), getattr(ideal, name))
+    for name in ("dq", "ddq"):  # rounding alone
+        np.testing.assert_array_equal(getattr(quantised, name), getattr(beyond, name))
+    assert 0 < np.abs(quantised.tau - beyond.tau).max() < 2 * 2.7314 / 1023
+    assert 0 < np.abs(quantised.q - beyond.q).max() <= 0.5 * RADIANS_PER_COUNT + 1e-12
+    assert np.abs(loop.q - quantised.q).max() > 10 * RADIANS_PER_COUNT
+    np.testing.assert_array_equal(loop.tau, recorded.tau)  # derivatives alone
+    np.testing.assert_array_equal(loop.q, recorded.q)
+    assert np.abs(loop.ddq - recorded.ddq).max() > 0.1
 
 
 @pytest.mark.parametrize("image_motion", ["measured", "desired"])
 def test_the_last_step_is_the_recording_as_it_is_identified(recording, tau_mean, image_motion):
-    found = dissect(recording, tau_mean, CONFIG, image_motion)["recording"]
+    found = dissect(tau_mean, CONFIG, image_motion)["recording"]
     expected = prepare_recording(recording, tau_mean, SIGNALS, image_motion)
     for field in fields(Prepared):
         np.testing.assert_allclose(getattr(found, field.name), getattr(expected, field.name), atol=1e-9)
 
 
-def test_f_of_the_image_is_on_the_motion_that_was_sent(recording, tau_mean, steps):
-    desired = dissect(recording, tau_mean, CONFIG, "desired")
+def test_f_of_the_image_is_on_the_motion_that_was_sent(tau_mean, steps):
+    desired = dissect(tau_mean, CONFIG, "desired")
     np.testing.assert_array_equal(desired["loop"].model, desired["ideal"].model)
     assert np.abs(steps["loop"].model - steps["ideal"].model).max() > 0.1
 
 
-def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, recording, tau_mean):
+def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, tau_mean):
     def estimate(self, guess):
         self.images += len(guess)
         return np.tile(TRUE / self.largest, (len(guess), 1))
@@ -100,7 +116,7 @@ def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, recording, ta
     config = CONFIG | {"why": {"seeds": [1], "guesses": 3, "near": 0.05}}
     search = SearchSettings(executions=2, inner_limit=2)
     identifier = Identifier("published", None, ImageSettings(), search, RefinementSettings())
-    table = explain(identifier, recording, tau_mean, [1, 2], config)
+    table = explain(identifier, tau_mean, [1, 2], config)
     assert len(table) == 2 * len(STEPS)
     assert table["error_uniform"].max() < 1e-12
     assert table["error_near"].max() < 1e-12
@@ -123,6 +139,6 @@ def test_the_table_says_what_each_step_costs():
     first = table[table["network"] == "published"]
     np.testing.assert_allclose(first["lost"], [0.0, 0.1, 0.1, 0.1, 0.1], atol=1e-12)
     np.testing.assert_allclose(first["total1"], [0.9, 0.8, 0.7, 0.6, 0.5])
-    np.testing.assert_allclose(first["spread1"], np.std([-0.02, 0.0, 0.02]))
+    np.testing.assert_allclose(first["spread1"], 0.02)
     assert set(table["seeds"]) == {3}
     np.testing.assert_allclose(table["error_uniform"], 0.2)

@@ -134,6 +134,7 @@ def _expected(error: jsonschema.ValidationError) -> tuple[Place, str, str]:
         "maxItems": f"at most {limit} values",
         "uniqueItems": "values that differ",
         "pattern": f"text like {limit}",
+        "not": "another key",
     }
     return place, repr(error.instance), words.get(rule, f"{rule} {limit}")
 
@@ -177,6 +178,10 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
             yield (place, *others), expected
         elif round(duration / h) <= signals["image_samples"]:
             yield (place,), f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
+    levels, arms = config["coverage"]["levels"], config["coverage"]["arms"]
+    if sorted(set(levels)) != levels or levels[-1] > arms / (arms + 1):
+        expected = f"rising shares that {arms} arms can calibrate, {arms / (arms + 1):.4g} at most"
+        yield (("coverage", "levels"), ("coverage", "arms")), expected
     spread = config["spread"]
     if len(spread["seeds"]) % spread["arms"]:
         yield (("spread", "arms"), ("spread", "seeds")), "as many specimens of every arm"
@@ -217,6 +222,9 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
         raise InputError.at(f"{sources.name(place)}: {_field(place) or 'configuration'}", f"the key {key!r}", "text")
     validator = _Validator(yaml.safe_load(schema.read_text(encoding="utf-8")))
     _check(config, validator, sources)
+    if not config["refinement"]["passes"]:
+        place = ("refinement", "passes")
+        raise InputError.at(f"{sources.name(place)}: {_field(place)}", 0, "at least 1; 0 is for section networks")
     for name, changes in config["networks"].items():
         _check(merged(config, changes), validator, sources, ("networks", name))
 

@@ -120,4 +120,6 @@ def ledger_sources():
 
 def ledger_sections():
     """Settings that are held against published ones."""
-    return sections("signals", "metric", "data", "training", "algorithm1", "numeric", "arm", "board", "experiment")
+    return sections(
+        "signals", "metric", "data", "training", "networks", "algorithm1", "numeric", "arm", "board", "experiment"
+    )

@@ -7,7 +7,6 @@ rule check_coverage:
     output:
         coverage=f"{R}/coverage/coverage.csv",
         ranks=f"{R}/coverage/ranks.csv",
-        unlike=f"{R}/coverage/unlike.csv",
         intervals=f"{R}/coverage/intervals.csv",
     log:
         f"{R}/logs/check_coverage.log",
@@ -18,6 +17,7 @@ rule check_coverage:
     threads: 1
     resources:
         mem_mb=2000,
+        runtime=30,
     params:
         config=sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),

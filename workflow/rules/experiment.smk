@@ -143,6 +143,7 @@ rule score_spread:
     threads: 1
     resources:
         mem_mb=2000,
+        runtime=30,
     params:
         config=sections(
             "signals",

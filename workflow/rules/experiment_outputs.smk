@@ -373,7 +373,7 @@ rule verdict:
         csv=report(
             f"{R}/tables/verdict.csv",
             category="Experiment (simulated)",
-            labels={"what": "Algorithm 1 against least squares over many specimens"},
+            labels={"what": "Algorithm 1 and the field's methods over many specimens"},
             caption="../report/verdict.rst",
         ),
         tex=f"{R}/tables/verdict.tex",
@@ -391,6 +391,6 @@ rule verdict:
         name="verdict",
         config=sections(),
     message:
-        "Algorithm 1 against least squares over many specimens"
+        "Algorithm 1 and the field's methods over many specimens"
     script:
         "../scripts/table.py"

@@ -1,6 +1,5 @@
 rule explain:
     input:
-        captures=captures(["ID"]),
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
@@ -14,6 +13,7 @@ rule explain:
     threads: 1
     resources:
         mem_mb=2000,
+        runtime=30,
     params:
         config=network_sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),

@@ -95,7 +95,9 @@ def image_regressor(
     return regressor(motion[0], motion[1], motion[2], friction_steepness)
 
 
-def sample_motion(motion: Motion, settings: SignalSettings, proper: slice = slice(None)) -> SampledMotion:
+def sample_motion(
+    motion: Motion, settings: SignalSettings, proper: slice = slice(None), beyond: bool = False
+) -> SampledMotion:
     """Regressors that training draws its torques and images from.
 
     Parameters
@@ -106,6 +108,8 @@ def sample_motion(motion: Motion, settings: SignalSettings, proper: slice = slic
         Filter and length.
     proper : slice
         Samples kept after filtering: **cut** of Algorithm 1.
+    beyond : bool
+        Whether to add the columns of torques beyond Eq. 1.
 
     Returns
     -------
@@ -116,8 +120,8 @@ def sample_motion(motion: Motion, settings: SignalSettings, proper: slice = slic
     y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
     tau_s = dct2sub(dct2low(y, h, c_f, reading)[..., proper], m)
     model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], settings)
-    beyond = unmodelled_columns(motion.q, motion.dq, y, proper, h, c_f, reading, m)
-    return SampledMotion(np.moveaxis(tau_s, 0, -1), model, beyond)
+    columns = unmodelled_columns(motion.q, motion.dq, y, proper, h, c_f, reading, m) if beyond else None
+    return SampledMotion(np.moveaxis(tau_s, 0, -1), model, columns)
 
 
 def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) -> SampledMotion:

@@ -46,6 +46,10 @@ class UnmodelledSettings:
                 found = getattr(self, field.name)
                 raise ValueError(f"{field.name}: must be finite and not negative, got {found}.")
 
+    def __str__(self) -> str:
+        """In words, for a model card."""
+        return ", ".join(f"{field.name} {getattr(self, field.name):g}" for field in fields(self)) if self else "none"
+
     def __bool__(self) -> bool:
         """Whether there is anything to draw."""
         return any(getattr(self, field.name) > 0 for field in fields(self))

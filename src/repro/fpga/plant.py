@@ -184,6 +184,11 @@ class Plant:
         np.divide(r1 - m * r2, determinant, out=out[2])
         np.subtract(r2, m * out[2], out=out[3])
 
+    def effective(self, pwm: NDArray[np.int32]) -> NDArray[np.int32]:
+        """PWM counts that move the motors: what is left of `pwm` beyond the dead band."""
+        band = self._effects.dead_band
+        return np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
+
     def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
         """Move on by one sampling period.
 
@@ -194,9 +199,7 @@ class Plant:
         torque_per_count : array of shape (2,)
             N m.
         """
-        band = self._effects.dead_band
-        effective = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
-        tau = effective * torque_per_count[:, np.newaxis] * self._per_i3
+        tau = self.effective(pwm) * torque_per_count[:, np.newaxis] * self._per_i3
         steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point

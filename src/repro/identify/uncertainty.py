@@ -52,6 +52,12 @@ def spread_of(estimates: Array) -> Spread:
     return Spread(middle, np.maximum((high - low) / 2, FLOOR))
 
 
+def misses(spread: Spread, truth: Array) -> Array:
+    """By how many widths each centre misses the truth, both of shape (..., 9)."""
+    missed: Array = np.abs(truth - spread.centre) / spread.width
+    return missed
+
+
 def stretch_factors(spread: Spread, truth: Array, levels: Sequence[float]) -> Array:
     """Factors on the width that cover arms of known parameters.
 
@@ -75,7 +81,7 @@ def stretch_factors(spread: Spread, truth: Array, levels: Sequence[float]) -> Ar
     ValueError
         If there are too few arms for a level.
     """
-    scores = np.sort(np.abs(truth - spread.centre) / spread.width, axis=0)
+    scores = np.sort(misses(spread, truth), axis=0)
     n = len(scores)
     ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
     if (ranks > n).any() or (ranks < 1).any():
@@ -86,8 +92,7 @@ def stretch_factors(spread: Spread, truth: Array, levels: Sequence[float]) -> Ar
 
 def covered(spread: Spread, truth: Array, factors: Array) -> Array:
     """Share of arms whose parameter lies within centre +- factor x width, shape (levels, 9)."""
-    scores = np.abs(truth - spread.centre) / spread.width
-    return np.asarray((scores <= factors[:, np.newaxis]).mean(axis=1))
+    return np.asarray((misses(spread, truth) <= factors[:, np.newaxis]).mean(axis=1))
 
 
 def distances(motions: Array, others: Array | None = None) -> Array:

@@ -102,7 +102,8 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
         Default configuration.
     """
     reading = READINGS[name]
-    c = read_as(config, reading)
+    # Every reading is refined, whatever its network is used for elsewhere.
+    c = {**read_as(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
     network = load_network(Path(weights), network_settings(c))
     data, seeds = data_settings(c), c["ablation"]["seeds"]

@@ -9,22 +9,25 @@ import pandas as pd
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identify.residual import ResidualReader
-from repro.identify.uncertainty import Spread, covered, distances, spread_of, stretch_factors, unlike_beyond
+from repro.identify.uncertainty import Spread, covered, distances, misses, spread_of, stretch_factors, unlike_beyond
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.methods import Identifier
 from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
-from repro.pipeline.tracked import Tracked, derived_motion, read_tracked, simulate_arms, training_motion
+from repro.pipeline.tracked import Tracked, derived_motion, simulate_arms, training_motion
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.programs import Program
 from repro.streams import Stream, stream
 
+#: Set of guesses of the recorded arm; those of simulated arms are 0 and up.
+OWN = 3
+
 
 def read_arms(
-    identifier: Identifier, arms: Tracked, tau_mean: Array, guesses: int, config: Config, seed: int
+    identifier: Identifier, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
 ) -> tuple[Array, Array]:
     """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque.
 
@@ -39,9 +42,9 @@ def read_arms(
     guesses : int
         Guesses for each arm.
     config : mapping
-        Sections ``signals`` and ``board``.
-    seed : int
-        Of the guesses.
+        Sections ``signals``, ``board`` and ``coverage``.
+    which : int
+        Which set of arms: each has guesses of its own.
 
     Returns
     -------
@@ -57,7 +60,8 @@ def read_arms(
     for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
         recording = Recording(arms.program, position * RADIANS_PER_COUNT, pwm * torque)
         prepared = prepare_recording(recording, tau_mean, signals, search.image_motion)
-        guess = stream(seed, Stream.COVERAGE_GUESSES, k).uniform(search.low, search.high, (guesses, 9))
+        rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
+        guess = rng.uniform(search.low, search.high, (guesses, 9))
         estimates[k] = ResidualReader(identifier.network, identifier.image, prepared).estimate(guess)
         # In canonical time, which is the recorded one here, and in units of the largest torque.
         truth[k] = arms.parameters[k] / prepared.largest
@@ -68,14 +72,14 @@ def read_arms(
 def coverage(
     identifier: Identifier, tracked: Path, recording: Recording, tau_mean: Array, config: Config
 ) -> dict[str, pd.DataFrame]:
-    """Calibrate on the arms of the training motions, whose parameters training never saw, and test on others.
+    """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others.
 
     Parameters
     ----------
     identifier : Identifier
         Network of tracked motions.
     tracked : Path
-        File of `repro.pipeline.tracked.simulate_tracked`.
+        File of `repro.pipeline.tracked.simulate_tracked`: the motions that others are like or unlike.
     recording : Recording
         Identification run of the arm of section ``arm``, which gets its intervals.
     tau_mean : array of shape (2, N)
@@ -86,39 +90,39 @@ def coverage(
     Returns
     -------
     dict
-        ``coverage``: columns ``arms, parameter, level, raw, calibrated, factor, width``, shares of arms whose true
-        parameter lies in the central range of the guesses and in the stretched one, and the median half width of the
-        latter over the largest torque. ``ranks``: columns ``arms, parameter, bin, number, raw, calibrated``, shares
-        of arms by tenth of the interval's distribution that the truth falls in. ``unlike``: columns ``motions, number,
-        beyond, warned``. ``intervals``: columns ``parameter, true, centre, low, high, level, warned`` of the recorded
-        arm at the highest level, SI.
+        ``coverage``: columns ``arms, parameter, level, raw, calibrated, factor, width, warned``: shares of arms whose
+        true parameter lies in the central range of the guesses and in the calibrated interval, the median half width
+        of the latter over the largest torque, and the share of arms whose motion is unlike the training motions.
+        ``ranks``: columns ``arms, parameter, bin, number, known, raw, calibrated``, shares of arms by the tenth that
+        holds the level at which an interval reaches the truth. ``intervals``: columns ``parameter, true, centre, low,
+        high, level, warned`` of the recorded arm at the highest level, SI.
     """
     c = config["coverage"]
     levels, guesses = tuple(c["levels"]), c["guesses"]
-    known = read_tracked(tracked, config)
-    estimates, truth = read_arms(identifier, known, tau_mean, guesses, config, 0)
-    factors = stretch_factors(spread_of(estimates), truth, levels)
-    calibration = np.sort((truth - spread_of(estimates).centre) / spread_of(estimates).width, axis=0)
+
+    def read(which: int, effects: bool) -> tuple[Tracked, Array, Array]:
+        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects)
+        return arms, *read_arms(identifier, arms, tau_mean, guesses, config, which)
+
+    _, estimates, truth = read(0, effects=True)
+    known = spread_of(estimates)
+    factors, calibration = stretch_factors(known, truth, levels), misses(known, truth)
     training = training_motion(config, tracked).torque
     beyond = unlike_beyond(training)
     rows: list[dict[str, Any]] = []
     ranks: list[dict[str, Any]] = []
-    unlike = [_warned("training", distances(training), beyond)]
-    for name, effects in (("Eq. 1", False), ("unmodelled", True)):
-        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS), effects)
-        found, right = read_arms(identifier, arms, tau_mean, guesses, config, 1 + effects)
+    for which, (name, effects) in enumerate((("Eq. 1", False), ("unmodelled", True)), start=1):
+        arms, found, right = read(which, effects)
         spread = spread_of(found)
-        rows += _coverage_rows(name, found, right, spread, factors, levels)
-        ranks += _rank_rows(name, found, right, spread, calibration)
         motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
-        unlike.append(_warned(name, distances(motions, training), beyond))
+        warned = float((distances(motions, training) > beyond).mean())
+        rows += [{**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, levels)]
+        ranks += _rank_rows(name, found, right, misses(spread, right), calibration)
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
-    unlike.append(_warned("ID", near, beyond))
     own = _intervals(identifier, recording, tau_mean, guesses, factors[-1], config)
     return {
         "coverage": pd.DataFrame(rows),
         "ranks": pd.DataFrame(ranks),
-        "unlike": pd.DataFrame(unlike),
         "intervals": own.assign(level=levels[-1], warned=int(near[0] > beyond)),
     }
 
@@ -128,7 +132,7 @@ def _intervals(
 ) -> pd.DataFrame:
     search = identifier.search
     prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
-    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, 0, 0)
+    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, OWN, 0)
     found = ResidualReader(identifier.network, identifier.image, prepared).estimate(
         rng.uniform(search.low, search.high, (guesses, 9))
     )
@@ -142,10 +146,6 @@ def _intervals(
 def _torque(q: Array, program: Program, config: Config) -> Array:
     signals = signal_settings(config)
     return sample_motion(derived_motion(q, signals), signals, slice(program.n1, program.n2)).torque
-
-
-def _warned(name: str, found: Array, beyond: float) -> dict[str, Any]:
-    return {"motions": name, "number": len(found), "beyond": beyond, "warned": float((found > beyond).mean())}
 
 
 def _coverage_rows(
@@ -167,16 +167,31 @@ def _coverage_rows(
     return rows
 
 
-def _rank_rows(name: str, found: Array, right: Array, spread: Spread, calibration: Array) -> list[dict[str, Any]]:
-    """Simulation-based calibration: where the truth falls among the estimates, and among the calibration's scores."""
-    raw = (found < right[:, np.newaxis]).mean(axis=1)
-    score = (right - spread.centre) / spread.width
+def _rank_rows(name: str, found: Array, right: Array, missed: Array, calibration: Array) -> list[dict[str, Any]]:
+    """Simulation-based calibration: by tenths, the level at which an interval first reaches the truth.
+
+    Of the range of the guesses that is twice the truth's rank off the middle; of the calibrated interval the rank of
+    what it misses by among the arms it was calibrated on.
+    """
+    n, m = found.shape[1], len(calibration)
+    below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
+    raw = np.abs(2 * below - n)
+    ordered = np.sort(calibration, axis=0)
     rows = []
     for j, parameter in enumerate(NAMES):
-        stretched = np.searchsorted(calibration[:, j], score[:, j]) / len(calibration)
-        shares = (np.histogram(values, bins=10, range=(0.0, 1.0))[0] / len(right) for values in (raw[:, j], stretched))
+        rank = np.searchsorted(ordered[:, j], missed[:, j])
+        tenths = (np.minimum(10 * raw[:, j] // (n + 1), 9), np.minimum(10 * rank // (m + 1), 9))
+        shares = (np.bincount(tenth, minlength=10) / len(right) for tenth in tenths)
         rows += [
-            {"arms": name, "parameter": parameter, "bin": k, "number": len(right), "raw": a, "calibrated": b}
+            {
+                "arms": name,
+                "parameter": parameter,
+                "bin": k,
+                "number": len(right),
+                "known": m,
+                "raw": a,
+                "calibrated": b,
+            }
             for k, (a, b) in enumerate(zip(*shares, strict=True))
         ]
     return rows

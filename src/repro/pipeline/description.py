@@ -95,6 +95,7 @@ def model_card(
     data: DataSettings,
     training: TrainingSettings,
     seconds_at: list[float],
+    motions: str,
 ) -> str:
     """What a user of the weights wants to know, as Markdown.
 
@@ -108,6 +109,8 @@ def model_card(
         What it was trained with.
     seconds_at : list of float
         Wall time at each row of the history.
+    motions : str
+        What motions it was trained on, in words.
 
     Returns
     -------
@@ -140,6 +143,8 @@ def model_card(
         f"{training.precision} arithmetic in layers 1 to 4",
         f"- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, "
         f"the rest uniform on {data.guess.low:g} to {data.guess.high:g}",
+        f"- Motions: {motions}",
+        f"- Torque beyond Eq. 1, at most: {data.unmodelled}",
         f"- Image: Z1 divided by {data.image.scale}"
         + (f" ({data.image.constant:g})" if data.image.scale == "constant" else ""),
         f"- Final loss: training {last['train_loss']:.3e}, held-out {last['test_loss']:.3e}",
@@ -147,7 +152,7 @@ def model_card(
         f"- Training time: {seconds_at[-1]:.0f} s of wall time",
         f"- SHA-256 of the weights: `{digest}`",
         "",
-        "Use: identification of arms that follow Eq. 10's trajectory. Not for other motions: the image's meaning",
+        "Use: identification of arms that are sent Eq. 10's trajectory. Not for other motions: the image's meaning",
         "depends on the motion. Parameters are read in units of the largest torque.",
         "",
     ]

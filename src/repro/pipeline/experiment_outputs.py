@@ -24,8 +24,8 @@ Inputs = Mapping[str, Sequence[Path]]
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
 EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
-RANKS = ("arms", "parameter", "bin", "number", "raw", "calibrated")
-COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width")
+RANKS = ("arms", "parameter", "bin", "number", "known", "raw", "calibrated")
+COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned")
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
 #: Methods of the verdict, and what they are set against.
 CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")

@@ -25,7 +25,7 @@ from repro.pipeline.numeric_identification import Experiment, identify_arms
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.spread import read_spread
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
-from repro.pipeline.tracked import training_motion
+from repro.pipeline.tracked import describe_motions, training_motion
 from repro.pipeline.why import explain
 from repro.progress import Progress
 from repro.settings import (
@@ -65,7 +65,8 @@ def train_network(name: str, named_inputs: Named, named_outputs: Named, checkpoi
     history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
     save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config)})
     write_csv(out["history"], history)
-    card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist())
+    motions = describe_motions(config)
+    card = model_card(out["weights"], history, network, data, training, trained.seconds_at.tolist(), motions)
     write_text(out["card"], card)
     Path(checkpoint).unlink(missing_ok=True)
 
@@ -156,8 +157,7 @@ def explain_network(variant: str, named_inputs: Named, output: str, config: Conf
     signals = signal_settings(config)
     tau_mean = read_mean_torque(inputs["mean_torque"][0], sample_times(signals.duration, signals.h).size)
     identifier = identifier_of(variant, load_network(inputs["weights"][0], network_settings(config)), config)
-    recording = read_recording(inputs["captures"][0], config)
-    write_csv(Path(output), explain(identifier, recording, tau_mean, config["why"]["seeds"], config))
+    write_csv(Path(output), explain(identifier, tau_mean, config["why"]["seeds"], config))
 
 
 def check_coverage(named_inputs: Named, named_outputs: Named, config: Config) -> None:

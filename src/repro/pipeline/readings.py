@@ -31,6 +31,8 @@ class Reading:
         Whether it needs a network of its own.
     of : str
         Reading whose network it uses otherwise.
+    longer : int
+        Factor on the steps of the training.
     """
 
     question: str
@@ -39,6 +41,7 @@ class Reading:
     network: str = "published"
     trained: bool = False
     of: str = "default"
+    longer: int = 1
 
 
 #: By the name of their files; the first is what every other one is compared with.
@@ -88,7 +91,7 @@ READINGS: dict[str, Reading] = {
         trained=True,
     ),
     "tracked-longer": Reading(
-        "training motions", "the same, four times the steps", {"training": {"steps": 10000}}, "tracked", trained=True
+        "training motions", "the same, four times the steps", network="tracked", trained=True, longer=4
     ),
     "tracked-guesses": Reading(
         "guesses of line 17",
@@ -123,9 +126,7 @@ def read_as(config: Config, reading: Reading) -> dict[str, Any]:
     """
     changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))
     paper = changed["training"]["recipe"] == "paper"
-    if "training" not in reading.change:
-        changed["training"]["steps"] = changed["ablation"]["paper_steps" if paper else "steps"]
-    changed["refinement"] = config["refinement"]  # every reading is refined, whatever its network is used for
+    changed["training"]["steps"] = reading.longer * changed["ablation"]["paper_steps" if paper else "steps"]
     return changed
 
 

@@ -186,6 +186,14 @@ def derived_motion(q: Array, signals: SignalSettings) -> Motion:
     return Motion(time, q, dq, dct2dev(dq, signals.h, signals.c_f, signals.reading))
 
 
+def describe_motions(config: Config) -> str:
+    """What motions a network is trained on, in words for its model card."""
+    if config["data"]["motions"] == "ideal":
+        return "Eq. 10 exactly"
+    t, shown = config["data"]["tracked"], config["algorithm1"]["image_motion"]
+    return f"Eq. 10 as {t['arms']} simulated arms track it (seed {t['seed']}); f of the image on the {shown} motion"
+
+
 def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
     """Motions that a network is trained on.
 
@@ -207,12 +215,13 @@ def training_motion(config: Config, tracked: Path | None = None) -> SampledMotio
     InputError
         If the file is missing, damaged or of other motions.
     """
-    signals = signal_settings(config)
+    signals, beyond = signal_settings(config), any(config["data"]["unmodelled"].values())
     if config["data"]["motions"] == "ideal":
-        return sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+        return sample_motion(identification_trajectory(signals.duration, signals.h), signals, beyond=beyond)
     arms = read_tracked(tracked or Path(), config)
     proper = slice(arms.program.n1, arms.program.n2)
-    motions = [sample_motion(derived_motion(q * RADIANS_PER_COUNT, signals), signals, proper) for q in arms.position]
+    tracks = (derived_motion(q * RADIANS_PER_COUNT, signals) for q in arms.position)
+    motions = [sample_motion(track, signals, proper, beyond) for track in tracks]
     if config["algorithm1"]["image_motion"] == "measured":
         return stack_motions(motions)
     sent = derived_motion(arms.program.q, signals)

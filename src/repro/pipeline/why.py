@@ -1,10 +1,11 @@
 """Why the literal Algorithm 1 fails on the arm: from the ideal case to the recording, one cause at a time.
 
 Each step is the identification run of the simulated arm with one more cause than the one before, and the search of
-Algorithm 1 is run on each with the same guesses.
+Algorithm 1 is run on each with the same guesses. The arm is simulated in process, whatever the experiment's source.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from repro.identify.prepare import Prepared, assemble
 from repro.identify.residual import ResidualReader
 from repro.model.dynamics import LAMBDA, rebuild_torque, regressor
 from repro.model.parameters import Array
-from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
 from repro.pipeline.methods import Identifier
 from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
@@ -29,14 +30,8 @@ from repro.signals.dct import dct2dev, dct2low
 from repro.signals.metric import metr2ev
 from repro.streams import Stream, stream
 
-#: What each step adds to the one before it.
-STEPS = {
-    "ideal": "Eq. 10's motion and the torque of Eq. 1",
-    "beyond": "+ what Eq. 1 leaves out",
-    "quantised": "+ encoder and PWM in counts",
-    "loop": "+ the motion as the loop tracks it",
-    "recording": "+ velocity and acceleration from the encoder",
-}
+#: Each has one cause more than the one before; `repro.render.why` puts them in words.
+STEPS = ("ideal", "beyond", "quantised", "loop", "recording")
 
 
 def beyond(q: Array, dq: Array, config: Config) -> Array:
@@ -48,36 +43,53 @@ def beyond(q: Array, dq: Array, config: Config) -> Array:
     return np.asarray(friction + ripple)
 
 
-def tracked_states(recording: Recording, config: Config) -> tuple[Array, Array, Array, Array]:
-    """The recorded specimen once more, with what no encoder shows: q, dq, ddq and the motors' torque, (2, N) each.
+@dataclass(frozen=True)
+class States:
+    """The simulated specimen along ID, with what no encoder shows.
 
-    Between two samples the torque is held; velocity and acceleration are those right after it was set.
+    Attributes
+    ----------
+    recording : Recording
+        What the board sends: the stored recording, where that is of this arm.
+    dq, ddq : arrays of shape (2, N)
+        Velocity (rad/s) and acceleration (rad/s^2) right after each sample's torque was set.
+    motors : array of shape (2, N)
+        Torque of the motors, N m; but for a dead band it is what the board records.
     """
+
+    recording: Recording
+    dq: Array
+    ddq: Array
+    motors: Array
+
+
+def simulate_states(config: Config) -> States:
+    """Run the closed loop of ``experiment.seed``'s specimen along ID, keeping the states."""
     control, (levels, phase) = control_constants(config), disturbance(config, config["experiment"]["seed"])
-    plant = Plant(true_parameters(config), recording.program.h, levels, phase)
+    program = program_from_config(config, "ID")
+    plant = Plant(true_parameters(config), program.h, levels, phase)
     controller = PDController(control.kp_counts, control.kv_counts)
     inertia3, torque = true_parameters(config)[2], control.torque_per_count[:, np.newaxis]
-    desired = recording.program.q.astype(np.float32)
+    desired = program.q.astype(np.float32)
     n = desired.shape[1]
-    states, motors = np.empty((n, 6)), np.empty((n, 2))
-    slope = np.empty((4, 1))
+    position, pwm, motors = (np.empty((2, n)) for _ in range(3))
+    dq, ddq, slope = np.empty((2, n)), np.empty((2, n)), np.empty((4, 1))
     for i in range(n):
-        pwm = controller(desired[:, i : i + 1], np.rint(plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32))
-        plant.derivative(plant.state, pwm * torque / inertia3, slope)
-        states[i] = np.concatenate([plant.state[:, 0], slope[2:, 0]])
-        motors[i] = (pwm * torque)[:, 0]
-        plant.advance(pwm, control.torque_per_count)
-    q, dq, ddq = states.T.reshape(3, 2, n)
-    return q, dq, ddq, motors.T
+        counts = np.rint(plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32)
+        sent = controller(desired[:, i : i + 1], counts)
+        plant.derivative(plant.state, plant.effective(sent) * torque / inertia3, slope)
+        position[:, i], pwm[:, i], motors[:, i] = counts[:, 0], sent[:, 0], (plant.effective(sent) * torque)[:, 0]
+        dq[:, i], ddq[:, i] = slope[:2, 0], slope[2:, 0]
+        plant.advance(sent, control.torque_per_count)
+    as_sent = replace(program, q=desired.astype(np.float64))
+    return States(Recording(as_sent, position * RADIANS_PER_COUNT, pwm * torque), dq, ddq, motors)
 
 
-def dissect(recording: Recording, tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[str, Prepared]:
+def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[str, Prepared]:
     """Signals of each step after line 12 of Algorithm 1.
 
     Parameters
     ----------
-    recording : Recording
-        Identification run of the simulated board.
     tau_mean : array of shape (2, N)
         Mean torque of the training data.
     config : mapping
@@ -88,29 +100,31 @@ def dissect(recording: Recording, tau_mean: Array, config: Config, image_motion:
     Returns
     -------
     dict
-        By name of `STEPS`.
+        By name of `STEPS`. ``quantised`` rounds positions and torque and leaves velocity and acceleration alone; so
+        does ``loop``, whose motion is the arm's; ``recording`` takes them from the encoder.
     """
     signals, beta, control = signal_settings(config), true_parameters(config), control_constants(config)
-    proper = slice(recording.program.n1, recording.program.n2)
+    states = simulate_states(config)
+    program, recording = states.recording.program, states.recording
+    proper = slice(program.n1, program.n2)
     h, c_f, reading = signals.h, signals.c_f, signals.reading
 
     def derived(q: Array) -> tuple[Array, Array, Array]:
         dq = dct2dev(q, h, c_f, reading)
         return q, dq, dct2dev(dq, h, c_f, reading)
 
-    sent = derived(recording.program.q)
+    sent = derived(program.q)
     eq1 = rebuild_torque(regressor(*sent), beta)
     more = eq1 + beyond(sent[0], sent[1], config)
     torque = control.torque_per_count[:, np.newaxis]
     counted = np.clip(np.rint(more / torque), -PWM_LIMIT, PWM_LIMIT) * torque
-    on_counts = derived(np.rint(sent[0] / RADIANS_PER_COUNT) * RADIANS_PER_COUNT)
-    _, dq, ddq, motors = tracked_states(recording, config)
-    exact = (recording.q, dct2low(dq, h, c_f, reading), dct2low(ddq, h, c_f, reading))
+    rounded = np.rint(sent[0] / RADIANS_PER_COUNT) * RADIANS_PER_COUNT
+    exact = (recording.q, dct2low(states.dq, h, c_f, reading), dct2low(states.ddq, h, c_f, reading))
     steps: Mapping[str, tuple[tuple[Array, Array, Array], Array]] = {
         "ideal": (sent, eq1),
         "beyond": (sent, more),
-        "quantised": (on_counts, counted),
-        "loop": (exact, motors),
+        "quantised": ((rounded, sent[1], sent[2]), counted),
+        "loop": (exact, recording.tau),
         "recording": (derived(recording.q), recording.tau),
     }
 
@@ -118,29 +132,20 @@ def dissect(recording: Recording, tau_mean: Array, config: Config, image_motion:
         first, second, third = (x[:, proper] for x in motion)
         return first, second, third
 
+    shown = cut(sent) if image_motion == "desired" else None
     return {
-        name: assemble(
-            cut(motion),
-            dct2low(tau, h, c_f, reading)[:, proper],
-            tau_mean,
-            signals,
-            shown=cut(sent) if image_motion == "desired" else None,
-        )
-        for name, (motion, tau) in steps.items()
+        name: assemble(cut(motion), dct2low(tau, h, c_f, reading)[:, proper], tau_mean, signals, shown=shown)
+        for name, (motion, tau) in ((step, steps[step]) for step in STEPS)
     }
 
 
-def explain(
-    identifier: Identifier, recording: Recording, tau_mean: Array, seeds: Sequence[int], config: Config
-) -> pd.DataFrame:
+def explain(identifier: Identifier, tau_mean: Array, seeds: Sequence[int], config: Config) -> pd.DataFrame:
     """Similarity and the estimate's error of one network at each step.
 
     Parameters
     ----------
     identifier : Identifier
         Network and settings.
-    recording : Recording
-        Identification run.
     tau_mean : array of shape (2, N)
         Mean torque of the training data.
     seeds : sequence of int
@@ -156,10 +161,10 @@ def explain(
         from guesses near the truth.
     """
     metric, why, true = metric_settings(config), config["why"], true_parameters(config)
-    prepared = dissect(recording, tau_mean, config, identifier.search.image_motion)
+    prepared = dissect(tau_mean, config, identifier.search.image_motion)
     progress = Progress(f"why, network {identifier.variant}")
     rows: list[dict[str, Any]] = []
-    for k, (step, signals) in enumerate(prepared.items()):
+    for step, signals in prepared.items():
         right = true / signals.largest
         for seed in seeds:
             reader = ResidualReader(identifier.network, identifier.image, signals)
@@ -173,5 +178,5 @@ def explain(
             names = ("total1", "total2", "error_uniform", "error_near")
             values = dict(zip(names, (*map(float, total), *errors), strict=True))
             rows.append({"network": identifier.variant, "step": step, "seed": seed, **values})
-            progress(k * len(seeds) + len(rows) % (len(seeds) + 1), len(prepared) * len(seeds))
+            progress(len(rows), len(prepared) * len(seeds))
     return pd.DataFrame(rows)

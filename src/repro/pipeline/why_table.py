@@ -19,7 +19,7 @@ def why_table(explained: pd.DataFrame) -> pd.DataFrame:
     """
     groups = explained.groupby(["network", "step"], sort=False)
     table = groups[["total1", "total2", "error_uniform", "error_near"]].median()
-    table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=0).to_numpy()
+    table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=1).fillna(0.0).to_numpy()
     table["seeds"] = groups.size()
     mean = table[["total1", "total2"]].mean(axis=1)
     table["lost"] = mean.groupby("network", sort=False).transform(lambda totals: -totals.diff().fillna(0.0))

@@ -19,12 +19,12 @@ _LOOKS = {"raw": ("least-squares", "Spread over the guesses"), "calibrated": ("a
 def table(frame: pd.DataFrame) -> Table:
     """Shares of arms that intervals cover, a row for each parameter.
 
-    Columns ``arms, parameter, level, raw, calibrated, factor, width``.
+    Columns ``arms, parameter, level, raw, calibrated, factor, width, warned``.
     """
-    checked = check_table(frame, ("arms", "parameter"), ("level", "raw", "calibrated", "factor", "width"))
+    checked = check_table(frame, ("arms", "parameter"), ("level", "raw", "calibrated", "factor", "width", "warned"))
     check_names(checked["arms"], ARMS, "arms")
     check_names(checked["parameter"], NAMES, "parameter")
-    check_range(checked, ("level", "raw", "calibrated"), 0.0, 1.0, "a fraction of 1")
+    check_range(checked, ("level", "raw", "calibrated", "warned"), 0.0, 1.0, "a fraction of 1")
     levels = sorted(set(checked["level"]))
     cells = checked.set_index(["arms", "parameter", "level"])
     rows = []
@@ -33,12 +33,16 @@ def table(frame: pd.DataFrame) -> Table:
         for arms, column in (("unmodelled", "raw"), ("Eq. 1", "calibrated"), ("unmodelled", "calibrated")):
             row += [number(100.0 * float(cells.loc[(arms, name, level), column]), 0) for level in levels]
         rows.append([*row, number(float(cells.loc[("unmodelled", name, levels[-1]), "width"]), 3)])
+    warned = [100.0 * float(checked.loc[checked["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
     caption = plain(
-        "Shares of simulated arms (%) whose true parameter lies in the interval, at "
+        "Shares of simulated arms (%) whose true parameter lies in an interval of "
         + ", ".join(f"{100 * level:g}" for level in levels)
-        + " %: the range of the estimates from random guesses (guesses) on arms with torque beyond Eq. 1; the same "
-        "range stretched by what arms of known parameters ask for (calibrated), on arms of Eq. 1 alone and with torque "
-        "beyond it. Last: half width of the widest, over the largest torque."
+        + " %: in the central range of the network's estimates from random guesses (guesses), on arms with torque "
+        "beyond Eq. 1; and in the calibrated interval, the median of these estimates plus and minus a multiple of "
+        "their spread that covers arms of known parameters, on arms of Eq. 1 alone and with torque beyond it. Last: "
+        "median half width of the widest of these, over the largest torque. "
+        f"{warned[0]:.1f} % of the arms of Eq. 1 and {warned[1]:.1f} % of the others are warned of as unlike the "
+        "training motions."
     )
     heads = [f"{100 * level:g}" for level in levels]
     header = [plain("Parameter"), *(plain(f"Guesses, {h}") for h in heads)]
@@ -74,18 +78,20 @@ def intervals(frame: pd.DataFrame) -> Table:
 
 
 def figure(frame: pd.DataFrame) -> Figure:
-    """Rank histograms of arms with torque beyond Eq. 1: flat where the interval's distribution is right.
+    """Arms with torque beyond Eq. 1 by the level at which an interval reaches the truth: flat where levels are right.
 
-    Columns ``arms, parameter, bin, number, raw, calibrated``.
+    Columns ``arms, parameter, bin, number, known, raw, calibrated``.
     """
-    checked = check_table(frame, ("arms", "parameter"), ("bin", "number", "raw", "calibrated"))
+    checked = check_table(frame, ("arms", "parameter"), ("bin", "number", "known", "raw", "calibrated"))
     check_names(checked["parameter"], NAMES, "parameter")
     check_range(checked, ("raw", "calibrated"), 0.0, 1.0, "a fraction of 1")
     chosen = checked[checked["arms"] == "unmodelled"]
     bins = int(chosen["bin"].max()) + 1
     edges = np.linspace(0.0, 100.0, bins + 1)
     expected = 100.0 / bins
-    band = 196.0 * np.sqrt((1 / bins) * (1 - 1 / bins) / chosen["number"].max())
+    # The arms that are ranked scatter, and so do those that they are ranked among.
+    scatter = 1.0 / chosen["number"].max() + 1.0 / chosen["known"].max()
+    band = 196.0 * np.sqrt((1 / bins) * (1 - 1 / bins) * scatter)
     drawn = style.new_figure(style.COLUMN, 3.7)
     panels = drawn.subplots(3, 3, sharex=True, sharey=True)
     for axes, name in zip(panels.flat, NAMES, strict=True):
@@ -100,7 +106,7 @@ def figure(frame: pd.DataFrame) -> Figure:
         axes.set_xlim(0.0, 100.0)
         axes.set_ylim(0.0, max(30.0, 105.0 * float(chosen[["raw", "calibrated"]].to_numpy().max())))
         axes.set_xticks([0, 50, 100])
-    drawn.supxlabel("Where the truth falls in the distribution (%)", fontsize=style.TEXT_SIZE)
+    drawn.supxlabel("Level at which the interval reaches the truth (%)", fontsize=style.TEXT_SIZE)
     drawn.supylabel("Arms (%)", fontsize=style.TEXT_SIZE)
     style.legend_above(drawn, panels[0, 0], 2, style.SIMULATED)
     return drawn

@@ -156,20 +156,19 @@ def stability(frame: pd.DataFrame) -> Table:
 def verdict(frame: pd.DataFrame) -> Table:
     """Each method against each of the field's, over many specimens of several arms.
 
-    Columns ``motion, method, opponent, joint, duration, arms, runs, wins, win_share, win_low, win_high,
-    difference_median, difference_low, difference_high``; shares and differences as fractions of 1. A block for each
-    opponent, a row for each method and duration: of its comparisons, one for each motion of T1 to T4 and joint, in how
-    many the whole interval of the difference lies on either side of 0.
+    Columns ``motion, method, opponent, joint, duration, arms, runs, wins, win_share, difference_median,
+    difference_low, difference_high``; shares and differences as fractions of 1. A block for each opponent, a row for
+    each method and duration: of its comparisons, one for each motion of T1 to T4 and joint, in how many the whole
+    interval of the difference lies on either side of 0.
     """
-    shares = ("win_share", "win_low", "win_high")
     differences = ("difference_median", "difference_low", "difference_high")
-    numbers = ("joint", "duration", "arms", "runs", "wins", *shares, *differences)
+    numbers = ("joint", "duration", "arms", "runs", "wins", "win_share", *differences)
     table = check_table(frame, ("motion", "method", "opponent"), numbers)
     check_names(table["motion"], _MOTIONS, "motion")
     check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     check_range(table, ("arms", "runs"), 1.0, float("inf"), "at least 1 run")
     check_range(table, ("wins",), 0.0, float(table["runs"].max()), "no more wins than runs")
-    check_range(table, shares, 0.0, 1.0, "a fraction of 1")
+    check_range(table, ("win_share",), 0.0, 1.0, "a fraction of 1")
     check_range(table, differences, -1.0, 1.0, "a difference of fractions of 1")
     blocks = []
     for opponent in dict.fromkeys(table["opponent"]):

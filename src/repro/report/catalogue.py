@@ -87,7 +87,7 @@ TABLES = (
     Exhibit("table", "why", "why_table", "Why", "From the ideal case to the recording, one cause at a time", True),
     Exhibit("table", "coverage", "coverage_table", "Coverage", "Do the intervals of the network cover", True),
     Exhibit("table", "intervals", "intervals", "Intervals", "The arm's parameters with the network's intervals", True),
-    Exhibit("table", "verdict", "verdict", "Verdict", "Algorithm 1 against least squares", True),
+    Exhibit("table", "verdict", "verdict", "Verdict", "Algorithm 1 against the field's methods", True),
     Exhibit("table", "stability", "stability", "Stability", "Conditions of the appendix", True),
     Exhibit("table", "metric_search", "metric_search_table", "Metric search", "Ranking of the formulas of metr2ev"),
     Exhibit("table", "ablation", "ablation_table", "Ablation", "Headline numbers under other readings", optional=True),
@@ -99,7 +99,7 @@ FIGURES = (
         for n, title in _FIGURES.items()
     ),
     Exhibit("figure", "why", "why_figure", "Why", "From the ideal case to the recording, one cause at a time", True),
-    Exhibit("figure", "coverage", "coverage_figure", "Coverage", "Where the truth falls in the intervals", True),
+    Exhibit("figure", "coverage", "coverage_figure", "Coverage", "Levels at which intervals reach the truth", True),
     Exhibit("figure", "spread", "spread_figure", "Spread", "Similarity over many simulated arms", True),
     Exhibit("figure", "metric_search", "metric_search_figure", "Metric search", "Candidates for the metric's formula"),
     Exhibit("figure", "ablation", "ablation_figure", "Ablation", "Headline numbers by reading", optional=True),

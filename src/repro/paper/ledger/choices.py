@@ -66,15 +66,15 @@ def _signals(config: Config) -> dict[str, Ours]:
 
 
 def _training(config: Config) -> dict[str, Ours]:
-    paper = config["training"]["paper"]
+    paper, unused = config["training"]["paper"], config["training"]["recipe"] != "paper"
 
     def recipe(value: float, key: str) -> Ours:
-        return chosen(value, f"training.paper.{key}", _PAPER_RECIPE, unused=True)
+        return chosen(value, f"training.paper.{key}", _PAPER_RECIPE, unused)
 
     images, share = paper["images"], paper["train_share"]
     sets = recipe(images, "images")
     iterations = config["networks"]["paper-recipe"]["training"]["steps"]
-    steps = chosen(iterations, "networks.paper-recipe.training.steps", _PAPER_RECIPE, unused=True)
+    steps = chosen(iterations, "networks.paper-recipe.training.steps", _PAPER_RECIPE, unused)
     return {
         "section4b/learning-rate": recipe(paper["learning_rate"], "learning_rate"),
         "section4b/learning-rate-slope": recipe(paper["learning_rate_slope"], "learning_rate_slope"),

@@ -75,9 +75,9 @@ def summary(claims: pd.DataFrame) -> list[str]:
     lines = [
         f"{totals['settings']} settings of the paper: "
         + ", ".join(f"{n} {verdict}" for verdict, n in counted["settings"].items() if n),
-        f"{totals['results']} results of the paper, {totals['extensions']} of them held against an extension too:",
+        f"{totals['results']} results of the paper, and {totals['extensions']} rows of extensions of ours beside them:",
     ]
-    lines += [f"{row.results:5d}  {row.Index} ({row.extensions} by an extension)" for row in counted.itertuples()]
+    lines += [f"{row.results:5d}  {row.Index} (extensions: {row.extensions})" for row in counted.itertuples()]
     lines.append(f"{kept - len(failed):5d}  of {kept} promises hold")
     lines += [
         f"promise broken: {row['id']}: published {_published(row)}, ours {_number(row['ours'])}"
@@ -107,7 +107,7 @@ def markdown(claims: pd.DataFrame) -> str:
     lines += ["What is measured on the arm is simulated: better means an easier arm there as much as a better method."]
     lines += [f"An id with `{EXTENSION}` holds an extension of ours against the same number.", ""]
     lines += ["Settings are what the authors chose and we adopt: they could not have come out otherwise.", ""]
-    header = ("verdict", "results", "results by an extension", "settings")
+    header = ("verdict", "results", "rows of extensions", "settings")
     rows = by_verdict(claims)[["results", "extensions", "settings"]].itertuples()
     lines += _table(header, [(row.Index, row.results, row.extensions, row.settings) for row in rows])
     lines += ["## Promises", ""]
