@@ -230,7 +230,8 @@ def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
         def forward_shared(self, u, v):
             return torch.full((len(u), 9), -10.0)
 
-    result = identify_arms(Refused(), experiment(), 1)
+    literal = experiment(refinement=RefinementSettings(passes=0))
+    result = identify_arms(Refused(), literal, 1)
     for arm in result["arms"].values():
         assert arm["executions_over_threshold"] == 0
         for estimate in arm["methods"].values():

@@ -93,10 +93,17 @@ def restart(
     Returns
     -------
     array of shape (m, 9)
-        `beta_m` and what the network makes of fresh guesses, as far as physically possible.
+        `beta_m` and what the network makes of fresh guesses, as far as physically possible. Where none is, the
+        fresh ones raised to the lowest guess: a network can read every guess a little below zero, and from nothing
+        no move starts.
     """
+    possible = CHECKS[search.feasibility]
     fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
-    return np.concatenate([beta_m, fresh[CHECKS[search.feasibility](fresh)]])
+    candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
+    if len(candidates):
+        return candidates
+    raised = np.maximum(fresh, search.low)
+    return raised[possible(raised)]
 
 
 def refine(
