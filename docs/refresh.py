@@ -33,8 +33,13 @@ def refresh_gallery() -> None:
 
 #: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
-#: The ablation's table and the numbers it needs are kept from its own run if this one has none.
-OPTIONAL = ("tables/ablation.csv", "tables/ablation.md", "tables/ablation.tex", "ablation.json")
+#: Targets that `all` does not make: what they made is kept from their own run if this one has none.
+ASKED_FOR = ("ablation", "paper_recipe")
+OPTIONAL = (
+    *(f"tables/{name}.{ext}" for name in ASKED_FOR for ext in ("csv", "md", "tex")),
+    *(f"{name}.json" for name in ASKED_FOR),
+    "figures/paper_recipe.csv",
+)
 
 
 def refresh_reference() -> None:
@@ -44,15 +49,17 @@ def refresh_reference() -> None:
     kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
-    for name in (*KEPT, *tables):
+    losses = [name for name in ("figures/paper_recipe.csv",) if (results / name).exists()]
+    for name in (*KEPT, *losses, *tables):
         (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():
         if not (REFERENCE / name).exists():
             (REFERENCE / name).write_bytes(content)
-    if (results / "tables/ablation.csv").exists():  # a run of its own, so it says for itself what made it
-        digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
-        write_json(REFERENCE / "ablation.json", {"commit": made_by, "config_sha256": digest})
+    for name in ASKED_FOR:
+        if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
+            digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+            write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
     sources = [REFERENCE / name for name in (*KEPT, *tables)]

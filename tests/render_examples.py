@@ -238,6 +238,10 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "spread": spread_frame,
     "why": why_figure_frame,
     "coverage": ranks_frame,
+    "paper_recipe": lambda: pd.concat(
+        pd.DataFrame({"panel": "loss", "series": name, "x": [1e3, 1e4, 1e5], "y": [0.01, 0.003, last]})
+        for name, last in (("algorithm1", 3e-4), ("algorithm1+paper-recipe", 9e-4))
+    ),
     "metric_search": candidates_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
 }
@@ -331,6 +335,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "why": why_frame,
     "coverage": coverage_frame,
     "intervals": intervals_frame,
+    "paper_recipe": lambda: similarity_frame(5, (*CASES, "ID", *MOTIONS), ("algorithm1", "algorithm1+paper-recipe")),
     "metric_search": search_frame,
     "ablation": readings_frame,
     "audit": audit_frame,

@@ -98,6 +98,11 @@ def inputs(tmp_path_factory, scores):
     files = sorted(folder.glob("run*.json"))
     numbers = {"id_mean": 0.97, "id_lowest": 0.96, "validation_mean": 0.98}
     numbers |= {"arm_id": 0.5, "arm_validation": 0.4, "arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
+    paper = pd.concat([scores.assign(method="algorithm1+paper-recipe", total=0.5), scores.assign(method="other")])
+    write_csv(folder / "paper.csv", paper)
+    arm = scores.query("trajectory == 'ID' and case == 'N1'").drop(columns="trajectory")
+    write_csv(folder / "arm.csv", pd.concat([arm.assign(case=case) for case in ("ID", "T1", "T2", "T3", "T4")]))
+    write_csv(folder / "later.csv", history.assign(step=history["step"] * 100, test_loss=history["test_loss"] * 2))
     for name in READINGS:
         write_json(folder / "results" / f"{name}.json", numbers)
         write_json(folder / "losses" / f"{name}.json", {"steps": 20, "held_out_loss": 1e-3})
@@ -110,6 +115,8 @@ def inputs(tmp_path_factory, scores):
         "results": results,
         "losses": losses,
         "table": [folder / "ablation.csv"],
+        "experiment": [folder / "arm.csv"],
+        "histories": [folder / "training.csv", folder / "later.csv"],
     }
     figures = {"identifications": files[:3], "scores": [folder / "numeric.csv"], **shared}
     tables = {"identifications": files, "scores": [folder / "numeric.csv", folder / "aware.csv"], **shared}

@@ -72,7 +72,7 @@ class TrainingSettings:
     """
 
     recipe: Recipe = "streamed"
-    steps: int = 10_000
+    steps: int = 5_000
     batch: int = 128
     learning_rate: float = 5e-3
     warmup: int = 200

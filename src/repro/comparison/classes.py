@@ -41,7 +41,7 @@ class Kind(StrEnum):
 #: How the names of tables begin all of whose floats hang on a network, without a column that says so. Figures 14 to 17
 #: show the validation motion of the seed that is the median of what a network found.
 TRAINED_TABLES = (
-    *("model/", "tables/ablation", "figures/ablation", "figures/fig10", "figures/fig11"),
+    *("model/", "figures/paper_recipe", "tables/ablation", "figures/ablation", "figures/fig10", "figures/fig11"),
     *("why/", "tables/why", "figures/why"),
     *("coverage/", "tables/coverage", "tables/intervals", "figures/coverage"),
     *(f"figures/fig{n}" for n in (14, 15, 16, 17)),

@@ -133,6 +133,14 @@ def loss(history: pd.DataFrame) -> pd.DataFrame:
     return curves(("loss", s, x, history[f"{s}_loss"].to_numpy(dtype=np.float64)) for s in ("train", "test"))
 
 
+def held_out_losses(histories: Mapping[str, pd.DataFrame], batches: Mapping[str, int]) -> pd.DataFrame:
+    """Loss on held-out images over the images trained on, of each series by its name."""
+    return curves(
+        ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
+        for name, h in histories.items()
+    )
+
+
 def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
     """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle.
 

@@ -15,11 +15,19 @@ from repro.pipeline import figure_data as draw
 from repro.pipeline import schematics_data as schematics
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.identified import read_identifications, read_scores
+from repro.pipeline.experiment_outputs import SCORES
 from repro.pipeline.named import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
-from repro.pipeline.summary import median_seeds, parameter_table, similarity_table
-from repro.settings import data_settings, network_settings, numeric_settings, signal_settings, training_settings
+from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
+from repro.settings import (
+    data_settings,
+    network_settings,
+    numeric_settings,
+    of_network,
+    signal_settings,
+    training_settings,
+)
 from repro.signals.trajectories import identification_trajectory
 
 Inputs = Mapping[str, Sequence[Path]]
@@ -58,6 +66,20 @@ def _id_trajectory(config: Config) -> pd.DataFrame:
     return draw.trajectory(identification_trajectory(s.duration, s.h))
 
 
+def _paper_losses(inputs: Inputs, config: Config) -> pd.DataFrame:
+    names = {"algorithm1": "published", "algorithm1+paper-recipe": "paper-recipe"}
+    histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
+    batches = {method: training_settings(of_network(config, name)).batch for method, name in names.items()}
+    return draw.held_out_losses(dict(zip(names, histories, strict=True)), batches)
+
+
+def _paper_recipe(inputs: Inputs) -> pd.DataFrame:
+    """Literal Algorithm 1 with the paper's training and with ours, on N1 to N4 and on the arm."""
+    numeric = _scores(inputs).query("trajectory == 'ID'")
+    both = pd.concat([numeric, read_scores(inputs["experiment"], SCORES)], ignore_index=True)
+    return median_cells(both.query("method in ('algorithm1', 'algorithm1+paper-recipe')"))
+
+
 def _ablation(inputs: Inputs) -> pd.DataFrame:
     results, losses = ({path.stem: _numbers(path) for path in inputs[key]} for key in ("results", "losses"))
     return ablation_table(results, losses)
@@ -94,6 +116,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
         ["factor", "candidate", "rms_log_error", "chosen"]
     ],
     "ablation": lambda i, _: ablation_figure(read_csv(i["table"][0], ("question", "reading", *HEADLINES))),
+    "paper_recipe": _paper_losses,
     **experiment.FIGURE_DATA,
 }
 
@@ -107,5 +130,6 @@ TABLE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "table07": lambda i, _: similarity_table(_scores(i), "validation"),
     "metric_search": lambda i, _: _search_table(i),
     "ablation": lambda i, _: _ablation(i),
+    "paper_recipe": lambda i, _: _paper_recipe(i),
     **experiment.TABLE_DATA,
 }

@@ -55,6 +55,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "fig24": experiment.validation_spectra,
     "spread": spread.spread,
     "why": why.figure,
+    "paper_recipe": lines.held_out_losses,
     "coverage": coverage.figure,
     "metric_search": candidates.metric_search,
     "ablation": ablation.figure,

@@ -160,3 +160,24 @@ def loss(frame: pd.DataFrame) -> Figure:
     axes.set_ylabel("Loss (dimensionless)")
     style.legend_above(figure, axes, 2)
     return figure
+
+
+def held_out_losses(frame: pd.DataFrame) -> Figure:
+    """Loss on held-out images over the images trained on, of the paper's schedule and of ours.
+
+    Columns ``panel, series, x, y``; panel loss; series as in the registry of methods; x in images, y above 0.
+    """
+    curves = read_curves(frame, {"loss": ("algorithm1", "algorithm1+paper-recipe")})["loss"]
+    figure = style.new_figure(style.COLUMN, 2.3)
+    axes = figure.subplots()
+    for name, curve in curves.items():
+        if curve[1].min() <= 0:
+            raise InputError.at(f"series {name}: y", f"{curve[1].min():g}", "a loss above 0")
+        plot_series(axes, name, curve)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.set_xlabel("Images trained on")
+    axes.set_ylabel("Loss on held-out images")
+    style.legend_above(figure, axes, 2)
+    return figure

@@ -200,3 +200,10 @@ def experiment(frame: pd.DataFrame) -> Table:
     """
     what = "on the identification motion and the validation motions, simulated experiment"
     return _similarities(frame, ("ID", "T1", "T2", "T3", "T4"), "Table 10", "tab:table10", what)
+
+
+def paper_recipe(frame: pd.DataFrame) -> Table:
+    """Similarity with the paper's own training beside ours; cases N1 to N4, ID, T1 to T4 (as for `similarity`)."""
+    cases = ("N1", "N2", "N3", "N4", "ID", "T1", "T2", "T3", "T4")
+    what = "with a network trained by the paper's own schedule and with ours; ID and T1 to T4 of the simulated arm"
+    return _similarities(frame, cases, "The paper's training", "tab:paper_recipe", what)

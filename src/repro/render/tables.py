@@ -33,6 +33,7 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
     "stability": experiment_tables.stability,
     "verdict": experiment_tables.verdict,
     "why": why.table,
+    "paper_recipe": result_tables.paper_recipe,
     "coverage": coverage.table,
     "intervals": coverage.intervals,
     "metric_search": description_tables.metric_search,

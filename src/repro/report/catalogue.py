@@ -90,6 +90,9 @@ TABLES = (
     Exhibit("table", "verdict", "verdict", "Verdict", "Algorithm 1 against the field's methods", True),
     Exhibit("table", "stability", "stability", "Stability", "Conditions of the appendix", True),
     Exhibit("table", "metric_search", "metric_search_table", "Metric search", "Ranking of the formulas of metr2ev"),
+    Exhibit(
+        "table", "paper_recipe", "paper_recipe_table", "The paper's training", "Literal Algorithm 1 with it", True, True
+    ),
     Exhibit("table", "ablation", "ablation_table", "Ablation", "Headline numbers under other readings", optional=True),
 )
 
@@ -102,6 +105,7 @@ FIGURES = (
     Exhibit("figure", "coverage", "coverage_figure", "Coverage", "Levels at which intervals reach the truth", True),
     Exhibit("figure", "spread", "spread_figure", "Spread", "Similarity over many simulated arms", True),
     Exhibit("figure", "metric_search", "metric_search_figure", "Metric search", "Candidates for the metric's formula"),
+    Exhibit("figure", "paper_recipe", "paper_recipe_figure", "The paper's training", "Loss beside ours", optional=True),
     Exhibit("figure", "ablation", "ablation_figure", "Ablation", "Headline numbers by reading", optional=True),
 )
 
