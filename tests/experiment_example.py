@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
+from render_examples import coverage_frame, intervals_frame, ranks_frame
 
 from repro.files import write_csv, write_json
 from repro.fpga.capture import write_capture
@@ -148,6 +149,9 @@ def experiment_inputs(folder, config):
     for motion in MOTIONS:
         capture(folder, motion, config)
     write_csv(folder / "steps.csv", explained_table())
+    checked = {"coverage": coverage_frame(), "ranks": ranks_frame(), "intervals": intervals_frame()}
+    for name, table in checked.items():
+        write_csv(folder / f"{name}.csv", table)
     estimates = {"identifications": sorted(folder.glob("experiment*.json")), "scores": [folder / "experiment.csv"]}
 
     def captures(*motions):
@@ -166,6 +170,8 @@ def experiment_inputs(folder, config):
         "fig24": validation,
         "spread": spread,
         "why": {"scores": [folder / "steps.csv"]},
+        "coverage": {name: [folder / f"{name}.csv"] for name in ("coverage", "ranks")},
+        "intervals": {"intervals": [folder / "intervals.csv"]},
         "table08": captures("ID"),
         "table09": estimates,
         "table10": {"scores": estimates["scores"]},

@@ -14,8 +14,8 @@ from repro.pipeline import experiment_outputs as experiment
 from repro.pipeline import figure_data as draw
 from repro.pipeline import schematics_data as schematics
 from repro.pipeline.description import architecture, network_features, parameter_description
-from repro.pipeline.identified import read_identifications, read_scores
 from repro.pipeline.experiment_outputs import SCORES
+from repro.pipeline.identified import read_identifications, read_scores
 from repro.pipeline.named import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
