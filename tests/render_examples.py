@@ -159,7 +159,7 @@ def why_frame() -> pd.DataFrame:
 
 
 def why_figure_frame() -> pd.DataFrame:
-    one = why_frame().drop(columns=["seeds", "spread1", "spread2", "lost"])
+    one = why_frame()[["network", "step", "total1", "total2"]]
     return pd.concat([one.assign(seed=seed, total1=one["total1"] - 0.01 * seed) for seed in (1, 2)])
 
 
@@ -241,7 +241,7 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "paper_recipe": lambda: pd.concat(
         pd.DataFrame({"panel": "loss", "series": name, "x": [1e3, 1e4, 1e5], "y": [0.01, 0.003, last]})
         for name, last in (("algorithm1", 3e-4), ("algorithm1+paper-recipe", 9e-4))
-    ),
+    ).reset_index(drop=True),
     "metric_search": candidates_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
 }

@@ -9,7 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 #: Scripts of the workflow that run a network.
-WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "ablation_train", "ablation_run"}
+WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "explain", "check_coverage"}
+WITH_NETWORK |= {"ablation_train", "ablation_run"}
 #: What the Snakefile and the command line load.
 OUTSIDE_JOBS = ("repro.pipeline.start", "repro.pipeline.provenance", "repro.cli", "repro.pipeline.experiment")
 

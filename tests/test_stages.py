@@ -37,7 +37,7 @@ def run_all(folder):
     }
     stages.mean_torque(str(out["mean_torque"]), CONFIG)
     trained = [(name, str(out[name])) for name in ("weights", "history", "card")]
-    network_stages.train_network("published", trained, str(folder / ".checkpoint.safetensors"), CONFIG)
+    network_stages.train_network("published", [], trained, str(folder / ".checkpoint.safetensors"), CONFIG)
     identify(out["weights"], out["mean_torque"], out["identification"])
     stages.score_numeric([str(out["identification"])], str(out["scores"]), CONFIG)
     return out

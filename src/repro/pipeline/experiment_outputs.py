@@ -101,7 +101,7 @@ FIGURE_DATA: dict[str, Callable[[Inputs, Config], pd.DataFrame]] = {
     "fig23": lambda i, c: _validation(i, c, in_frequency=False),
     "fig24": lambda i, c: _validation(i, c, in_frequency=True),
     "spread": lambda i, _: _drawn_spread(i),
-    "why": lambda i, _: _explained(i),
+    "why": lambda i, _: _explained(i)[["network", "step", "seed", "total1", "total2"]],
     "coverage": lambda i, _: read_csv(i["ranks"][0], RANKS),
 }
 

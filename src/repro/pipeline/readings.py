@@ -61,7 +61,7 @@ READINGS: dict[str, Reading] = {
     "tracked": Reading("training motions", "as arms track Eq. 10 (ours)", network="tracked", trained=True),
     "tracked-measured": Reading(
         "training motions",
-        "the same, f of the image on the measured motion",
+        "f of the image on the measured motion",
         {"algorithm1": {"image_motion": "measured"}},
         network="tracked",
         trained=True,
@@ -71,31 +71,29 @@ READINGS: dict[str, Reading] = {
     ),
     "tracked-unmodelled": Reading(
         "training motions",
-        "the same, with torque beyond Eq. 1",
+        "with torque beyond Eq. 1",
         {"data": {"unmodelled": {"stribeck": 0.5, "ripple": 0.05, "noise": 0.03, "delay_s": 0.002}}},
         "tracked",
         trained=True,
     ),
     "tracked-scale-aware": Reading(
         "training motions",
-        "the same, Z1 divided by a constant",
+        "Z1 divided by a constant",
         {"image": {"scale": "constant"}},
         network="tracked",
         trained=True,
     ),
     "tracked-normalised": Reading(
         "training motions",
-        "the same, divided by the maxima of the desired motion (Eq. 8)",
+        "divided by its maximum (Eq. 8)",
         {"signals": {"normalise_motion": True}},
         "tracked",
         trained=True,
     ),
-    "tracked-longer": Reading(
-        "training motions", "the same, four times the steps", network="tracked", trained=True, longer=4
-    ),
+    "tracked-longer": Reading("training motions", "twice the steps", network="tracked", trained=True, longer=2),
     "tracked-guesses": Reading(
         "guesses of line 17",
-        "up to 1, with the network of tracked motions",
+        "up to 1, tracked motions",
         {"algorithm1": {"guess_high": 1.0}},
         network="tracked",
         of="tracked",

@@ -130,14 +130,14 @@ def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects:
     return Tracked(program, position[kept], pwm[kept], beta[kept])
 
 
-def simulate_tracked(config: Config, out: Path) -> None:
+def simulate_tracked(config: Config, out: str) -> None:
     """Simulate the arms whose motions a network is trained on, and keep them.
 
     Parameters
     ----------
     config : mapping
         Sections ``signals``, ``data``, ``board`` and ``experiment``.
-    out : Path
+    out : str
         safetensors file: ``position`` and ``pwm`` (int16 counts, shape (K, 2, N)), ``desired`` as sent (float32,
         (2, N)), and ``parameters`` of each arm (K, 9).
 
@@ -155,7 +155,7 @@ def simulate_tracked(config: Config, out: Path) -> None:
         "desired": arms.program.q.astype(np.float32),
         "parameters": arms.parameters,
     }
-    write_whole(out, lambda temporary: save_file(arrays, temporary))
+    write_whole(Path(out), lambda temporary: save_file(arrays, temporary))
 
 
 def read_tracked(path: Path, config: Config) -> Tracked:

@@ -177,7 +177,7 @@ def held_out_losses(frame: pd.DataFrame) -> Figure:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.set_xlabel("Images trained on")
-    axes.set_ylabel("Loss on held-out images")
+    axes.set_xlabel("Training (images)")
+    axes.set_ylabel("Held-out loss (dimensionless)")
     style.legend_above(figure, axes, 2)
     return figure
