@@ -19,6 +19,7 @@ NAMES = {
     "+ refinement *(extension)*": "algorithm1+refinement",
     "+ selection without the network *(control)*": "algorithm1+local-search",
     "Algorithm 1, scale-aware image *(extension)*": "algorithm1+scale-aware",
+    "Algorithm 1, tracked motions *(extension)*": "algorithm1+tracked",
 }
 
 
@@ -35,7 +36,7 @@ def totals(name, method):
 def test_totals_are_products_and_every_cell_is_there(name):
     frame = table(name)
     np.testing.assert_allclose(frame["total"], frame["time"] * frame["frequency"], rtol=1e-8)
-    assert len(frame) == frame["method"].nunique() * 8 == 48
+    assert len(frame) == frame["method"].nunique() * 8 == 56
     assert (frame["seeds"] == 5).all()
     assert (frame["total_sd"] > 0).all()
 
@@ -61,7 +62,7 @@ def test_loss_of_the_streamed_recipe():
     history = pd.read_csv(REFERENCE / "model/training.csv")
     config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
     assert history["step"].iloc[-1] == config["training"]["steps"]
-    assert history["test_loss"].iloc[-1] <= 3e-4
+    assert history["test_loss"].iloc[-1] <= 0.5e-3  # the paper reports about 1e-3
 
 
 def test_parameters_of_the_reference_are_those_of_the_configuration():
@@ -83,6 +84,14 @@ def test_the_readme_shows_the_reference():
             assert row, (name, label)
             shown = np.array([float(x) for x in row[1].split(" | ")]).reshape(4, 2)
             np.testing.assert_allclose(shown, 100 * totals(name, method), atol=0.00501)
+
+
+def test_tracked_motions_bring_the_published_level_back_on_the_arm():
+    """On ID nearly what the paper prints (93.55, 94.51), with the literal search and no refinement."""
+    rows = table("table10").query("method == 'algorithm1+tracked'").pivot(index="case", columns="joint", values="total")
+    assert rows.loc["ID", 1] >= 0.935
+    assert rows.loc["ID", 2] >= 0.90
+    assert rows.loc[["T2", "T3", "T4"]].to_numpy().mean() >= 0.87
 
 
 def test_promises_about_networks_keep_twice_the_spread_over_networks():

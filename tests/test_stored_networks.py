@@ -14,7 +14,7 @@ from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = full_config()
-NETWORKS = ("published", "scale-aware")
+NETWORKS = ("published", "scale-aware", "tracked")
 
 
 def taken(folder, network="published", config=CONFIG):

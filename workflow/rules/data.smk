@@ -8,6 +8,8 @@ rule simulate_tracked:
     conda:
         "../../envs/repro.yaml"
     threads: 1
+    # A network waits for it.
+    priority: 20
     resources:
         mem_mb=2000,
     params:

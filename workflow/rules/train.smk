@@ -18,6 +18,8 @@ rule train:
         "../../envs/repro.yaml"
     # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
     threads: 1
+    # Most of the time of a run: nothing that a core can do meanwhile is to keep a network waiting.
+    priority: 10
     resources:
         mem_mb=3000,
         runtime=90,
