@@ -57,10 +57,13 @@ def test_what_agrees_is_told_in_short_and_ends_with_0(project, capsys):
     code, out, _ = verify(capsys)
     assert code == 0
     assert "disagrees" not in out and "broken" not in out
-    counts = pd.read_csv("results/claims.csv")["verdict"].value_counts()
-    for verdict, count in counts.items():
-        assert re.search(rf"^ *{count}  {verdict}$", out, re.MULTILINE)
-    assert "315 published numbers" in out
+    claims = pd.read_csv("results/claims.csv")
+    settings, extensions = claims["kind"] == "setting", claims["id"].str.contains("@")
+    assert f"{settings.sum()} settings of the paper" in out
+    assert f"{(~settings & ~extensions).sum()} results of the paper" in out
+    for verdict, of in claims[~settings].groupby("verdict"):
+        own = of["id"].str.contains("@").sum()
+        assert re.search(rf"^ *{len(of) - own}  {verdict} \(extensions: {own}\)$", out, re.MULTILINE)
 
 
 def test_one_changed_published_number(project, capsys):
