@@ -115,5 +115,6 @@ def _sentence(tallies: dict[tuple[str, str, float], Tally], runs: int, arms: int
     best = max((of(method, opponent)[0] for method in methods for opponent in fair), default=0)
     if fair:
         names = " or ".join(METHODS[o].title[0].lower() + METHODS[o].title[1:] if o in METHODS else o for o in fair)
-        words += f"Against {names}, no variant is better in more than {best} of {total}. "
+        most = f"more than {best} of {total}" if best else f"any of {total}"
+        words += f"Against {names}, no variant is better in {most}. "
     return words + "A comparison is one joint on one motion after one identification."
