@@ -6,6 +6,7 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 from repro import contract
+from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.pipeline.alive import begin_run, join_run
 from repro.pipeline.provenance import host_fingerprint, write_provenance
 from repro.pipeline.readings import READINGS
@@ -34,10 +35,9 @@ else:
 
 R = config["results"]
 F = config["figures"]
-FIGURES = [f"fig{n:02d}" for n in range(1, 25)]
-TABLES = [f"table{n:02d}" for n in range(1, 11)]
-ALL_FIGURES = [*FIGURES, "why", "coverage", "spread", "metric_search"]
-ALL_TABLES = [*TABLES, "why", "coverage", "intervals", "stability", "verdict", "metric_search", "audit"]
+EXHIBITS = [*TABLES, *FIGURES]
+ALL_FIGURES = [exhibit.name for exhibit in FIGURES if not exhibit.optional]
+ALL_TABLES = [*(exhibit.name for exhibit in TABLES if not exhibit.optional), "audit"]
 
 
 wildcard_constraints:
@@ -56,15 +56,13 @@ include: "workflow/rules/data.smk"
 include: "workflow/rules/train.smk"
 include: "workflow/rules/identify.smk"
 include: "workflow/rules/validate.smk"
-include: "workflow/rules/tables.smk"
-include: "workflow/rules/figures.smk"
 include: "workflow/rules/metric_search.smk"
 include: "workflow/rules/experiment.smk"
-include: "workflow/rules/experiment_outputs.smk"
 include: "workflow/rules/why.smk"
 include: "workflow/rules/coverage.smk"
 include: "workflow/rules/paper_recipe.smk"
 include: "workflow/rules/ablation.smk"
+include: "workflow/rules/exhibits.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from markupsafe import Markup, escape
 
-from repro.report.catalogue import Exhibit
+from repro.exhibits.catalogue import Exhibit
 from repro.report.embed import Link, Picture, link, pictures
 from repro.report.inputs import ReportInputs, read_rows, read_text
 from repro.report.text import MarkdownTable, markdown_table, paragraphs, plain
@@ -92,9 +92,8 @@ def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[st
 
 
 def _caption(exhibit: Exhibit, inputs: ReportInputs, table: MarkdownTable | None) -> tuple[list[Markup], str]:
-    """Caption from its file, by target or by name; without one a table's own, and in a partial report the title."""
-    files = [inputs.captions / f"{stem}.rst" for stem in (exhibit.target, exhibit.name)]
-    path = files[0] if files[0].exists() else files[1]
+    """Caption from its file; without one a table's own, and in a partial report the title."""
+    path = inputs.captions / f"{exhibit.target}.rst"
     if not path.exists() and table:
         return [escape(table.caption)], table.caption
     if not path.exists() and (inputs.partial or exhibit.optional):

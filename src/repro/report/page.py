@@ -7,9 +7,9 @@ from jinja2 import Environment
 from markupsafe import Markup
 
 from repro.errors import InputError
+from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
 from repro.files import write_text
 from repro.paper.claims import CONTRADICTS, DIFFERS
-from repro.report.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
 from repro.report.embed import link
 from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
 from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text

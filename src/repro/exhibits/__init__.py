@@ -1,0 +1,1 @@
+"""Every table and figure: what there is, the numbers, the drawings."""

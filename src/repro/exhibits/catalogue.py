@@ -1,0 +1,221 @@
+"""Every table and figure, in the order of the paper: one entry makes the rule, the target and the report's section."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["table", "figure"]
+
+METHOD, SIGNALS, DATA, MODEL, METRIC = "Method", "Signals", "Data", "Model", "Metric"
+NUMERIC, VALIDATION, ABLATION = "Numeric results", "Numeric validation", "Ablation"
+EXPERIMENT = "Experiment (simulated)"
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """One table or figure.
+
+    Attributes
+    ----------
+    kind : {"table", "figure"}
+        Which of the two.
+    name : str
+        Stem of its files.
+    target : str
+        Target of the workflow that makes it; also its anchor in the page and the stem of its caption's file.
+    label : str
+        What the paper calls it; an addition of ours has a label of its own.
+    title : str
+        What it shows, in a few words.
+    category : str
+        Chapter of the workflow's own report.
+    inputs : tuple of str
+        What its numbers are made from: keys of SOURCES in `workflow/rules/exhibits.smk`.
+    sections : tuple of str
+        Sections of the configuration that its numbers depend on.
+    optional : bool
+        Whether it is made only when asked for: a report is whole without it.
+    """
+
+    kind: Kind
+    name: str
+    target: str
+    label: str
+    title: str
+    category: str
+    inputs: tuple[str, ...] = ()
+    sections: tuple[str, ...] = ()
+    optional: bool = False
+
+    @property
+    def simulated(self) -> bool:
+        """Whether its numbers come from the simulated arm."""
+        return self.category in (EXPERIMENT, ABLATION)
+
+
+def _paper(number: int, kind: Kind, title: str, category: str, *inputs: str, of: tuple[str, ...] = ()) -> Exhibit:
+    """A table or figure of the paper; `of` are its sections."""
+    name, label = (f"table{number:02d}", "Table") if kind == "table" else (f"fig{number:02d}", "Figure")
+    return Exhibit(kind, name, name, f"{label} {number}", title, category, inputs, of)
+
+
+_TRAINING = ("signals", "data", "image", "training")
+_NUMERIC = ("signals", "numeric")
+_ARM = ("signals", "arm", "board", "experiment")
+
+TABLES = (
+    _paper(1, "table", "Related work", METHOD),
+    _paper(2, "table", "Dynamic parameters", MODEL),
+    _paper(3, "table", "Characteristics of the network", MODEL, of=("signals", "network", "training")),
+    _paper(4, "table", "Parameters of N1 and N2", NUMERIC, "networks"),
+    _paper(5, "table", "Parameters of N3 and N4", NUMERIC, "networks"),
+    _paper(6, "table", "Similarity on the identification trajectory", NUMERIC, "networks"),
+    _paper(7, "table", "Similarity on the validation trajectory", VALIDATION, "networks"),
+    _paper(8, "table", "Position control of the board", EXPERIMENT, "ID", of=(*_ARM, "metric")),
+    _paper(9, "table", "Parameters of the arm", EXPERIMENT, "arm"),
+    _paper(10, "table", "Similarity on the identification run and on T1 to T4", EXPERIMENT, "arm"),
+    Exhibit(
+        "table",
+        "why",
+        "why_table",
+        "Why",
+        "From the ideal case to the recording, one cause at a time",
+        EXPERIMENT,
+        ("why",),
+    ),
+    Exhibit(
+        "table",
+        "coverage",
+        "coverage_table",
+        "Coverage",
+        "Do the intervals of the network cover",
+        EXPERIMENT,
+        ("coverage",),
+    ),
+    Exhibit(
+        "table",
+        "intervals",
+        "intervals",
+        "Intervals",
+        "The arm's parameters with the network's intervals",
+        EXPERIMENT,
+        ("coverage",),
+    ),
+    Exhibit(
+        "table", "verdict", "verdict", "Verdict", "Algorithm 1 against the field's methods", EXPERIMENT, ("spread",)
+    ),
+    Exhibit("table", "stability", "stability", "Stability", "Conditions of the appendix", EXPERIMENT, ("arm",)),
+    Exhibit(
+        "table",
+        "metric_search",
+        "metric_search_table",
+        "Metric search",
+        "Ranking of the formulas of metr2ev",
+        METRIC,
+        ("search",),
+    ),
+    Exhibit(
+        "table",
+        "paper_recipe",
+        "paper_recipe_table",
+        "The paper's training",
+        "Literal Algorithm 1 with it",
+        ABLATION,
+        ("paper_recipe",),
+        optional=True,
+    ),
+    Exhibit(
+        "table",
+        "ablation",
+        "ablation_table",
+        "Ablation",
+        "Headline numbers under other readings",
+        ABLATION,
+        ("readings",),
+        optional=True,
+    ),
+)
+
+FIGURES = (
+    _paper(1, "figure", "Schematic of the arm", METHOD),
+    _paper(2, "figure", "Hardware blocks of the FPGA", METHOD),
+    _paper(3, "figure", "Flow chart of the PD control", METHOD),
+    _paper(4, "figure", "Identification method", METHOD),
+    _paper(5, "figure", "Subsampling technique", SIGNALS, of=_NUMERIC),
+    _paper(6, "figure", "Identification trajectory", SIGNALS, of=("signals",)),
+    _paper(7, "figure", "Architecture of the CNN", MODEL, of=("signals", "network")),
+    _paper(8, "figure", "Images of the training data", DATA, of=_TRAINING),
+    _paper(9, "figure", "Distribution of the training torques", DATA, of=_TRAINING),
+    _paper(10, "figure", "Loss over the training", MODEL, "history"),
+    _paper(11, "figure", "Spectra of the kernels", MODEL, "weights", of=("signals", "network")),
+    _paper(12, "figure", "Torques of N1 and N2", NUMERIC, "published", of=_NUMERIC),
+    _paper(13, "figure", "Torques of N3 and N4", NUMERIC, "published", of=_NUMERIC),
+    _paper(14, "figure", "Spectra of the numeric torques", NUMERIC, "published", of=_NUMERIC),
+    _paper(15, "figure", "Validation torques", VALIDATION, "published", of=_NUMERIC),
+    _paper(16, "figure", "Validation trajectory", VALIDATION, "published", of=_NUMERIC),
+    _paper(17, "figure", "Spectra of the validation torques", VALIDATION, "published", of=_NUMERIC),
+    _paper(18, "figure", "Experimental set-up", EXPERIMENT, of=_ARM),
+    _paper(19, "figure", "Torques and motion of the identification run", EXPERIMENT, "ID", "arm", of=_ARM),
+    _paper(20, "figure", "Spectra of the identification run's torques", EXPERIMENT, "ID", "arm", of=_ARM),
+    _paper(21, "figure", "Paths of the tip in T1 to T4", EXPERIMENT, "validation", of=_ARM),
+    _paper(22, "figure", "Motions of T1 to T4", EXPERIMENT, "validation", of=_ARM),
+    _paper(23, "figure", "Torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
+    _paper(24, "figure", "Spectra of the torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
+    Exhibit(
+        "figure",
+        "why",
+        "why_figure",
+        "Why",
+        "From the ideal case to the recording, one cause at a time",
+        EXPERIMENT,
+        ("why",),
+    ),
+    Exhibit(
+        "figure",
+        "coverage",
+        "coverage_figure",
+        "Coverage",
+        "Levels at which intervals reach the truth",
+        EXPERIMENT,
+        ("coverage",),
+    ),
+    Exhibit(
+        "figure", "spread", "spread_figure", "Spread", "Similarity over many simulated arms", EXPERIMENT, ("spread",)
+    ),
+    Exhibit(
+        "figure",
+        "metric_search",
+        "metric_search_figure",
+        "Metric search",
+        "Candidates for the metric's formula",
+        METRIC,
+        ("search",),
+    ),
+    Exhibit(
+        "figure",
+        "paper_recipe",
+        "paper_recipe_figure",
+        "The paper's training",
+        "Loss beside ours",
+        ABLATION,
+        ("losses",),
+        ("training", "networks"),
+        optional=True,
+    ),
+    Exhibit(
+        "figure",
+        "ablation",
+        "ablation_figure",
+        "Ablation",
+        "Headline numbers by reading",
+        ABLATION,
+        ("ablation",),
+        optional=True,
+    ),
+)
+
+#: Targets that have a section of their own.
+SECTIONS = ("claims", "audit")
+
+TARGETS = frozenset((*SECTIONS, *(exhibit.target for exhibit in (*TABLES, *FIGURES))))
+
+SIMULATED = frozenset(exhibit.target for exhibit in (*TABLES, *FIGURES) if exhibit.simulated)
