@@ -8,8 +8,8 @@ from functools import cache
 
 from PIL import Image, ImageDraw
 
-from repro.paper.claims import VERDICTS
 from repro.exhibits.catalogue import FIGURES, TABLES
+from repro.paper.claims import VERDICTS
 from repro.report.inputs import ReportInputs
 
 #: What must be escaped wherever it is shown.

@@ -1,7 +1,6 @@
 """The numbers behind figures and tables: right, and in the form that the drawing asks for."""
 
 import itertools
-import re
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
+from repro.exhibits import catalogue
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
@@ -46,19 +46,7 @@ ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
 MEDIAN = 3
 
 
-def sections_of_rules():
-    """Kind of output and name -> sections of the configuration that its rule hands to it."""
-    found = {}
-    for file in sorted((ROOT / "workflow" / "rules").glob("*.smk")):
-        for rule in file.read_text(encoding="utf-8").split("\nrule "):
-            drawn = re.search(r'name="(\w+)",\n +config=sections\(([^)]*)\)', rule)
-            if drawn:
-                kind = re.search(r"scripts/(figure|table)\.py", rule)[1]
-                found[kind + "s", drawn[1]] = re.findall(r'"([\w-]+)"', drawn[2])
-    return found
-
-
-SECTIONS = sections_of_rules()
+SECTIONS = {(f"{e.kind}s", e.name): e.sections for e in (*catalogue.TABLES, *catalogue.FIGURES)}
 
 
 def identification(seed, suffix=""):

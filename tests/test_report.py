@@ -16,9 +16,9 @@ from PIL import Image
 from report_example import NOTES, TRICKY, claim_rows, make_example, verdict_rows, write_picture, write_rows
 
 from repro.errors import InputError
+from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES
 from repro.paper.claims import VERDICTS, broken
 from repro.report import page as page_module
-from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES
 from repro.report.embed import link, pictures
 from repro.report.ledger import read_claims
 from repro.report.page import build_report, write_report

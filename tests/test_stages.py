@@ -10,9 +10,8 @@ import pytest
 import yaml
 
 from repro.errors import InputError
+from repro.exhibits.make import make_exhibit
 from repro.pipeline import network_stages, stages
-from repro.pipeline.figure_stage import make_figure
-from repro.pipeline.table_stage import make_table
 from repro.settings import numeric_settings
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -105,9 +104,9 @@ def test_a_second_run_gives_the_same_bytes(original, tmp_path):
 
 def test_a_figure_and_a_table_are_made_whole(original, tmp_path):
     history = [("history", str(original / "training.csv"))]
-    make_figure("fig10", history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})
+    make_exhibit("figure", "fig10", history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})
     scores = [("scores", [str(original / "numeric.csv")])]
-    make_table("table06", scores, [(e, str(tmp_path / f"table06.{e}")) for e in ("csv", "tex", "md")], {})
+    make_exhibit("table", "table06", scores, [(e, str(tmp_path / f"table06.{e}")) for e in ("csv", "tex", "md")], {})
     made = contents(tmp_path)
     assert set(made) == {"fig10.csv", "fig10.pdf", "fig10.png", "table06.csv", "table06.tex", "table06.md"}
     assert made["fig10.pdf"].startswith(b"%PDF")
@@ -242,7 +241,7 @@ def test_a_damaged_identification_is_refused(results, damage):
 
 def make_table06(folder):
     outputs = [(e, str(folder / f"table06.{e}")) for e in ("csv", "tex", "md")]
-    make_table("table06", [("scores", [str(folder / "numeric.csv")])], outputs, {})
+    make_exhibit("table", "table06", [("scores", [str(folder / "numeric.csv")])], outputs, {})
 
 
 @pytest.mark.parametrize("column", ["time", "frequency", "total"])
@@ -270,7 +269,7 @@ def test_missing_scores_are_refused(results):
 
 def make_fig(name, folder, **inputs):
     outputs = [(e, str(folder / f"{name}.{e}")) for e in ("csv", "pdf", "png")]
-    make_figure(name, [(key, str(value)) for key, value in inputs.items()], outputs, CONFIG)
+    make_exhibit("figure", name, [(key, str(value)) for key, value in inputs.items()], outputs, CONFIG)
 
 
 @pytest.mark.parametrize("damage", ["missing", "column"])

@@ -12,46 +12,48 @@ from pathlib import Path
 
 import pytest
 import yaml
+from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
+
+from repro.exhibits import catalogue
 
 ROOT = Path(__file__).resolve().parent.parent
 WORKFLOW = ROOT / "workflow"
-FIGURES = [f"fig{n:02d}" for n in range(1, 25)]
-TABLES = [f"table{n:02d}" for n in range(1, 11)]
+FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional]
+TABLES = [exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional]
+EXHIBITS = {exhibit.target: exhibit for exhibit in (*catalogue.TABLES, *catalogue.FIGURES)}
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
-#: What the paper has no number for: name of its files and the rule that makes them.
-FURTHER_FIGURES = {"metric_search": "metric_search_figure", "spread": "spread_figure"}
-FURTHER_FIGURES |= {name: f"{name}_figure" for name in ("why", "coverage")}
-FURTHER_TABLES = {name: name for name in ("intervals", "stability", "verdict", "audit")}
-FURTHER_TABLES |= {name: f"{name}_table" for name in ("metric_search", "why", "coverage")}
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
+#: Rules that only name other rules' files.
+COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage"}
 
 
 def targets(results="results", figures="paper_figures"):
     """Files of DESIGN's naming that exist so far."""
-    drawn = [f"{figures}/{name}.{e}" for name in [*FIGURES, *FURTHER_FIGURES] for e in ("pdf", "png")]
-    numbers = [f"{results}/figures/{name}.csv" for name in [*FIGURES, *FURTHER_FIGURES]]
-    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, *FURTHER_TABLES] for e in ("csv", "tex", "md")]
+    drawn = [f"{figures}/{name}.{e}" for name in FIGURES for e in ("pdf", "png")]
+    numbers = [f"{results}/figures/{name}.csv" for name in FIGURES]
+    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, "audit"] for e in ("csv", "tex", "md")]
     models = [f"{results}/model/{name}" for name in ("cnn.safetensors", "training.csv", "model-card.md")]
     ledger = [f"{results}/{name}" for name in ("claims.csv", "claims.md", "claims.sha256", "verified.txt")]
     return {*drawn, *numbers, *tables, *models, *ledger}
 
 
-def rules():
-    """Text of every rule by name, with the file it stands in."""
-    found = {}
-    for file in [ROOT / "Snakefile", *sorted((WORKFLOW / "rules").glob("*.smk"))]:
-        text = file.read_text(encoding="utf-8")
-        for match in re.finditer(r"^rule (\w+):\n((?:[ \n].*\n?|\n)*)", text, re.MULTILINE):
-            assert match[1] not in found, f"rule {match[1]} is there twice"
-            found[match[1]] = (file, match[2])
-    return found
+@pytest.fixture(scope="module")
+def rules(tmp_path_factory):
+    """Every rule by its name, as Snakemake has it."""
+    folder = tmp_path_factory.mktemp("rules")
+    for name in ("config", "data"):
+        (folder / name).symlink_to(ROOT / name)
+    with pytest.MonkeyPatch.context() as patch, SnakemakeApi(OutputSettings()) as api:
+        patch.chdir(folder)
+        patch.setattr(os, "environ", os.environ.copy())
+        loaded = api.workflow(ResourceSettings(cores=1), snakefile=ROOT / "Snakefile", workdir=folder)
+        return {rule.name: rule for rule in loaded._workflow.rules}
 
 
-RULES = rules()
-#: Rules that only name other rules' files.
-COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage"}
-WORKING = sorted(RULES.keys() - COLLECTIONS)
+@pytest.fixture(scope="module")
+def working(rules):
+    return [rule for name, rule in rules.items() if name not in COLLECTIONS]
 
 
 @pytest.fixture
@@ -88,8 +90,8 @@ def test_the_default_target_makes_every_table_and_figure(folder):
     expected.add("results/identification/experiment-least-squares.json")
     assert {name for name in files if "/identification/" in name} == expected
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
-    for name in [*FIGURES, *TABLES, *FURTHER_FIGURES.values(), *FURTHER_TABLES.values()]:
-        assert name in files.values()
+    assert {target for target, exhibit in EXHIBITS.items() if not exhibit.optional} < {*files.values()}
+    assert not {target for target, exhibit in EXHIBITS.items() if exhibit.optional} & {*files.values()}
     ends = ("bin", "program", "json")
     recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ends}
     assert {name for name, rule in files.items() if rule == "acquire"} == recordings
@@ -121,7 +123,7 @@ def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
 
 
 def test_each_target_can_be_asked_for_by_its_rule_name(folder):
-    names = [*FIGURES, *TABLES, "metric_search", "spread_figure", "stability", "verdict", "paper_recipe"]
+    names = [*(target for target in EXHIBITS if "ablation" not in target), "metric_search", "paper_recipe"]
     code, said = snakemake(folder, "--dry-run", *names)
     assert code == 0, said
     counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
@@ -191,32 +193,26 @@ def test_a_bad_value_on_the_command_line_ends_the_run_with_one_line_and_exit_cod
     assert not re.search(r"Traceback|Error in|Exception|File \"", said)
 
 
-@pytest.mark.parametrize("name", WORKING)
-def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(name):
-    _, text = RULES[name]
-    directives = re.findall(r"^    (\w+):", text, re.MULTILINE)
-    assert {"output", "log", "benchmark", "conda", "threads", "resources", "params", "message", "script"} <= {
-        *directives
-    }
-    assert "mem_mb=" in text
-
-
-def test_no_rule_asks_how_many_cores_there_are():
-    """A cluster has no such number."""
-    for file in {ROOT / "Snakefile", *(WORKFLOW / "rules").glob("*.smk")}:
-        assert "workflow.cores" not in file.read_text(encoding="utf-8"), file
+def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(working):
+    for rule in working:
+        assert rule.output, rule.name
+        assert rule.message, rule.name
+        assert rule.script, rule.name
+        assert rule.conda_env, rule.name
+        assert "mem_mb" in rule.resources, rule.name
+        assert rule.resources["_cores"].value == 1, rule.name  # none asks how many cores there are: a cluster has none
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
 STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
 
 
-def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder):
+def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder, working):
     """Each rule has its stage, and no input of a stage is made in a later one."""
     profile = yaml.safe_load((WORKFLOW / "profiles" / "slurm" / "config.yaml").read_text(encoding="utf-8"))
     stage = dict(entry.split("=") for entry in profile["groups"])
     assert len(stage) == len(profile["groups"])
-    assert stage.keys() == {*WORKING} - {"train", "ablation_train", "acquire"}
+    assert stage.keys() == {rule.name for rule in working} - {"train", "ablation_train", "acquire"}
     stage |= {"acquire": "prepare", "train": "train", "ablation_train": "train"}
     code, said = snakemake(folder, "--rulegraph", "dot", "--", "all", "ablation", "paper_recipe")
     assert code == 0, said
@@ -227,64 +223,52 @@ def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder):
         assert user in COLLECTIONS or STAGES[stage[maker]] <= STAGES[stage[user]], (maker, user)
 
 
-@pytest.mark.parametrize("name", sorted(COLLECTIONS))
-def test_a_rule_that_only_collects_says_so(name):
-    _, text = RULES[name]
-    directives = re.findall(r"^    (\w+):", text, re.MULTILINE)
-    assert "message" in directives
-    assert not {"script", "shell", "run", "output"} & {*directives}
+def test_a_rule_that_only_collects_says_so(rules):
+    for name in COLLECTIONS:
+        assert rules[name].message, name
+        assert not rules[name].output, name
+        assert not rules[name].script, name
 
 
-@pytest.mark.parametrize("name", WORKING)
-def test_logs_and_benchmarks_of_two_jobs_never_meet(name):
-    """Both carry the rule's name and every wildcard of the output, other than those that one job expands."""
-    _, text = RULES[name]
-    output = text[text.index("    output:") : text.index("    log:")]
-    wildcards = set(re.findall(r"\{\{(\w+)\}\}", output)) - set(re.findall(r"^ +(\w+)=", output, re.MULTILINE))
-    for directive, suffix in (("log", "log"), ("benchmark", "tsv")):
-        path = re.search(rf'^    {directive}:\n +f"(.+)"', text, re.MULTILINE)[1]
-        assert path.startswith("{R}/")
-        assert Path(path).name.startswith(name)
-        assert path.endswith(f".{suffix}")
-        assert set(re.findall(r"\{\{(\w+)\}\}", path)) == wildcards
+def test_logs_and_benchmarks_of_two_jobs_never_meet(working):
+    """Both carry the rule's name and every wildcard of the output."""
+    for rule in working:
+        for path, end in ((rule.log[0], ".log"), (rule.benchmark, ".tsv")):
+            stem = Path(re.sub(r"\{.*\}", "", str(path))).name
+            assert stem.startswith(rule.name), rule.name
+            assert str(path).endswith(end), rule.name
+            assert set(re.findall(r"\{(\w+)", str(path))) == rule.wildcard_names, rule.name
 
 
-@pytest.mark.parametrize("name", WORKING)
-def test_files_that_a_rule_points_to_exist(name):
-    file, text = RULES[name]
-    pointed = re.findall(r'caption="([^"]+)"', text)
-    pointed += re.findall(r'^    (?:conda|script):\n +"([^"]+)"', text, re.MULTILINE)
-    assert len(pointed) >= 2
-    for path in pointed:
-        assert (file.parent / path).is_file(), path
+def captions_of(rule):
+    return [file.flags["report"].caption.get_path_or_uri() for file in rule.output if "report" in file.flags]
 
 
-def test_every_output_shown_in_the_report_has_a_caption_with_something_in_it():
-    used = set()
-    for file, text in RULES.values():
-        captions = re.findall(r'caption="([^"]+)"', text)
-        assert len(captions) == text.count("report(")
-        used |= {(file.parent / caption).resolve() for caption in captions}
+def test_files_that_a_rule_points_to_exist(working):
+    for rule in working:
+        for path in (rule.script, rule.conda_env):
+            assert (WORKFLOW / "rules" / path).is_file(), (rule.name, path)
+
+
+def test_every_output_shown_in_the_report_has_a_caption_with_something_in_it(working):
+    used = {Path(caption).resolve() for rule in working for caption in captions_of(rule)}
     used.add(WORKFLOW / "report" / "workflow.rst")
     assert used == set((WORKFLOW / "report").glob("*.rst"))
     for caption in used:
         assert caption.read_text(encoding="utf-8").strip()
 
 
-def test_every_figure_and_table_rule_is_named_after_what_it_makes():
-    for name in [*FIGURES, *TABLES]:
-        _, text = RULES[name]
-        assert f'name="{name}"' in text
-        assert set(re.findall(r"/((?:fig|table)\d+)\.", text)) == {name}
-    for name, rule in {*FURTHER_FIGURES.items(), *FURTHER_TABLES.items()}:
-        _, text = RULES[rule]
-        assert f'name="{name}"' in text
-        assert f"/{name}.csv" in text
+def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
+    for target, exhibit in EXHIBITS.items():
+        rule = rules[target]
+        assert {Path(file).stem for file in rule.output} == {exhibit.name}
+        assert captions_of(rule)[0].endswith(f"report/{target}.rst")
+        assert (rule.params.kind, rule.params.name) == (exhibit.kind, exhibit.name)
+        assert set(rule.params.config) == {*exhibit.sections}
 
 
-def test_no_script_is_left_over():
-    used = {Path(path).name for _, text in RULES.values() for path in re.findall(r'"\.\./scripts/([^"]+)"', text)}
-    assert used == {script.name for script in SCRIPTS}
+def test_no_script_is_left_over(working):
+    assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
