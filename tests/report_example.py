@@ -123,7 +123,7 @@ def make_example(folder, **changes):
             write_picture(figures / f"{exhibit.name}.png", (2148, 800) if number % 4 else (1050, 600))
             (figures / f"{exhibit.name}.pdf").write_bytes(b"%PDF-1.4 example\n")
             write_rows(results / "figures" / f"{exhibit.name}.csv", [{"x": 0.0, "y": 1.0}])
-            (captions / f"{exhibit.name}.rst").write_text(f"About *{exhibit.label}* & ``x < y``.\n", encoding="utf-8")
+            (captions / f"{exhibit.target}.rst").write_text(f"About *{exhibit.label}* & ``x < y``.\n", encoding="utf-8")
     captures = folder / "SHA256SUMS"
     captures.write_text(f"{hashlib.sha256(b'run').hexdigest()}  ID.bin\n", encoding="utf-8")
     provenance = json.loads('{"commit": "0123abc", "packages": {"numpy": "2.4.6"}}')
