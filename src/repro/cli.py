@@ -23,13 +23,7 @@ COMMANDS = {
 
 
 def parser() -> argparse.ArgumentParser:
-    """Parser of the command line.
-
-    Returns
-    -------
-    ArgumentParser
-        With one subparser for each of `COMMANDS`.
-    """
+    """Parser of the command line."""
     top = argparse.ArgumentParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
     top.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -40,18 +34,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a subcommand.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments; by default those of the process.
-
-    Returns
-    -------
-    int
-        Exit code: the subcommand's, 2 for bad input (one line tells which), 130 after Ctrl-C.
-    """
+    """Run a subcommand."""
     arguments = parser().parse_args(argv)
     contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)

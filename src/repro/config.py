@@ -201,22 +201,7 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
 
 
 def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] = ()) -> None:
-    """Check a configuration against its schema, and its values against each other.
-
-    Parameters
-    ----------
-    config : mapping
-        Merged configuration.
-    schema : Path
-        JSON schema in YAML.
-    files : iterable of Path
-        Configuration files in the order they were merged, to name the one at fault.
-
-    Raises
-    ------
-    InputError
-        At the first violation: file, field, found and expected in one line.
-    """
+    """Check a configuration against its schema, and its values against each other."""
     sources = _Sources(config, files)
     for place, key in _odd_keys(config):
         raise InputError.at(f"{sources.name(place)}: {_field(place) or 'configuration'}", f"the key {key!r}", "text")

@@ -39,13 +39,7 @@ def set_variables(environment: MutableMapping[str, str]) -> list[str]:
 
 
 def hold(environment: MutableMapping[str, str]) -> None:
-    """Hold this process to the contract, except where the user has set a variable.
-
-    Raises
-    ------
-    RuntimeError
-        If NumPy is loaded already and would not read a variable that is set only now.
-    """
+    """Hold this process to the contract, except where the user has set a variable."""
     late = set_variables(environment)
     if late and "numpy" in sys.modules:
         raise RuntimeError(f"contract: {', '.join(late)} must be set before numpy is loaded.")

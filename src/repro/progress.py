@@ -28,15 +28,7 @@ class Progress:
         self._first: int | None = None
 
     def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Log if the last line is old enough.
-
-        Parameters
-        ----------
-        done, total : int
-            Units of work done, and in all.
-        note : str
-            Anything worth adding.
-        """
+        """Log if the last line is old enough."""
         now = self._clock()
         if self._first is None:  # work done before this run (a checkpoint) says nothing about its speed
             self._first = done

@@ -19,23 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check, decode, tell, and write the table if asked.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        As declared by `add_arguments`.
-
-    Returns
-    -------
-    int
-        Exit code 0.
-
-    Raises
-    ------
-    InputError
-        If the capture is not what its sidecar says, or the table is there.
-    """
+    """Check, decode, tell, and write the table if asked."""
     from repro.files import CSV_FLOAT_FORMAT, write_csv
     from repro.fpga.capture import read_capture
     from repro.fpga.recorded import to_table
@@ -55,18 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def summary(capture: "Capture") -> str:
-    """Lines that tell what a capture holds.
-
-    Parameters
-    ----------
-    capture : Capture
-        Recording.
-
-    Returns
-    -------
-    str
-        File, motion, source, samples, gaps.
-    """
+    """Lines that tell what a capture holds."""
     about, counts = capture.about, capture.counts
     state = "complete" if capture.complete else f"incomplete ({capture.reason})"
     return "\n".join(

@@ -70,23 +70,7 @@ def _hertz(text: str) -> float:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, tell, prepare, solve, judge, write.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        As declared by `add_arguments`.
-
-    Returns
-    -------
-    int
-        Exit code 0.
-
-    Raises
-    ------
-    InputError
-        If a log, the arm file or the folder cannot be used; nothing is written then.
-    """
+    """Read, tell, prepare, solve, judge, write."""
     from repro.logs.armfile import read_arm
     from repro.ownarm.job import assemble, resolve, solve_all
     from repro.ownarm.outputs import check_folder, write_all, write_sidecar
@@ -190,18 +174,7 @@ def _check_cache(cache: Path) -> None:
 
 
 def summary(result: "Result") -> str:
-    """What to know without opening the report.
-
-    Parameters
-    ----------
-    result : Result
-        What was found.
-
-    Returns
-    -------
-    str
-        The recommended parameters with their verdicts, each method's errors, warnings.
-    """
+    """What to know without opening the report."""
     best = next(m for m in result.methods if m.method == result.recommended)
     lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     for p in best.parameters:

@@ -31,23 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Download, start, record, write.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        As declared by `add_arguments`.
-
-    Returns
-    -------
-    int
-        Exit code: 0, or 1 if the recording is incomplete; what arrived is written all the same.
-
-    Raises
-    ------
-    InputError
-        If the output is there, the trajectory or the port cannot be used, or nothing arrives.
-    """
+    """Download, start, record, write."""
     from repro.commands.decode import summary
     from repro.fpga.capture import check_target, write_capture
     from repro.fpga.link import LinkSettings, record
@@ -86,23 +70,7 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
 
 
 def read_program(path: Path) -> "Program":
-    """Motion of a table.
-
-    Parameters
-    ----------
-    path : Path
-        CSV with the columns ``q1_rad`` and ``q2_rad``, one row every 2.5 ms.
-
-    Returns
-    -------
-    Program
-        All of it is the trajectory proper.
-
-    Raises
-    ------
-    InputError
-        If it is no such table, is empty, holds what is no finite number, or is longer than the board's memory.
-    """
+    """Motion of a table."""
     import numpy as np
     import pandas as pd
 

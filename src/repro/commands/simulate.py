@@ -26,23 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serve until a signal comes, or the first motion is over.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        As declared by `add_arguments`.
-
-    Returns
-    -------
-    int
-        Exit code 0.
-
-    Raises
-    ------
-    InputError
-        If the configuration, the faults or the place to listen are wrong.
-    """
+    """Serve until a signal comes, or the first motion is over."""
     import numpy as np
 
     from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
@@ -75,23 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def parse_faults(text: str) -> "FaultSettings":
-    """Settings from ``drop=1e-4,flip=1e-4,...``.
-
-    Parameters
-    ----------
-    text : str
-        Names of `FaultSettings` and their values, separated by commas; empty for none.
-
-    Returns
-    -------
-    FaultSettings
-        What is not named keeps its default.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown or given twice, or a value is not a number or not allowed.
-    """
+    """Settings from ``drop=1e-4,flip=1e-4,...``."""
     from repro.fpga.faults import FaultSettings
 
     names = [field.name for field in fields(FaultSettings)]

@@ -19,23 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the summary, every broken promise and everything that does not agree.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        As declared by `add_arguments`.
-
-    Returns
-    -------
-    int
-        0 if everything agrees and every promise holds, else 1.
-
-    Raises
-    ------
-    InputError
-        If there is no ledger to verify, or the configuration is not valid.
-    """
+    """Print the summary, every broken promise and everything that does not agree."""
     from repro.fingerprint import told
     from repro.paper.claims import broken
     from repro.paper.ledger.text import summary

@@ -69,22 +69,7 @@ def origin(row: Mapping[str, str]) -> str:
 
 
 def kind_of(table: str, row: Mapping[str, str], column: str) -> Kind:
-    """Class of the floats in a cell.
-
-    Parameters
-    ----------
-    table : str
-        Path of the table in its results folder, without its suffix.
-    row : mapping
-        Cells by column, as text.
-    column : str
-        Column of the cell.
-
-    Returns
-    -------
-    Kind
-        Trained or computed; a cell that is no float is exact, whatever this says.
-    """
+    """Class of the floats in a cell."""
     if column in COUNTED:
         return Kind.COMPUTED
     if table == LEDGER:

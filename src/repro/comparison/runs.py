@@ -44,27 +44,7 @@ class Compared:
 
 
 def compare_runs(a: Path, b: Path, spread: Spread) -> tuple[list[Compared], list[str]]:
-    """Compare every table and recording that both folders have.
-
-    Parameters
-    ----------
-    a, b : Path
-        Results folders.
-    spread : Spread
-        Measured spread of trained numbers.
-
-    Returns
-    -------
-    compared : list of Compared
-        In order of their names.
-    alone : list of str
-        Files that only one of them has.
-
-    Raises
-    ------
-    InputError
-        If a folder is none, a table cannot be read, or they have no file in common.
-    """
+    """Compare every table and recording that both folders have."""
     files = [_files(folder) for folder in (a, b)]
     both = sorted(files[0] & files[1])
     if not both:

@@ -17,23 +17,7 @@ COLUMNS = ("table", "origin", "column", "runs", "cells", "widest")
 
 
 def measure(runs: Sequence[Path]) -> pd.DataFrame:
-    """Widest range of any one cell over the runs, for each table, origin and column that holds trained numbers.
-
-    Parameters
-    ----------
-    runs : sequence of Path
-        Results folders that differ in their networks alone.
-
-    Returns
-    -------
-    DataFrame
-        Columns `COLUMNS`; `cells` is how many cells share the row.
-
-    Raises
-    ------
-    InputError
-        If a number that is not trained differs between two runs: then they differ in more than their networks.
-    """
+    """Widest range of any one cell over the runs, for each table, origin and column that holds trained numbers."""
     for a, b in combinations(runs, 2):
         for file in compare_runs(a, b, Spread({}))[0]:
             for d in file.found:

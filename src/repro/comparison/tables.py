@@ -49,13 +49,7 @@ class Difference:
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV as text.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read or is no table.
-    """
+    """Rows of a CSV as text."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file, strict=True))
@@ -68,17 +62,7 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def differences(table: str, a: Sequence[Row], b: Sequence[Row], spread: Spread) -> Iterator[Difference]:
-    """Cells of two tables that are not the same text, and rows or columns that only one has.
-
-    Parameters
-    ----------
-    table : str
-        Path of the table in its results folder, without its suffix.
-    a, b : sequence of mapping
-        Rows, cells by column.
-    spread : Spread
-        Measured spread of trained numbers.
-    """
+    """Cells of two tables that are not the same text, and rows or columns that only one has."""
     if len(a) != len(b):
         yield Difference(Kind.EXACT, "number of rows", str(len(a)), str(len(b)), math.inf, 0.0)
         return

@@ -8,36 +8,14 @@ METHODS_FILE = Path(__file__).with_name("methods.bib")
 
 
 def entries() -> dict[str, str]:
-    """Every entry of ``methods.bib`` under its key, in the order of the file.
-
-    Returns
-    -------
-    dict of str
-        Text of each entry, from ``@`` to its last brace.
-    """
+    """Every entry of ``methods.bib`` under its key, in the order of the file."""
     # An entry starts with @type{key, in the first column and ends with the next brace there.
     found = re.finditer(r"^@\w+\{([^,\s]+),.*?^\}", METHODS_FILE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     return {entry[1]: entry[0] for entry in found}
 
 
 def bibtex(keys: Sequence[str]) -> str:
-    """Entries for some sources.
-
-    Parameters
-    ----------
-    keys : sequence of str
-        Keys of ``methods.bib``; a repeated one counts once.
-
-    Returns
-    -------
-    str
-        Entries in the order of `keys`, a blank line between two, a line end after the last; empty for no keys.
-
-    Raises
-    ------
-    ValueError
-        If a key is not in the file.
-    """
+    """Entries for some sources."""
     known = entries()
     missing = [key for key in keys if key not in known]
     if missing:

@@ -90,16 +90,6 @@ def principal_inertia(planar: float) -> tuple[float, float, float]:
 
     Planar motion shows the moment about y alone. The others are those of a slender rod: as large about x, and a tenth
     about the rod, which is positive definite and meets the triangle inequality, as simulators require.
-
-    Parameters
-    ----------
-    planar : float
-        Inertia about the centre of mass and the joint's axis, kg m^2.
-
-    Returns
-    -------
-    tuple of 3 floats
-        Moments about x, y and z, kg m^2.
     """
     return planar, planar, SLENDERNESS * planar
 
@@ -136,32 +126,7 @@ def _check_possible(i1: float, i2: float, i3: float, g2: float, gravity: float) 
 
 
 def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[float, float] | None = None) -> LinkSet:
-    """Links that have the nine parameters, up to rounding.
-
-    Parameters
-    ----------
-    beta : array of shape (9,)
-        ``(I1, I2, I3, g1, g2, b1, b2, k1, k2)``, SI.
-    gravity : float
-        Gravitational acceleration, m/s^2.
-    lengths : tuple of 2 floats, optional
-        Lengths of the links as measured, m. The parameters fix l1, so this one is only compared, and the difference
-        told in the notes; l2 guides the choice of m2.
-
-    Returns
-    -------
-    LinkSet
-        The member of the family that the head of this module states.
-
-    Raises
-    ------
-    ValueError
-        If no links have these parameters (the message names the condition), or an argument is out of its range.
-
-    Notes
-    -----
-    Eq. 1, last five lines (Section II), solved for the links.
-    """
+    """Links that have the nine parameters, up to rounding."""
     beta = check_beta(beta)
     if beta.ndim != 1:
         raise ValueError(f"beta: must be one set of nine parameters, got shape {beta.shape}.")

@@ -11,38 +11,14 @@ UNNAMED = "arm"
 
 
 def name_attribute(name: str) -> str:
-    """Quoted and escaped attribute value of a name.
-
-    Parameters
-    ----------
-    name : str
-        Any text. A character that XML does not allow becomes ``_``, a run of blanks one blank.
-
-    Returns
-    -------
-    str
-        Value with its quotes; ``"arm"`` if nothing is left of the name.
-    """
+    """Quoted and escaped attribute value of a name."""
     text = " ".join(name.split())
     clean = "".join(c if any(low <= ord(c) <= high for low, high in _RANGES) else "_" for c in text)
     return quoteattr(clean or UNNAMED)
 
 
 def comment(lines: tuple[str, ...], indent: str) -> str:
-    """XML comment, one line of text to a line.
-
-    Parameters
-    ----------
-    lines : tuple of str
-        Text; two hyphens in a row, which XML forbids in comments, are parted.
-    indent : str
-        Blanks before each line.
-
-    Returns
-    -------
-    str
-        Comment without a line end after it.
-    """
+    """XML comment, one line of text to a line."""
     body = re.sub("-(?=-)", "- ", "\n".join(f"{indent}  {line}" for line in lines))
     return f"{indent}<!--\n{body}\n{indent}-->"
 

@@ -46,19 +46,6 @@ def mjcf(links: LinkSet, name: str) -> str:
     """MuJoCo model of the arm.
 
     The axis of both joints is -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
-
-    Parameters
-    ----------
-    links : LinkSet
-        Links and friction.
-    name : str
-        Name of the arm; escaped.
-
-    Returns
-    -------
-    str
-        XML text with a line end after it. Joints ``joint1`` and ``joint2``, motors ``motor1`` and ``motor2``, and a
-        site ``tool`` at the end of link 2. The links touch nothing.
     """
     notes = tuple(f"Note: {note}." for note in links.notes)
     return _TEXT.format(

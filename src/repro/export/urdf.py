@@ -53,19 +53,6 @@ def urdf(links: LinkSet, name: str) -> str:
     """Robot description of the arm.
 
     The axis of both joints is -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
-
-    Parameters
-    ----------
-    links : LinkSet
-        Links and friction.
-    name : str
-        Name of the arm; escaped.
-
-    Returns
-    -------
-    str
-        XML text with a line end after it. Joints ``joint1`` and ``joint2``, links ``base``, ``link1``, ``link2`` and,
-        at the end of link 2, the massless ``tool``.
     """
     notes = tuple(f"Note: {note}." for note in links.notes)
     head = tuple(line.format(gravity=numbers(links.gravity)) for line in _HEAD)

@@ -43,18 +43,7 @@ class Block:
 
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
-    """How one method predicts each log, what it has not seen first.
-
-    Parameters
-    ----------
-    method : MethodResult
-        All about it.
-
-    Returns
-    -------
-    list of (str, list of str)
-        Heading and the six numbers of each log.
-    """
+    """How one method predicts each log, what it has not seen first."""
     order = {"validation": 0, "half": 1, "fit": 2}
     ordered = sorted(parts(method), key=lambda item: order[item[0]])
     return [
@@ -64,18 +53,7 @@ def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
 
 
 def method_columns(result: Result) -> list[tuple[str, str, str, list[str]]]:
-    """Parameters side by side.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    list of (str, str, str, list of str)
-        Name, unit, description, and each method's estimate with its standard error.
-    """
+    """Parameters side by side."""
     rows = zip(*(method.parameters for method in result.methods), strict=True)
     return [
         (row[0].name, row[0].unit, row[0].description, [printed(parameter).both for parameter in row]) for row in rows
@@ -85,18 +63,8 @@ def method_columns(result: Result) -> list[tuple[str, str, str, list[str]]]:
 def blocks(result: Result) -> list[Block]:
     """Scores side by side, a block for each log.
 
-    The best of a column is marked where methods are compared by what they predict, not by what they were fitted to,
-    and only if they differ in print.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    list of Block
-        The fit first, then the halves, then the validation logs.
+    The best of a column is marked where methods are compared by what they predict, not by what they were fitted to, and
+    only if they differ in print.
     """
     scores: dict[tuple[int, int], tuple[str, list[tuple[MethodResult, Score]]]] = {}
     order = list(_HEADINGS)

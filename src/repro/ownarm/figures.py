@@ -22,27 +22,7 @@ MOST_LOGS = 8
 
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
-    """Draw all figures of the report.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-    curves : Curves
-        Its curves: the log first, then the validation logs in the order of `result`.
-
-    Returns
-    -------
-    dict of str to bytes
-        PNG files by name: ``parameters``; ``cutoff`` if there is such a curve; ``overlay-0`` and ``spectra-0`` of the
-        log, ``overlay-1`` and ``spectra-1`` of the first validation log, and so on, of `MOST_LOGS` logs at most. The
-        same input gives the same bytes.
-
-    Raises
-    ------
-    ValueError
-        If there are not as many curves as logs.
-    """
+    """Draw all figures of the report."""
     titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
     logs = list(zip((result.log, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():

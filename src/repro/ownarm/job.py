@@ -27,20 +27,7 @@ Report = Callable[[str, int, int, str], None]
 
 
 def resolve(options: Options, report: Report) -> list[Method]:
-    """Methods by their names.
-
-    Parameters
-    ----------
-    options : Options
-        Names, and the budget of those that run a network.
-    report : callable
-        Called with what is done, how much, of how much, and a note.
-
-    Returns
-    -------
-    list of Method
-        Torch is loaded only if one of them runs a network.
-    """
+    """Methods by their names."""
     known = dict(METHODS)
     if set(options.methods) & set(NETWORKS):
         from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
@@ -56,26 +43,7 @@ def resolve(options: Options, report: Report) -> list[Method]:
 def solve_all(
     problem: Problem, methods: Sequence[Method], seed: int, report: Report, done: Callable[[Found], None]
 ) -> list[Found]:
-    """Run the methods one after another.
-
-    Parameters
-    ----------
-    problem : Problem
-        Logs.
-    methods : sequence of Method
-        Which.
-    seed : int
-        Of the bootstrap.
-    report : callable
-        Progress.
-    done : callable
-        Called with each method's finding as soon as it is there.
-
-    Returns
-    -------
-    list of Found
-        In the same order; a method that finds no solution is told and left out.
-    """
+    """Run the methods one after another."""
     found = []
     for method in methods:
 
@@ -92,22 +60,7 @@ def solve_all(
 
 
 def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result, Curves]:
-    """Judge the methods and recommend one.
-
-    Parameters
-    ----------
-    problem : Problem
-        Logs.
-    found : sequence of Found
-        What the methods found.
-    arm : Arm
-        For its name.
-
-    Returns
-    -------
-    Result, Curves
-        For the files and the report.
-    """
+    """Judge the methods and recommend one."""
     betas = np.stack([f.estimate.beta for f in found])
     logs = (problem.fitted, *(told for told, _ in problem.others))
     positions = [position_errors(told.log, problem.settings, betas) for told in logs]

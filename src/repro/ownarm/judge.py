@@ -52,26 +52,7 @@ def score(name: str, regression: Regression, beta: Array, position: Position) ->
 
 
 def find(method: Method, problem: Problem, seed: int, halves: bool, report: Callable[[int, int], None]) -> Found:
-    """Estimate, standard errors and halves.
-
-    Parameters
-    ----------
-    method : Method
-        Which.
-    problem : Problem
-        The log.
-    seed : int
-        Of the bootstrap.
-    halves : bool
-        Whether each half of the log is to be predicted from the other.
-    report : callable
-        Called with bootstrap replicates done and in all.
-
-    Returns
-    -------
-    Found
-        All that needs the method to be run.
-    """
+    """Estimate, standard errors and halves."""
     r = problem.regression if method.needs_all_samples else problem.moving
     estimate = method.estimate(r)
     spread = None
@@ -89,22 +70,7 @@ def find(method: Method, problem: Problem, seed: int, halves: bool, report: Call
 
 
 def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> MethodResult:
-    """Everything about a method.
-
-    Parameters
-    ----------
-    found : Found
-        What it found.
-    problem : Problem
-        Logs.
-    positions : tuple
-        Error of the re-simulated position on the log and on each log to predict.
-
-    Returns
-    -------
-    MethodResult
-        With a verdict on each parameter.
-    """
+    """Everything about a method."""
     beta, r = found.estimate.beta, problem.regression
     consistent = bool(is_positive_definite(beta))
     fit = score(problem.fitted.description.name, r, beta, positions[0])

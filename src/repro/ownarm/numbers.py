@@ -57,18 +57,7 @@ def _fixed(value: float | None, decimals: int) -> str:
 
 
 def printed(parameter: Parameter) -> Printed:
-    """Round an estimate to two digits of its standard error, or to four digits without one.
-
-    Parameters
-    ----------
-    parameter : Parameter
-        One parameter of one method.
-
-    Returns
-    -------
-    Printed
-        Its numbers as text.
-    """
+    """Round an estimate to two digits of its standard error, or to four digits without one."""
     estimate, error = parameter.estimate, parameter.standard_error
     values = (estimate, error, parameter.low, parameter.high)
     if not all(value is None or math.isfinite(value) for value in values):
@@ -85,15 +74,7 @@ def printed(parameter: Parameter) -> Printed:
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """Text with this many significant digits, as a power of ten only where it is far from 1.
-
-    Parameters
-    ----------
-    value : float
-        Any number.
-    digits : int
-        At least 1.
-    """
+    """Text with this many significant digits, as a power of ten only where it is far from 1."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value + 0.0:g}"  # no negative zero
     power = _power(float(f"{value:.{digits - 1}e}"))
@@ -103,16 +84,5 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def percent(fraction: float) -> str:
-    """Text of a fraction of 1 in percent.
-
-    Parameters
-    ----------
-    fraction : float
-        Any number.
-
-    Returns
-    -------
-    str
-        Without the sign: one decimal, but three significant digits from 1000 % on.
-    """
+    """Text of a fraction of 1 in percent."""
     return f"{100.0 * fraction:.1f}" if abs(fraction) < 10.0 else significant(100.0 * fraction)

@@ -38,20 +38,7 @@ SOLVERS = {
 
 
 def check_folder(out: Path, overwrite: bool) -> None:
-    """Refuse a folder that holds anything, unless told to replace what we write.
-
-    Parameters
-    ----------
-    out : Path
-        Folder to write.
-    overwrite : bool
-        Whether files of the same names may be replaced; others are never touched.
-
-    Raises
-    ------
-    InputError
-        If `out` is a file, is not empty, or cannot be written: that is tried, before anything is computed.
-    """
+    """Refuse a folder that holds anything, unless told to replace what we write."""
     try:
         there = out.exists()
         if there and not out.is_dir():
@@ -78,27 +65,7 @@ def _unwritable(out: Path, error: OSError) -> InputError:
 
 
 def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
-    """Write every file, then put them in place.
-
-    Parameters
-    ----------
-    out : Path
-        Folder.
-    result, curves : Result, Curves
-        What was found.
-    arm : Arm
-        Gravity and link lengths for the exports.
-
-    Returns
-    -------
-    list of str
-        Names of the files.
-
-    Raises
-    ------
-    InputError
-        If there is no room, or the folder has become unwritable; `out` is as it was then.
-    """
+    """Write every file, then put them in place."""
     made = _beside(out)
     shutil.rmtree(made, ignore_errors=True)
     try:
@@ -118,25 +85,7 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
 
 
 def write_sidecar(out: Path, threads: int) -> str:
-    """Write which versions made a result, and when, beside it.
-
-    Parameters
-    ----------
-    out : Path
-        Folder of the result.
-    threads : int
-        Threads that the CNN was given.
-
-    Returns
-    -------
-    str
-        Name of the file.
-
-    Raises
-    ------
-    InputError
-        If there is no room.
-    """
+    """Write which versions made a result, and when, beside it."""
     name = "provenance.json"
     try:
         write_provenance(out / name, Path(__file__).parent, threads, fingerprint())
@@ -157,18 +106,7 @@ def _fill(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
 
 
 def citations(result: Result) -> list[str]:
-    """BibTeX keys of everything a result rests on.
-
-    Parameters
-    ----------
-    result : Result
-        With its methods.
-
-    Returns
-    -------
-    list of str
-        Each once.
-    """
+    """BibTeX keys of everything a result rests on."""
     keys = [*ALWAYS]
     for method in result.methods:
         keys += [method.citation, *SOLVERS.get(method.method, ())]
@@ -182,15 +120,7 @@ def citations(result: Result) -> list[str]:
 def residuals(result: Result, curves: Curves) -> pd.DataFrame:
     """Measured and rebuilt torque of the recommended method, log by log.
 
-    Parameters
-    ----------
-    result, curves : Result, Curves
-        What was found.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``log, time_s, joint, torque_nm, rebuilt_nm, residual_nm``.
+    Columns ``log, time_s, joint, torque_nm, rebuilt_nm, residual_nm``.
     """
     frames = []
     for signals in curves.signals:

@@ -44,30 +44,7 @@ FILES = {
 def render_page(
     result: Result, curves: Curves, figures: Mapping[str, bytes], files: Sequence[str] = tuple(FILES)
 ) -> str:
-    """Lay out the report, the recommended method before the others.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-    curves : Curves
-        Its curves: the log first, then the validation logs.
-    figures : mapping of str to bytes
-        PNG files, as from `repro.ownarm.figures.figures_of`; one that is missing is left out.
-    files : sequence of str
-        Names of the files that lie beside the page, which it links to.
-
-    Returns
-    -------
-    str
-        A complete HTML document. Style and pictures are inside, there is no script, and its own policy forbids the
-        browser to fetch anything. The same input gives the same text.
-
-    Raises
-    ------
-    ValueError
-        If the recommended method is none of the methods, or a figure is not a PNG file.
-    """
+    """Lay out the report, the recommended method before the others."""
     found = [method for method in result.methods if method.method == result.recommended]
     if len(found) != 1:
         raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
@@ -110,13 +87,7 @@ def _environment() -> Environment:
 
 
 def symbols(text: str) -> Markup:
-    """Escape a text and lower the digit of every parameter's name in it: I1 becomes I with index 1.
-
-    Parameters
-    ----------
-    text : str
-        Any text, such as ``I1 + 0.31 I3``.
-    """
+    """Escape a text and lower the digit of every parameter's name in it: I1 becomes I with index 1."""
     return Markup(re.sub(_SYMBOL, r"<i>\1</i><sub>\2</sub>", str(escape(text))))
 
 

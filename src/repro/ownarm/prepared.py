@@ -75,25 +75,7 @@ class Problem:
 
 
 def read(path: Path, arm: Arm) -> Told:
-    """Read and describe a log.
-
-    Parameters
-    ----------
-    path : Path
-        CSV or capture.
-    arm : Arm
-        Names, units and signs.
-
-    Returns
-    -------
-    Told
-        Evenly sampled, with its description.
-
-    Raises
-    ------
-    InputError
-        If it cannot be used.
-    """
+    """Read and describe a log."""
     raw = read_log(path, arm)
     description = describe(raw, arm)
     log = uniform(raw)
@@ -102,29 +84,7 @@ def read(path: Path, arm: Arm) -> Told:
 
 
 def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options) -> Problem:
-    """Choose cut-off, delay and lambda where they are not given, and filter all logs alike.
-
-    Parameters
-    ----------
-    fitted : Told
-        Log to fit.
-    others : tuple of Told
-        Logs to predict.
-    arm : Arm
-        With its delay and lambda, or None where they are to be found.
-    options : Options
-        Filter and cut-off.
-
-    Returns
-    -------
-    Problem
-        Ready for the methods.
-
-    Raises
-    ------
-    InputError
-        If a log is too short or too slowly sampled for the cut-off.
-    """
+    """Choose cut-off, delay and lambda where they are not given, and filter all logs alike."""
     log = fitted.log
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
     if arm.friction_steepness is not None:

@@ -21,18 +21,7 @@ AS_GOOD_AS = 1.01
 
 
 def prediction_error(method: MethodResult) -> float:
-    """Mean relative RMS torque error over both joints of the logs not used, or else of the halves.
-
-    Parameters
-    ----------
-    method : MethodResult
-        A method.
-
-    Returns
-    -------
-    float
-        Infinity if it was judged on neither.
-    """
+    """Mean relative RMS torque error over both joints of the logs not used, or else of the halves."""
     scores: Sequence[Score] = method.validation or method.halves
     return float(np.mean([s.relative_rms for s in scores])) if scores else np.inf
 
@@ -43,19 +32,7 @@ def fit_error(method: MethodResult) -> float:
 
 
 def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
-    """The physically consistent method that predicts best what it has not seen.
-
-    Parameters
-    ----------
-    methods : sequence of MethodResult
-        All that were run.
-
-    Returns
-    -------
-    name, reason : str
-        Of methods whose errors are within 1 % of the smallest the first asked for. Where none is consistent, the one
-        that predicts best, and the reason says so.
-    """
+    """The physically consistent method that predicts best what it has not seen."""
     consistent = [m for m in methods if m.consistent]
     able = consistent or methods
     errors = [prediction_error(m) for m in able]
@@ -73,20 +50,7 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
 
 
 def against_least_squares(methods: Sequence[MethodResult], networks: Sequence[str]) -> tuple[MethodResult, ...]:
-    """Add to each method that runs a network how it does beside the best of the others.
-
-    Parameters
-    ----------
-    methods : sequence of MethodResult
-        All that were run.
-    networks : sequence of str
-        Names of those that run a network.
-
-    Returns
-    -------
-    tuple of MethodResult
-        The same, with a note more where both kinds were validated.
-    """
+    """Add to each method that runs a network how it does beside the best of the others."""
     others = [m for m in methods if m.method not in networks and m.validation]
     if not others:
         return tuple(methods)
@@ -115,24 +79,7 @@ def _known(method: MethodResult, *places: int) -> bool:
 
 
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
-    """What may spoil the result as a whole, one line each.
-
-    Parameters
-    ----------
-    problem : Problem
-        Logs and settings.
-    methods : sequence of MethodResult
-        All that were run.
-    recommended : str
-        Name of the recommended one.
-    told : Excitation
-        What the motion tells.
-
-    Returns
-    -------
-    tuple of str
-        Empty if nothing stands out.
-    """
+    """What may spoil the result as a whole, one line each."""
     best = next(m for m in methods if m.method == recommended)
     found = []
     if told.rank < 9:

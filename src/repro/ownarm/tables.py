@@ -11,19 +11,7 @@ SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity",
 
 
 def parameters_table(result: Result) -> pd.DataFrame:
-    """Parameters of every method.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    DataFrame
-        ``method, parameter, unit, estimate, standard_error, low, high, verdict``: nine rows for each method, in its
-        order; values in SI units, missing where a method claims no interval.
-    """
+    """Parameters of every method."""
     rows = [
         (
             method.method,
@@ -43,19 +31,7 @@ def parameters_table(result: Result) -> pd.DataFrame:
 
 
 def scores_table(result: Result) -> pd.DataFrame:
-    """How well every method predicts every log.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    DataFrame
-        ``method, log, part, joint, relative_rms, similarity, position_rms``: a row for each joint; ``part`` is fit,
-        half or validation, errors are fractions of 1 and rad, the position missing where it cannot be simulated.
-    """
+    """How well every method predicts every log."""
     rows = [
         (
             method.method,
@@ -75,18 +51,7 @@ def scores_table(result: Result) -> pd.DataFrame:
 
 
 def parts(method: MethodResult) -> Iterator[tuple[str, Score]]:
-    """Every score of a method with the part it belongs to: ``fit``, ``half`` or ``validation``.
-
-    Parameters
-    ----------
-    method : MethodResult
-        All about one method.
-
-    Yields
-    ------
-    tuple of (str, Score)
-        The fit first, then the halves, then the validation logs.
-    """
+    """Every score of a method with the part it belongs to: ``fit``, ``half`` or ``validation``."""
     yield "fit", method.fit
     for score in method.halves:
         yield "half", score

@@ -58,67 +58,20 @@ class FreeChoices:
 
 
 def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:
-    """Six numbers that Appendix A prints.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Where to look them up; the packaged numbers by default.
-
-    Returns
-    -------
-    dict
-        One entry for each of `APPENDIX_NUMBERS`.
-
-    Raises
-    ------
-    InputError
-        If one is missing.
-    """
+    """Six numbers that Appendix A prints."""
     numbers = load_published() if published is None else published
     return {name: numbers[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
 
 
 def reproduced(beta: Array, published: Published | None = None) -> dict[str, bool]:
-    """Which printed numbers a parameter set gives, each to its last printed digit.
-
-    Parameters
-    ----------
-    beta : array of shape (9,)
-        Parameter set, SI units.
-    published : Published, optional
-        Numbers to hold it against; the packaged ones by default.
-
-    Returns
-    -------
-    dict
-        For each of `APPENDIX_NUMBERS`, whether the number is within half a unit of the last digit.
-    """
+    """Which printed numbers a parameter set gives, each to its last printed digit."""
     ours = stability_constants(beta)
     printed = appendix_numbers(published)
     return {name: abs(getattr(ours, name) - p.value) <= p.half_step for name, p in printed.items()}
 
 
 def appendix_arm(choices: FreeChoices | None = None, published: Published | None = None) -> Array:
-    """Parameter set that gives the six printed numbers of Appendix A.
-
-    Parameters
-    ----------
-    choices : FreeChoices, optional
-        Member of the family.
-    published : Published, optional
-        The numbers; the packaged ones by default.
-
-    Returns
-    -------
-    array of shape (9,)
-        SI units.
-
-    Raises
-    ------
-    ValueError
-        If no physical parameter set with these choices gives the numbers.
-    """
+    """Parameter set that gives the six printed numbers of Appendix A."""
     c = choices or FreeChoices()
     s = LyapunovSettings()
     p = {name: number.value for name, number in appendix_numbers(published).items()}
@@ -161,20 +114,6 @@ def example_links(beta: Array, m2: float, lc1: float) -> Links:
     """Links that have given inertial and gravity parameters: Eq. 1's last lines, inverted.
 
     The five parameters fix l1 = I2 g / (2 g2) and leave two of the other six quantities free.
-
-    Parameters
-    ----------
-    beta : array of shape (9,)
-        Parameter set, SI units.
-    m2 : float
-        Mass of link 2, kg.
-    lc1 : float
-        Distance of link 1's centre of mass from joint 1, m.
-
-    Returns
-    -------
-    Links
-        Masses, lengths and inertias; whether all are positive is for the caller to see.
     """
     i1, i2, i3, g1, g2 = beta[:5].tolist()
     l1 = 0.5 * i2 * STANDARD_GRAVITY / g2

@@ -24,23 +24,7 @@ from repro.paper.published import Published, load_published
 
 
 def findings(published: Published | None = None) -> tuple[Finding, ...]:
-    """Every finding, by subject.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Numbers to audit; the packaged ones by default.
-
-    Returns
-    -------
-    tuple of Finding
-        Similarities, arms, signals and training, hardware, appendix, misprints; ids are unique.
-
-    Raises
-    ------
-    InputError
-        If a published number that a check needs is missing.
-    """
+    """Every finding, by subject."""
     p = load_published() if published is None else published
     return (
         *totals.totals_against_factors(p),
@@ -67,22 +51,5 @@ def findings(published: Published | None = None) -> tuple[Finding, ...]:
 
 
 def audit(published: Published | None = None) -> pd.DataFrame:
-    """Table of every finding.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Numbers to audit; the packaged ones by default.
-
-    Returns
-    -------
-    DataFrame
-        One row a finding: ``id, place, what, arithmetic, found, printed, tolerance, unit, verdict, note,
-        numbers``, as in `repro.paper.checks.finding.Finding`.
-
-    Raises
-    ------
-    InputError
-        If a published number that a check needs is missing.
-    """
+    """Table of every finding."""
     return findings_frame(findings(published))

@@ -109,26 +109,7 @@ def _verdict(printed: PublishedValue, ours: Ours, value: float, tolerance: float
 
 
 def judge(printed: PublishedValue, ours: Ours) -> dict[str, object]:
-    """One row of the ledger.
-
-    Parameters
-    ----------
-    printed : PublishedValue
-        Published number.
-    ours : Ours
-        Our number.
-
-    Returns
-    -------
-    dict
-        Values of `COLUMNS`; `published` as printed.
-
-    Notes
-    -----
-    The tolerance is half a unit of the last printed digit, plus twice the spread over seeds where ours has one, up
-    to a limit; or nothing for what is compared as it stands. What the paper says to lie above a number is reproduced
-    by anything that does. What the paper contradicts by its own numbers says so whatever ours is.
-    """
+    """One row of the ledger."""
     row: dict[str, object] = {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
         "kind": printed.kind, "published": printed.printed, "must": ours.must, "target": ours.target,
@@ -150,26 +131,7 @@ def judge(printed: PublishedValue, ours: Ours) -> dict[str, object]:
 
 
 def ledger(numbers: Iterable[PublishedValue], ours: Mapping[str, Ours]) -> pd.DataFrame:
-    """The whole ledger.
-
-    Parameters
-    ----------
-    numbers : iterable of PublishedValue
-        Published numbers; results of other works are left out.
-    ours : mapping
-        Our side by id. An id may have the name of an extension of ours behind an ``@``, which is held against the
-        same published number in a row of its own.
-
-    Returns
-    -------
-    DataFrame
-        Columns `COLUMNS`, one row for each number in their order, its extensions below it.
-
-    Raises
-    ------
-    ValueError
-        If a number has no counterpart, or a counterpart no number.
-    """
+    """The whole ledger."""
     own = [number for number in numbers if number.kind != LEFT_OUT]
     sides: dict[str, list[tuple[str, Ours]]] = {number.id: [] for number in own}
     for name, side in ours.items():

@@ -108,13 +108,7 @@ def _zero_to_one(x: Array) -> Array:
 
 
 def time_candidates() -> tuple[Candidate, ...]:
-    """Error formulas on the signals.
-
-    Returns
-    -------
-    tuple of Candidate
-        In the order of their families: absolute, relative to level, to spread, to both signals, shape, area.
-    """
+    """Error formulas on the signals."""
     rows: tuple[tuple[str, str, Pair], ...] = (
         ("mean square", "mean((x - y)^2), in the signal's unit squared", _mse),
         ("rms", "rms(x - y), in the signal's unit", _rmse),
@@ -228,11 +222,6 @@ def frequency_candidates() -> tuple[Candidate, ...]:
     """Error formulas on the DCT-II spectra: kind | normalisation | distance.
 
     The sum differs from the 1-norm for the signed spectrum only, so it is tried there only.
-
-    Returns
-    -------
-    tuple of Candidate
-        Products first, then for each kind the errors that need no normalisation (``kind | - | error``).
     """
     products = [
         Candidate(

@@ -49,25 +49,8 @@ def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, P
 def composition(published: Published | None = None) -> pd.DataFrame:
     """Check the published Totals of Tables 7 and 10 against the factors printed with them.
 
-    If the printed factors carry the power 0.4 already, Total = Time x Freq.; if it is put on the product
-    afterwards, Total = (Time x Freq.)^0.4. A Total agrees if it lies within what the rounding of all three
-    printed numbers allows.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Numbers to check; the packaged ones by default.
-
-    Returns
-    -------
-    DataFrame
-        One row a Total, in percent: ``id, place, case, method, joint, time, frequency, total, product``
-        (Time x Freq.), ``difference`` (total - product), ``tolerance``, ``agrees`` and ``agrees_power_last``.
-
-    Raises
-    ------
-    InputError
-        If a Total has no factors.
+    If the printed factors carry the power 0.4 already, Total = Time x Freq.; if it is put on the product afterwards,
+    Total = (Time x Freq.)^0.4. A Total agrees if it lies within what the rounding of all three printed numbers allows.
     """
     numbers = load_published() if published is None else published
     rows = []
@@ -102,25 +85,6 @@ def abstract_check(
     """Score the pairs of Tables 4 and 5 on Eq. 10 with ``metr2ev``, against the abstract's 97.38 %.
 
     Table 6, which held these eight totals, is lost; the abstract says that they exceed the figure.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Numbers to use; the packaged ones by default.
-    settings : MetricSettings
-        Formula choices.
-    h : float
-        Sampling period of Eq. 10, s.
-
-    Returns
-    -------
-    AbstractCheck
-        Cells, mean and minimum.
-
-    Raises
-    ------
-    InputError
-        If a published number is missing.
     """
     numbers = load_published() if published is None else published
     motion = identification_trajectory(h=h)
@@ -143,29 +107,11 @@ def abstract_check(
 def pair_bounds(published: Published | None = None) -> pd.DataFrame:
     """What the printed Freq. values leave possible for the Time values beside them.
 
-    Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II keeps inner products, so the signals have the
-    cosine c = 1 - d^2/2, and however y is scaled, |x - y|^2 >= |x|^2 (1 - c^2). So a time error of
-    |x-y|^2 / |x|^2 is never below 1 - c^2, whatever the torque was. A time error of mean((x-y)^2) is free of
-    that, but bounds the torque: rms(x) <= sqrt(error / (1 - c^2)). With unsigned spectra |X| in the place of X
-    the true c is smaller still, so both bounds stand.
-
-    Parameters
-    ----------
-    published : Published, optional
-        Numbers to check; the packaged ones by default.
-
-    Returns
-    -------
-    DataFrame
-        One row for each cell of Tables 7 and 10: ``id, place, case, method, joint, time, frequency``
-        (percent), ``time_error`` (1 - Time^2.5), ``least_energy_error`` (1 - c^2), both at the end of their
-        rounding interval that brings them together, ``energy_possible``, and ``largest_rms``: the greatest rms
-        of the actual torque, N m, if the time error is its mean square.
-
-    Raises
-    ------
-    InputError
-        If a Total has no factors.
+    Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II keeps inner products, so the signals have the cosine c =
+    1 - d^2/2, and however y is scaled, |x - y|^2 >= |x|^2 (1 - c^2). So a time error of |x-y|^2 / |x|^2 is never below
+    1 - c^2, whatever the torque was. A time error of mean((x-y)^2) is free of that, but bounds the torque: rms(x) <=
+    sqrt(error / (1 - c^2)). With unsigned spectra |X| in the place of X the true c is smaller still, so both bounds
+    stand.
     """
     numbers = load_published() if published is None else published
     rows = []

@@ -46,35 +46,14 @@ CHOSEN: dict[Factor, str] = {
 
 
 def candidates() -> tuple[Candidate, ...]:
-    """Every candidate of both factors, time first.
-
-    Returns
-    -------
-    tuple of Candidate
-        Names are unique within a factor.
-    """
+    """Every candidate of both factors, time first."""
     return (*time_candidates(), *frequency_candidates())
 
 
 def score_candidates(
     motion: Motion, true: Array, estimate: Array, exponent: float = PUBLISHED_METRIC.exponent
 ) -> Array:
-    """Similarity (1 - error)^exponent, floored at 0, by every candidate for pairs of parameter sets.
-
-    Parameters
-    ----------
-    motion : Motion
-        N samples.
-    true, estimate : arrays of shape (P, 9)
-        Parameter sets whose torques are the actual and the rebuilt signal.
-    exponent : float
-        Power of Algorithm 2's last line.
-
-    Returns
-    -------
-    array of shape (candidates, P, 2)
-        Fractions of 1 in the order of `candidates`; the last axis is the joint.
-    """
+    """Similarity (1 - error)^exponent, floored at 0, by every candidate for pairs of parameter sets."""
     y = regressor(motion.q, motion.dq, motion.ddq)
     actual, rebuilt = rebuild_torque(y, true), rebuild_torque(y, estimate)
     pair = {"time": (actual, rebuilt), "frequency": (spectrum(actual), spectrum(rebuilt))}
@@ -92,21 +71,6 @@ def log_errors(
     """log(1 - s) - log(1 - s_published) on the cells of Table 7, for every candidate.
 
     1 - s is held above `SMALLEST_SHORTFALL`; a similarity floored at 0 gives log(1 - s) = 0.
-
-    Parameters
-    ----------
-    seed, repeats, bandwidths, exponent, published
-        As in `search`.
-
-    Returns
-    -------
-    array of shape (bandwidths, candidates, 4, 2)
-        Mean over the repeats; the last axes are the arm N1 ... N4 and the joint.
-
-    Raises
-    ------
-    ValueError
-        If there is no repeat or no bandwidth, or one is not positive.
     """
     if repeats < 1:
         raise ValueError(f"repeats: at least one trajectory is needed, got {repeats}.")
@@ -132,38 +96,7 @@ def search(
     exponent: float = PUBLISHED_METRIC.exponent,
     published: Published | None = None,
 ) -> pd.DataFrame:
-    """Score every candidate formula against the Time and Freq. rows of Table 7.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the random trajectories; each repeat filters the same random numbers at every bandwidth.
-    repeats : int
-        Random trajectories for each bandwidth.
-    bandwidths : sequence of float
-        omega at which the filter is 1/e, rad/s.
-    exponent : float
-        Power put on each factor. Put on the product it gives the same totals; that the printed factors carry
-        it already is what `composition` shows.
-    published : Published, optional
-        Numbers to compare with; the packaged ones by default.
-
-    Returns
-    -------
-    DataFrame
-        One row a candidate, time before frequency, by rank: ``factor, candidate, formula,
-        rms_log_error_best`` (at the bandwidth that suits it best), ``rms_log_error_mean`` (mean over
-        bandwidths), ``best_bandwidth`` (rad/s), ``rank`` (of the best, 1 is best, within the factor),
-        ``chosen``, and ``abstract_mean_total``: the mean total of the pairs on Eq. 10 when the other
-        factor is the chosen one, to hold against the abstract's 0.9738.
-
-    Raises
-    ------
-    ValueError
-        If there is no repeat or no bandwidth, or one is not positive.
-    InputError
-        If a published number is missing.
-    """
+    """Score every candidate formula against the Time and Freq. rows of Table 7."""
     numbers = load_published() if published is None else published
     rms = np.sqrt(np.mean(log_errors(seed, repeats, bandwidths, exponent, numbers) ** 2, axis=(-2, -1)))
     entries = candidates()

@@ -52,90 +52,30 @@ class Published:
         return iter(self.values)
 
     def __getitem__(self, id_: str) -> PublishedValue:
-        """Number with a given id.
-
-        Raises
-        ------
-        InputError
-            If there is none.
-        """
+        """Number with a given id."""
         for v in self.values:
             if v.id == id_:
                 return v
         raise InputError.at(f"{self.source}: id", f"no row {id_!r}", "one row with this id")
 
     def select(self, **wanted: str | int) -> tuple[PublishedValue, ...]:
-        """Select the numbers that match every field given, in file order.
-
-        Parameters
-        ----------
-        **wanted
-            Field names of `PublishedValue` and their values, for example ``place="Table 7", joint=1``.
-
-        Returns
-        -------
-        tuple of PublishedValue
-            Possibly empty.
-
-        Raises
-        ------
-        ValueError
-            If a field does not exist.
-        """
+        """Select the numbers that match every field given, in file order."""
         unknown = set(wanted) - {f.name for f in fields(PublishedValue)}
         if unknown:
             raise ValueError(f"select: no field {', '.join(sorted(unknown))} in a published value.")
         return tuple(v for v in self.values if all(getattr(v, name) == w for name, w in wanted.items()))
 
     def parameter_sets(self, method: str) -> Array:
-        """Parameter sets of the numeric tests (Tables 4 and 5).
-
-        Parameters
-        ----------
-        method : {"true", "algorithm1"}
-            The true sets or the published estimates.
-
-        Returns
-        -------
-        array of shape (4, 9)
-            One row for each of N1 ... N4, SI units.
-
-        Raises
-        ------
-        InputError
-            If a number is missing.
-        """
+        """Parameter sets of the numeric tests (Tables 4 and 5)."""
         return np.array([[self[_parameter_id(case, method, name)].value for name in NAMES] for case in NUMERIC_CASES])
 
     def similarities(self, quantity: str) -> Array:
-        """Similarities of the numeric tests on the random trajectory (Table 7).
-
-        Parameters
-        ----------
-        quantity : {"time", "frequency", "total"}
-            Which rows.
-
-        Returns
-        -------
-        array of shape (4, 2)
-            Fractions of 1: a row for each of N1 ... N4, a column for each joint.
-
-        Raises
-        ------
-        InputError
-            If a number is missing.
-        """
+        """Similarities of the numeric tests on the random trajectory (Table 7)."""
         rows = [[self[f"table07/{case}/{quantity}/joint{j}"].value for j in (1, 2)] for case in NUMERIC_CASES]
         return np.array(rows) / 100.0
 
     def frame(self) -> pd.DataFrame:
-        """Table with the columns of the file (values as floats) and ``half_step``.
-
-        Returns
-        -------
-        DataFrame
-            One row a number; `joint` is empty (``<NA>``) where it does not apply.
-        """
+        """Table with the columns of the file (values as floats) and ``half_step``."""
         plain = [c for c in COLUMNS if c not in ("joint", "value")]
         columns: dict[str, object] = {c: [getattr(v, c) for v in self.values] for c in plain}
         columns["joint"] = pd.array([v.joint for v in self.values], dtype="Int64")
@@ -150,23 +90,7 @@ def _parameter_id(case: str, method: str, name: str) -> str:
 
 
 def load_published(path: Path = PUBLISHED_FILE) -> Published:
-    """Read and check the published numbers.
-
-    Parameters
-    ----------
-    path : Path
-        CSV file with the columns `COLUMNS`.
-
-    Returns
-    -------
-    Published
-        The numbers.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, or its header, a field or an id is not what it must be.
-    """
+    """Read and check the published numbers."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except OSError as error:

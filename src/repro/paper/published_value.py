@@ -101,18 +101,7 @@ class PublishedValue:
 
 
 def place_head(place: str) -> str:
-    """First part of the ids of a place: ``table07`` for ``Table 7``, ``section4a`` for ``Section IV-A``.
-
-    Parameters
-    ----------
-    place : str
-        A place of the paper.
-
-    Returns
-    -------
-    str
-        Empty if there is no such place.
-    """
+    """First part of the ids of a place: ``table07`` for ``Table 7``, ``section4a`` for ``Section IV-A``."""
     if match := _NUMBERED.fullmatch(place):
         return f"{match[1].rstrip('.').lower()}{int(match[2]):02d}"
     if match := _SECTION.fullmatch(place):
@@ -121,25 +110,7 @@ def place_head(place: str) -> str:
 
 
 def parse_row(row: list[str], place: str) -> PublishedValue:
-    """Check one row of the file.
-
-    Parameters
-    ----------
-    row : list of str
-        Its fields, in the order of `COLUMNS`.
-    place : str
-        File and line, for messages.
-
-    Returns
-    -------
-    PublishedValue
-        The number.
-
-    Raises
-    ------
-    InputError
-        If a field is missing or is not what it must be.
-    """
+    """Check one row of the file."""
     if len(row) != len(COLUMNS):
         raise InputError.at(place, f"{len(row)} fields", f"{len(COLUMNS)} fields")
     entry = dict(zip(COLUMNS, row, strict=True))

@@ -26,26 +26,7 @@ _LEAST_SQUARES = re.compile(r"\bW?LS\b")
 
 
 def load_related_work(path: Path = RELATED_WORK_FILE) -> pd.DataFrame:
-    """Read and check the related work.
-
-    Parameters
-    ----------
-    path : Path
-        CSV file with the columns `COLUMNS`.
-
-    Returns
-    -------
-    DataFrame
-        Columns `COLUMNS`, all text, a row for each of `REFERENCES` in their order: robot; degrees of freedom;
-        method of identification; what is identified; whether it needs an optimised trajectory (yes, no, not
-        stated); whether Section I-A sets the work apart from the article's contributions (yes, no).
-
-    Raises
-    ------
-    InputError
-        If the file is missing, a field is empty or not what it must be, a reference is missing or not in order,
-        or a method by least squares is not said to need an optimised trajectory.
-    """
+    """Read and check the related work."""
     table = read_csv(path, COLUMNS)[list(COLUMNS)]
     for line, row in enumerate(table.itertuples(index=False), start=2):
         for name, value in zip(COLUMNS, row, strict=True):

@@ -37,21 +37,7 @@ from repro.streams import Stream, stream
 
 
 def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, config: Config) -> None:
-    """Train the network of a reading and keep its held-out loss beside it.
-
-    Parameters
-    ----------
-    name : str
-        Key of `READINGS`.
-    weights_file : str
-        ``NAME.safetensors``; ``NAME.json`` with the loss is written beside it.
-    tracked : str
-        File of `repro.pipeline.tracked.simulate_tracked`.
-    checkpoint : str
-        Where training continues from after an interruption.
-    config : mapping
-        Default configuration.
-    """
+    """Train the network of a reading and keep its held-out loss beside it."""
     reading, weights = READINGS[name], Path(weights_file)
     c = read_as(config, reading)
     progress = Progress(f"training, {reading.question}: {reading.name}")
@@ -85,22 +71,7 @@ def _identify_literally(network: FactoredCNN, c: Config, tau_mean: Array, seed: 
 
 
 def run_reading(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
-    """Headline numbers under a reading.
-
-    Parameters
-    ----------
-    name : str
-        Key of `READINGS`.
-    weights : str
-        Network of this reading, or of the default one.
-    captures : sequence of str
-        The five recordings with their sidecars, ID first.
-    out : str
-        JSON with mean and lowest literal similarity on the numeric arms (identification and validation
-        trajectory, median of the seeds) and mean similarities of the arm.
-    config : mapping
-        Default configuration.
-    """
+    """Headline numbers under a reading."""
     reading = READINGS[name]
     # Every reading is refined, whatever its network is used for elsewhere.
     c = {**read_as(config, reading), "refinement": config["refinement"]}

@@ -17,22 +17,7 @@ from repro.signals.programs import Program
 
 
 def acquire(motion: str, out: Path, config: Config) -> None:
-    """Put the capture of a motion at `out`.
-
-    Parameters
-    ----------
-    motion : {"ID", "T1", "T2", "T3", "T4"}
-        Which.
-    out : Path
-        ``NAME.bin``; what was sent and the sidecar are written beside it.
-    config : mapping
-        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
-
-    Raises
-    ------
-    InputError
-        If a stored capture is damaged or of another motion, or a board does not answer.
-    """
+    """Put the capture of a motion at `out`."""
     source = config["experiment"]["source"]
     if source == "stored":
         _copy(Path(config["experiment"]["captures"]) / f"{motion}.bin", out, config, motion)

@@ -20,17 +20,7 @@ RUN = "REPRO_RUN"
 
 
 def begin_run(state: Path, environment: MutableMapping[str, str], unlock: bool = False) -> None:
-    """Sign this run in until the process ends, and remove the locks if everything before it is dead.
-
-    Parameters
-    ----------
-    state : Path
-        Snakemake's state folder, ``.snakemake``.
-    environment : mutable mapping
-        Environment that the jobs inherit.
-    unlock : bool
-        The user says that nothing else works in this folder (``snakemake --unlock``).
-    """
+    """Sign this run in until the process ends, and remove the locks if everything before it is dead."""
     runs = state / "runs"
     own = runs / _name(os.getpid())
     own.mkdir(parents=True, exist_ok=True)
@@ -45,18 +35,7 @@ def begin_run(state: Path, environment: MutableMapping[str, str], unlock: bool =
 
 
 def join_run(environment: Mapping[str, str]) -> None:
-    """Sign this job in with its run, if it has one, until the process ends.
-
-    Parameters
-    ----------
-    environment : mapping
-        Environment inherited from the run.
-
-    Raises
-    ------
-    SystemExit
-        With code 1 if the run is over: its results may be another run's by now.
-    """
+    """Sign this job in with its run, if it has one, until the process ends."""
     if RUN not in environment:
         return
     run = Path(environment[RUN])

@@ -28,13 +28,7 @@ def make_claims(output: str, named_inputs: Named, config: Config) -> None:
 
 
 def verify_claims(output: str, config: Config) -> None:
-    """Stage verify: check the ledger against its sources, and its promises if the configuration enforces them.
-
-    Raises
-    ------
-    InputError
-        If a source or a cell is not as it was, or a promise that is enforced does not hold.
-    """
+    """Stage verify: check the ledger against its sources, and its promises if the configuration enforces them."""
     results = Path(output).parent
     claims, problems = verify_ledger(results, config)
     for problem in problems:

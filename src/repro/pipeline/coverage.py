@@ -29,30 +29,7 @@ OWN = 3
 def read_arms(
     identifier: Identifier, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
 ) -> tuple[Array, Array]:
-    """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque.
-
-    Parameters
-    ----------
-    identifier : Identifier
-        Network and settings.
-    arms : Tracked
-        K arms and their recordings.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data.
-    guesses : int
-        Guesses for each arm.
-    config : mapping
-        Sections ``signals``, ``board`` and ``coverage``.
-    which : int
-        Which set of arms: each has guesses of its own.
-
-    Returns
-    -------
-    estimates : array of shape (K, guesses, 9)
-        Read by the network.
-    truth : array of shape (K, 9)
-        What they estimate.
-    """
+    """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque."""
     signals, search = signal_settings(config), identifier.search
     torque = control_constants(config).torque_per_count[:, np.newaxis]
     estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
@@ -72,31 +49,7 @@ def read_arms(
 def coverage(
     identifier: Identifier, tracked: Path, recording: Recording, tau_mean: Array, config: Config
 ) -> dict[str, pd.DataFrame]:
-    """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others.
-
-    Parameters
-    ----------
-    identifier : Identifier
-        Network of tracked motions.
-    tracked : Path
-        File of `repro.pipeline.tracked.simulate_tracked`: the motions that others are like or unlike.
-    recording : Recording
-        Identification run of the arm of section ``arm``, which gets its intervals.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data.
-    config : mapping
-        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment``, ``algorithm1`` and ``coverage``.
-
-    Returns
-    -------
-    dict
-        ``coverage``: columns ``arms, parameter, level, raw, calibrated, factor, width, warned``: shares of arms whose
-        true parameter lies in the central range of the guesses and in the calibrated interval, the median half width
-        of the latter over the largest torque, and the share of arms whose motion is unlike the training motions.
-        ``ranks``: columns ``arms, parameter, bin, number, known, raw, calibrated``, shares of arms by the tenth that
-        holds the level at which an interval reaches the truth. ``intervals``: columns ``parameter, true, centre, low,
-        high, level, warned`` of the recorded arm at the highest level, SI.
-    """
+    """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others."""
     c = config["coverage"]
     levels, guesses = tuple(c["levels"]), c["guesses"]
 

@@ -20,15 +20,7 @@ def parameter_description() -> pd.DataFrame:
 def architecture(settings: NetworkSettings) -> pd.DataFrame:
     """Figure 7: every layer with its size and number of parameters.
 
-    Parameters
-    ----------
-    settings : NetworkSettings
-        Sizes.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``layer, kind, height, width, channels, kernel, parameters``.
+    Columns ``layer, kind, height, width, channels, kernel, parameters``.
     """
     k, maps, (p1, p2, p3) = settings.kernels, settings.maps, settings.pooled
 
@@ -52,17 +44,7 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
 def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
     """Table 3: features of the network and its training, rebuilt from Section IV-B.
 
-    Parameters
-    ----------
-    network : NetworkSettings
-        Sizes.
-    training : TrainingSettings
-        Recipe.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``feature, value``.
+    Columns ``feature, value``.
     """
     layers = architecture(network)
     side = network.image_size
@@ -97,26 +79,7 @@ def model_card(
     seconds_at: list[float],
     motions: str,
 ) -> str:
-    """What a user of the weights wants to know, as Markdown.
-
-    Parameters
-    ----------
-    weights : Path
-        Weight file, for its name and hash.
-    history : DataFrame
-        Columns of `repro.cnn.schedule.HISTORY_COLUMNS`.
-    network, data, training : settings
-        What it was trained with.
-    seconds_at : list of float
-        Wall time at each row of the history.
-    motions : str
-        What motions it was trained on, in words.
-
-    Returns
-    -------
-    str
-        The card. It holds wall times, so it differs from run to run, unlike the weights.
-    """
+    """What a user of the weights wants to know, as Markdown."""
     layers = architecture(network)
     last = history.iloc[-1]
     below = history.index[history["test_loss"] <= 1e-3]

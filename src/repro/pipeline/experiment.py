@@ -25,25 +25,7 @@ SCHEMA = Path("workflow/schemas/config.schema.yaml")
 
 
 def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
-    """Read and check a configuration outside the workflow.
-
-    Parameters
-    ----------
-    path : Path
-        ``config/config.yaml`` of the project, or a whole configuration of the same shape beside it.
-    *overlays : Path
-        Files that change it, in that order, as Snakemake merges them: sections are merged, lists replaced.
-
-    Returns
-    -------
-    dict
-        Checked configuration.
-
-    Raises
-    ------
-    InputError
-        If a file is missing, is not YAML, or holds a value that is not allowed.
-    """
+    """Read and check a configuration outside the workflow."""
     config = _read_yaml(path)
     for overlay in overlays:
         config = merged(config, _read_yaml(overlay))
@@ -109,29 +91,7 @@ def check_program(config: Config, program: Program) -> None:
 
 
 def program_from_config(config: Config, name: str, seed: int | None = None, duration: float | None = None) -> Program:
-    """One of the five motions, within what the arm can do.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
-    name : {"ID", "T1", "T2", "T3", "T4"}
-        Which.
-    seed : int, optional
-        Of the random trajectory T1; ``experiment.seed`` by default.
-    duration : float, optional
-        Of the identification trajectory, s; ``signals.duration_s`` by default.
-
-    Returns
-    -------
-    Program
-        Desired positions.
-
-    Raises
-    ------
-    InputError
-        If there is no such motion, it does not fit the board's memory, or it asks too much of the arm.
-    """
+    """One of the five motions, within what the arm can do."""
     known: dict[str, ProgramName] = {p: p for p in PROGRAMS}
     if name not in known:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")

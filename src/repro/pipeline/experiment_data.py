@@ -146,17 +146,7 @@ def control_table(tracked: pd.DataFrame, control: ControlConstants, c_f: float) 
 def stability_table(estimates: Mapping[str, Array], methods: Sequence[str]) -> pd.DataFrame:
     """Conditions of Appendix A with the parameters of each method.
 
-    Parameters
-    ----------
-    estimates : mapping
-        Method and its parameters, shape (9,).
-    methods : sequence of str
-        Which methods, in order.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``method, quantity, symbol, value, bound, holds``.
+    Columns ``method, quantity, symbol, value, bound, holds``.
     """
     rows: list[tuple[str, str, str, float, float, bool]] = []
     for method in methods:

@@ -60,24 +60,7 @@ def filtered(recording: Recording, signals: SignalSettings) -> Filtered:
 def prepare_recording(
     recording: Recording, tau_mean: Array, signals: SignalSettings, image_motion: ImageMotion = "measured"
 ) -> Prepared:
-    """Lines 1 to 12 of Algorithm 1 for a recording of any duration.
-
-    Parameters
-    ----------
-    recording : Recording
-        Identification trajectory.
-    tau_mean : array of shape (2, M)
-        Mean torque of the training data at the M samples of the training's trajectory.
-    signals : SignalSettings
-        Sampling and filter.
-    image_motion : {"measured", "desired"}
-        Motion that f of the image is taken on.
-
-    Returns
-    -------
-    Prepared
-        Signals in canonical time, in which the trajectory has M samples.
-    """
+    """Lines 1 to 12 of Algorithm 1 for a recording of any duration."""
     n1, n2 = recording.program.n1, recording.program.n2
     n, m = n2 - n1, tau_mean.shape[1]
     phase = (np.arange(n) + 0.5) * m / n - 0.5
@@ -89,28 +72,7 @@ def prepare_recording(
 def identify_recording(
     identifier: "Identifier", recording: Recording, tau_mean: Array, signals: SignalSettings, seed: int, true: Array
 ) -> dict[str, Any]:
-    """Algorithm 1 and its refinement on one recording.
-
-    Parameters
-    ----------
-    identifier : Identifier
-        Network and settings.
-    recording : Recording
-        Identification trajectory.
-    tau_mean : array of shape (2, M)
-        Mean torque of the training data.
-    signals : SignalSettings
-        Sampling and filter.
-    seed : int
-        Seeds the guesses.
-    true : array of shape (9,)
-        Parameters of the simulated arm, carried along for the tables; no method sees them.
-
-    Returns
-    -------
-    dict
-        One arm in the form of `repro.pipeline.numeric_identification.identify_arms`.
-    """
+    """Algorithm 1 and its refinement on one recording."""
     prepared = prepare_recording(recording, tau_mean, signals, identifier.search.image_motion)
     methods, met = identifier.methods(
         prepared, stream(seed, Stream.EXPERIMENT_SEARCH), stream(seed, Stream.EXPERIMENT_REFINE)
@@ -156,19 +118,7 @@ def score_runs(
 ) -> pd.DataFrame:
     """Similarity of measured and rebuilt torque for every run and motion.
 
-    Parameters
-    ----------
-    runs : sequence of dict
-        From `identify_recording` and `least_squares_of`.
-    recordings : sequence of Recording
-        Motions to score on.
-    signals, metric
-        Settings.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``case, method, seed, joint, time, frequency, total``; case is the motion.
+    Columns ``case, method, seed, joint, time, frequency, total``.
     """
     rows = []
     for recording in recordings:

@@ -25,15 +25,7 @@ Curve = tuple[str, str, Array, Array]
 def curves(parts: Iterable[Curve]) -> pd.DataFrame:
     """Tidy table of curves.
 
-    Parameters
-    ----------
-    parts : iterable of (panel, series, x, y)
-        Curves.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``panel, series, x, y``.
+    Columns ``panel, series, x, y``.
     """
     frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": y}) for p, s, x, y in parts]
     return pd.concat(frames, ignore_index=True)
@@ -67,19 +59,7 @@ def example_images(signals: SignalSettings, data: DataSettings, seed: int, count
 
     Each pair shares its torque. Values are clipped to the displayable range.
 
-    Parameters
-    ----------
-    signals, data : settings
-        As used for training.
-    seed : int
-        Training seed.
-    count : int
-        Images of each kind, named a, b, c ...
-
-    Returns
-    -------
-    DataFrame
-        Columns ``kind, image, row, column, red, green, blue``.
+    Columns ``kind, image, row, column, red, green, blue``.
     """
     rng = stream(seed, Stream.EXAMPLES)
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
@@ -101,22 +81,7 @@ def example_images(signals: SignalSettings, data: DataSettings, seed: int, count
 
 
 def torque_distribution(signals: SignalSettings, data: DataSettings, seed: int, arms: int = 10_000) -> pd.DataFrame:
-    """Figure 9: distribution of the training torques, each divided by its largest magnitude.
-
-    Parameters
-    ----------
-    signals, data : settings
-        As used for training.
-    seed : int
-        Training seed.
-    arms : int
-        Number of parameter sets.
-
-    Returns
-    -------
-    DataFrame
-        Percentiles and mean at the subsampled instants.
-    """
+    """Figure 9: distribution of the training torques, each divided by its largest magnitude."""
     reference = identification_trajectory(signals.duration, signals.h)
     motion = sample_motion(reference, signals)
     tau = rebuild_torque(motion.torque, sample_beta(stream(seed, Stream.TRAINING_ARMS), arms, data.prior))
@@ -144,15 +109,7 @@ def held_out_losses(histories: Mapping[str, pd.DataFrame], batches: Mapping[str,
 def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
     """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle.
 
-    Parameters
-    ----------
-    weights : mapping
-        Trained weights, from `repro.cnn.weights.read_weights`.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``layer, input, output, row, column, power``; each kernel's largest power is 1.
+    Columns ``layer, input, output, row, column, power``.
     """
     frames = []
     for name in ("conv1", "conv2", "conv3"):
@@ -175,30 +132,7 @@ def torques(
     method: str = "algorithm1",
     in_frequency: bool = False,
 ) -> pd.DataFrame:
-    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed.
-
-    Parameters
-    ----------
-    identifications : sequence of dict
-        Results of `repro.pipeline.numeric_identification.identify_arms`.
-    scores : DataFrame
-        Scores of the same runs.
-    signals, numeric : settings
-        As used for identification.
-    trajectory_name : {"ID", "validation"}
-        Motion.
-    cases : sequence of str
-        Arms.
-    method : str
-        Method whose estimate rebuilds the torque.
-    in_frequency : bool
-        Give the DCT-II spectra instead of the torques.
-
-    Returns
-    -------
-    DataFrame
-        Panels ``case/jointJ``, series ``actual`` and ``rebuilt``.
-    """
+    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
     chosen = median_seeds(scores)
     runs = {run["seed"]: run["arms"] for run in identifications}
     parts: list[Curve] = []

@@ -34,13 +34,7 @@ def _check_arms(path: Path, arms: object) -> None:
 
 
 def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
-    """Results of `repro.pipeline.numeric_identification.identify_arms`, checked for what later stages need.
-
-    Raises
-    ------
-    InputError
-        If a file is missing, is not JSON, or lacks a field.
-    """
+    """Results of `repro.pipeline.numeric_identification.identify_arms`, checked for what later stages need."""
     runs = []
     for path in paths:
         run = read_json(path)
@@ -52,20 +46,7 @@ def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
 
 
 def read_scores(paths: Sequence[Path], columns: tuple[str, ...] = SCORE_COLUMNS) -> pd.DataFrame:
-    """Scores of one or more network variants in one table.
-
-    Parameters
-    ----------
-    paths : sequence of Path
-        Tables with the same columns.
-    columns : tuple of str
-        Columns that must be there.
-
-    Raises
-    ------
-    InputError
-        If a file is missing, lacks a column, or holds a value that is not a fraction of 1.
-    """
+    """Scores of one or more network variants in one table."""
     frames = [read_csv(path, columns) for path in paths]
     for path, frame in zip(paths, frames, strict=True):
         for column in ("time", "frequency", "total"):

@@ -18,21 +18,7 @@ def _worth_telling(record: logging.LogRecord) -> bool:
 
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
-    """Run a rule's work.
-
-    Parameters
-    ----------
-    log : str
-        The rule's log file; receives progress and, on failure, the traceback.
-    threads : int
-        Threads for torch, fixed so that results do not depend on what else runs.
-
-    Raises
-    ------
-    SystemExit
-        With code 2 after an `InputError`, whose one line goes to the terminal; with code 1 after any other
-        failure, whose traceback is in the log, and if the job has outlived its run.
-    """
+    """Run a rule's work."""
     join_run(os.environ)
     path = Path(log)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -43,23 +43,7 @@ class Identifier:
         search_rng: np.random.Generator,
         refine_rng: np.random.Generator,
     ) -> tuple[dict[str, dict[str, Any]], int]:
-        """Run all three, or Algorithm 1 alone where the refinement has no passes.
-
-        Parameters
-        ----------
-        prepared : Prepared
-            Signals of the arm.
-        search_rng : numpy.random.Generator
-            Guesses of Algorithm 1.
-        refine_rng : numpy.random.Generator
-            Fresh guesses and moves of the refinement and of its control.
-
-        Returns
-        -------
-        dict, int
-            For each method its estimate, similarity and cost in images, ready for JSON; and how many
-            executions of Algorithm 1 met the threshold.
-        """
+        """Run all three, or Algorithm 1 alone where the refinement has no passes."""
         reader = ResidualReader(self.network, self.image, prepared)
         found = search(reader, prepared, self.search, search_rng)
         suffix = "" if self.variant == "published" else f"+{self.variant}"

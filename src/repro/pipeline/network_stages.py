@@ -72,13 +72,7 @@ def train_network(name: str, named_inputs: Named, named_outputs: Named, checkpoi
 
 
 def read_mean_torque(path: Path, samples: int) -> Array:
-    """Mean training torque, an array of shape (2, N) with N = `samples`.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, lacks a column, has another length, or holds a value that is not finite.
-    """
+    """Mean training torque, an array of shape (2, N) with N = `samples`."""
     columns = ("joint1", "joint2")
     table = read_csv(path, columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
     if len(table) != samples:
@@ -112,22 +106,7 @@ def identify_numeric(
 
 
 def identifier_of(variant: str, network: FactoredCNN, config: Config) -> Identifier:
-    """A trained network with the experiment's settings.
-
-    Parameters
-    ----------
-    variant : str
-        Network variant.
-    network : FactoredCNN
-        Trained network.
-    config : mapping
-        Sections ``data``, ``image``, ``metric``, ``algorithm1``, ``refinement`` and ``experiment``.
-
-    Returns
-    -------
-    Identifier
-        With the threshold of the experiment.
-    """
+    """A trained network with the experiment's settings."""
     return Identifier(
         variant,
         network,

@@ -20,22 +20,7 @@ MEAN_ARMS = 10_000
 
 
 def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int) -> Array:
-    """Mean torque of the training data along the identification trajectory (centre of Fig. 9).
-
-    Parameters
-    ----------
-    signals : SignalSettings
-        Sampling.
-    data : DataSettings
-        Distribution of the training arms.
-    seed : int
-        Training seed.
-
-    Returns
-    -------
-    array of shape (2, N)
-        Torque, N m. Eq. 1 is linear in beta, so it is the torque of the mean arm.
-    """
+    """Mean torque of the training data along the identification trajectory (centre of Fig. 9)."""
     motion = identification_trajectory(signals.duration, signals.h)
     beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior).mean(0)
     return inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
@@ -62,17 +47,7 @@ def score_estimates(
 ) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding, for every seed.
 
-    Parameters
-    ----------
-    identifications : sequence of dict
-        Results of `repro.pipeline.numeric_identification.identify_arms`.
-    signals, numeric, metric
-        Settings.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``case, method, seed, trajectory, joint, time, frequency, total``; fractions of 1.
+    Columns ``case, method, seed, trajectory, joint, time, frequency, total``.
     """
     rows = []
     for run in identifications:

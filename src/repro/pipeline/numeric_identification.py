@@ -44,23 +44,7 @@ class Experiment:
 
 
 def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> dict[str, Any]:
-    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's control without the network.
-
-    Parameters
-    ----------
-    network : FactoredCNN
-        Trained network.
-    experiment : Experiment
-        Settings.
-    seed : int
-        Seeds the guesses.
-
-    Returns
-    -------
-    dict
-        For each arm its true parameters and for each method the estimate, its similarity and its cost in
-        images, ready for JSON.
-    """
+    """Identify every test arm by Algorithm 1, by its refinement, and by the control without the network."""
     e = experiment
     margin, signals = e.numeric.margin, e.signals
     recorded = identification_trajectory(signals.duration, signals.h, margin)

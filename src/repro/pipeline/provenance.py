@@ -39,19 +39,7 @@ def host_fingerprint() -> dict[str, str]:
 
 
 def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
-    """Write the sidecar after a run that succeeded.
-
-    Parameters
-    ----------
-    path : Path
-        Destination.
-    folder : Path
-        Checkout the run used.
-    cores : int or None
-        Cores the run was given, if any.
-    fingerprint : mapping
-        How this host computes; see `repro.fingerprint`.
-    """
+    """Write the sidecar after a run that succeeded."""
     write_json(
         path,
         {

@@ -108,20 +108,7 @@ READINGS: dict[str, Reading] = {
 
 
 def read_as(config: Config, reading: Reading) -> dict[str, Any]:
-    """Configuration under a reading, with the budgets of the ablation.
-
-    Parameters
-    ----------
-    config : mapping
-        Default configuration.
-    reading : Reading
-        What to change.
-
-    Returns
-    -------
-    dict
-        A copy.
-    """
+    """Configuration under a reading, with the budgets of the ablation."""
     changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))
     paper = changed["training"]["recipe"] == "paper"
     changed["training"]["steps"] = reading.longer * changed["ablation"]["paper_steps" if paper else "steps"]
@@ -135,17 +122,8 @@ ARM = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true
 def ablation_table(results: Mapping[str, Mapping[str, Any]], losses: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
     """Table of all readings.
 
-    Parameters
-    ----------
-    results, losses : mapping
-        By name of the reading: what `run_reading` and `train_reading` wrote.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_id,
-        arm_validation, arm_refined, arm_least_squares, arm_true``; fractions of 1. Losses of different labels do not
-        compare.
+    Columns ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_id, arm_validation,
+    arm_refined, arm_least_squares, arm_true``.
     """
     rows = []
     for name, reading in READINGS.items():
@@ -163,14 +141,6 @@ HEADLINES = ("id_mean", "validation_mean", *ARM)
 def ablation_figure(table: pd.DataFrame) -> pd.DataFrame:
     """Headline numbers in tidy form.
 
-    Parameters
-    ----------
-    table : DataFrame
-        From `ablation_table`.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``question, reading, quantity, value``; fractions of 1.
+    Columns ``question, reading, quantity, value``.
     """
     return table.melt(["question", "reading"], list(HEADLINES), "quantity", "value")

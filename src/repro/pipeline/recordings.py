@@ -52,25 +52,7 @@ def check_recorded(capture: Capture, program: Program) -> None:
 
 
 def read_recording(path: Path, config: Config) -> Recording:
-    """Measured signals of a capture.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.bin`` of one of the five motions.
-    config : mapping
-        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
-
-    Returns
-    -------
-    Recording
-        Short gaps are filled; see `repro.fpga.recorded.samples`.
-
-    Raises
-    ------
-    InputError
-        If the capture is damaged, incomplete, of another motion, or the arm did not move.
-    """
+    """Measured signals of a capture."""
     capture = read_capture(path)
     program = program_from_config(config, path.stem)
     check_recorded(capture, program)

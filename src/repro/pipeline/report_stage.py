@@ -19,19 +19,7 @@ NETWORKS = {"trained": "trained in this run", "stored": "networks that come with
 
 
 def make_report(captures: str, caption: str, overlays: Sequence[str], config: Config) -> None:
-    """Write ``report/index.html`` in the results folder.
-
-    Parameters
-    ----------
-    captures : str
-        Checksums of the stored captures.
-    caption : str
-        One of the captions, which all lie in ``workflow/report`` of the project.
-    overlays : sequence of str
-        Configuration files beside the default one.
-    config : mapping
-        The whole configuration.
-    """
+    """Write ``report/index.html`` in the results folder."""
     captions = Path(caption).parent
     digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
     # No times: the same commit, configuration and results give the same page.

@@ -23,13 +23,7 @@ def related_work() -> pd.DataFrame:
 
 
 def arm() -> pd.DataFrame:
-    """Figure 1: symbols of the two-link arm.
-
-    Returns
-    -------
-    DataFrame
-        Columns `ARM_COLUMNS`; mark says what of the drawing the symbol names.
-    """
+    """Figure 1: symbols of the two-link arm."""
     model, table2 = "Section II, Eq. 1", "Section II, Eq. 1 (Table 2)"
     rows = [
         ("x", "axis", "axes of the plane", "m", model, "inferred"),
@@ -66,13 +60,7 @@ def _diagram(boxes: list[tuple[str, str, str, str]], links: list[tuple[str, str,
 
 
 def hardware() -> pd.DataFrame:
-    """Figure 2: hardware blocks of the FPGA and the buses between them.
-
-    Returns
-    -------
-    DataFrame
-        Columns `DIAGRAM_COLUMNS`.
-    """
+    """Figure 2: hardware blocks of the FPGA and the buses between them."""
     rate = f"{1 / SAMPLING_PERIOD:g} Hz"
 
     def at(*sentences: int) -> tuple[str, str]:
@@ -135,13 +123,7 @@ def hardware() -> pd.DataFrame:
 
 
 def control() -> pd.DataFrame:
-    """Figure 3: one cycle of the PD control with its saturation.
-
-    Returns
-    -------
-    DataFrame
-        Columns `DIAGRAM_COLUMNS`.
-    """
+    """Figure 3: one cycle of the PD control with its saturation."""
     caption = "caption of Fig. 3"
     three = "Section III, sentence"
     checks = f"{three} 18; {caption}"
@@ -185,13 +167,7 @@ def control() -> pd.DataFrame:
 
 
 def method() -> pd.DataFrame:
-    """Figure 4: the identification method with its nine steps.
-
-    Returns
-    -------
-    DataFrame
-        Columns `DIAGRAM_COLUMNS`.
-    """
+    """Figure 4: the identification method with its nine steps."""
 
     def at(*sentences: int, also: str = "") -> tuple[str, str]:
         return _section("IV", *sentences) + also, "stated"

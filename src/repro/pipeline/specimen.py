@@ -13,20 +13,7 @@ from repro.streams import Stream, stream
 
 
 def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
-    """What Eq. 1 leaves out of one arm.
-
-    Parameters
-    ----------
-    config : mapping
-        Section ``arm``.
-    seed : int
-        Each seed is another specimen: phases of the ripple, and levels within ``variation`` of the nominal.
-
-    Returns
-    -------
-    Unmodelled, array of shape (2,)
-        Levels, and phase of the ripple of each joint (rad).
-    """
+    """What Eq. 1 leaves out of one arm."""
     a = config["arm"]
     rng = stream(seed, Stream.PLANT)
     phase = rng.uniform(0.0, 2.0 * np.pi, 2)
@@ -42,20 +29,7 @@ def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
 
 
 def board_from_config(config: Config, seed: int | None = None) -> Board:
-    """Simulated board with its arm.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``arm``, ``board``, ``signals`` and ``experiment``.
-    seed : int, optional
-        Specimen of the arm; ``experiment.seed`` by default.
-
-    Returns
-    -------
-    Board
-        At rest.
-    """
+    """Simulated board with its arm."""
     seed = config["experiment"]["seed"] if seed is None else seed
     beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
     levels, phase = disturbance(config, seed)

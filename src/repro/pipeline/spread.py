@@ -58,24 +58,7 @@ class Specimen:
 
 
 def spread_arms(config: Config) -> Array:
-    """Arms of the spread: that of section ``arm``, and others that can do the same motions.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment`` and ``spread``.
-
-    Returns
-    -------
-    array of shape (arms, 9)
-        The further ones are drawn as the arms of tracked motions are, from a stream of their own, and kept if no
-        motion of any specimen asks more torque or speed of them than it may and they track the identification motion.
-
-    Raises
-    ------
-    InputError
-        If too few arms are kept.
-    """
+    """Arms of the spread: that of section ``arm``, and others that can do the same motions."""
     seeds = config["spread"]["seeds"]
     motions = [program_from_config(config, "ID", duration=d) for d in config["spread"]["durations_s"]]
     motions += [program_from_config(config, name, seed) for name in VALIDATION for seed in seeds]
@@ -108,17 +91,7 @@ def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
 
 
 def simulate_spread(config: Config, out: Path) -> None:
-    """Simulate every seed and motion as batches and keep the counts.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``data``, ``arm``, ``board``, ``experiment`` and ``spread``.
-    out : Path
-        safetensors file, arrays of shape (seeds, 2, N) named ``{motion}/position`` and ``{motion}/pwm`` (int16), and
-        ``{motion}/desired`` as sent (float32); the identification motions are named ``ID0``, ``ID1`` ... after the
-        durations; ``parameters`` of each specimen, which take the arms in turn, (seeds, 9).
-    """
+    """Simulate every seed and motion as batches and keep the counts."""
     seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
     kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {}
     desired = {
@@ -138,27 +111,7 @@ def simulate_spread(config: Config, out: Path) -> None:
 
 
 def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
-    """Recordings of every seed for one identification duration.
-
-    Parameters
-    ----------
-    path : Path
-        File of `simulate_spread`.
-    config : mapping
-        The configuration it was made with.
-    index : int
-        Which of the durations.
-
-    Returns
-    -------
-    list of Specimen
-        In the order of the seeds.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, damaged or of another configuration.
-    """
+    """Recordings of every seed for one identification duration."""
     seeds, duration = config["spread"]["seeds"], config["spread"]["durations_s"][index]
     try:
         kept = load_file(path)

@@ -10,22 +10,7 @@ from repro.errors import InputError
 
 
 def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[str | Path]) -> None:
-    """Check the configuration; on a fault print its one line and leave with exit code 2.
-
-    Parameters
-    ----------
-    config : mapping
-        Merged configuration.
-    schema : Path
-        Its schema.
-    files : iterable of Path
-        Files it was merged from, in that order.
-
-    Raises
-    ------
-    SystemExit
-        With code 2 if something is wrong.
-    """
+    """Check the configuration; on a fault print its one line and leave with exit code 2."""
     try:
         check_config(config, schema, [Path(file) for file in files])
     except InputError as error:
@@ -42,12 +27,6 @@ ALLOCATOR = {
 
 
 def set_allocator(environment: MutableMapping[str, str]) -> None:
-    """Set the allocator of the jobs to come, unless the user has.
-
-    Parameters
-    ----------
-    environment : mutable mapping
-        Environment that the jobs inherit.
-    """
+    """Set the allocator of the jobs to come, unless the user has."""
     for name, value in ALLOCATOR.items():
         environment.setdefault(name, value)

@@ -54,13 +54,7 @@ def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
 
 
 def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
-    """Copy a stored network, its history and its model card to `out`.
-
-    Raises
-    ------
-    InputError
-        If there is none, it is damaged, or it was trained with another configuration.
-    """
+    """Copy a stored network, its history and its model card to `out`."""
     suffix = "" if network == "published" else f"-{network}"
     stored = stored_files(config["training"]["networks"], suffix)
     weights = stored["weights"]

@@ -11,19 +11,7 @@ from repro.model.parameters import NAMES, UNITS
 
 
 def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
-    """Seed that stands for a case and method: the one whose ID similarity is the median.
-
-    Parameters
-    ----------
-    scores : DataFrame
-        Result of `repro.pipeline.numeric.score_estimates`.
-
-    Returns
-    -------
-    dict
-        ``(case, method) -> seed``. With an even number of seeds, the better of the two in the middle.
-        Parameters and figures show this seed, so that nine parameters and four curves belong together.
-    """
+    """Seed that stands for a case and method: the one whose ID similarity is the median."""
     on_id = scores[scores["trajectory"] == "ID"]
     mean = on_id.groupby(["case", "method", "seed"], sort=True)["total"].mean()
     chosen = {}
@@ -45,19 +33,7 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
 def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
     """Table 6 (``ID``) or Table 7 (``validation``).
 
-    Parameters
-    ----------
-    scores : DataFrame
-        Result of `repro.pipeline.numeric.score_estimates`.
-    trajectory : str
-        Motion the torques are rebuilt on.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``. Each cell shows the seed
-        whose total is the cell's median, so that its total is its time times its frequency, and the standard
-        deviation of the total over the seeds. With an even number of seeds, the better of the two in the middle.
+    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
     """
     return median_cells(scores[scores["trajectory"] == trajectory])
 
@@ -65,15 +41,9 @@ def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
 def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
     """Median seed of each case, method and joint; see `similarity_table`.
 
-    Parameters
-    ----------
-    scores : DataFrame
-        Columns ``case, method, seed, joint, time, frequency, total``.
+    From columns ``case, method, seed, joint, time, frequency, total``.
 
-    Returns
-    -------
-    DataFrame
-        Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
+    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
     """
     rows = []
     for key, group in scores.groupby(["case", "method", "joint"], sort=True):
@@ -90,20 +60,8 @@ def parameter_table(
 ) -> pd.DataFrame:
     """Table 4 or 5: true and identified parameters.
 
-    Parameters
-    ----------
-    identifications : sequence of dict
-        Results of `repro.pipeline.numeric_identification.identify_arms`.
-    scores : DataFrame
-        Scores of the same runs.
-    cases : sequence of str
-        Arms in the table.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``case, method, parameter, unit, true, estimate, estimate_sd``: the median seed's estimate
-        and the standard deviation over the seeds.
+    Columns ``case, method, parameter, unit, true, estimate, estimate_sd``: the median seed's estimate and the standard
+    deviation over the seeds.
     """
     chosen = median_seeds(scores)
     rows = []

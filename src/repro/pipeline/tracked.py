@@ -52,23 +52,7 @@ class Tracked:
 
 
 def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
-    """Physical arms that the motors can carry and the loop can hold.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n : int
-        How many.
-    config : mapping
-        Sections ``data`` and ``board``.
-
-    Returns
-    -------
-    array of shape (n, 9)
-        Of the links prior: gravity and Coulomb friction together within ``load_share`` of the full torque, inertias
-        I1 and I3 above ``least_inertia_kg_m2``, below which the sampled loop is not stable.
-    """
+    """Physical arms that the motors can carry and the loop can hold."""
     t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
     arms = np.empty((0, 9))
     while len(arms) < n:
@@ -92,29 +76,7 @@ def tracking_error(position: NDArray[np.int16], program: Program) -> Array:
 
 
 def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects: bool = True) -> Tracked:
-    """Simulate arms as one batch and keep those that track.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``data``, ``board`` and ``experiment``.
-    count : int
-        How many to keep.
-    rng : numpy.random.Generator
-        Source of arms and effects.
-    effects : bool
-        Whether they have what Eq. 1 leaves out.
-
-    Returns
-    -------
-    Tracked
-        Of `count` arms.
-
-    Raises
-    ------
-    InputError
-        If too few arms track.
-    """
+    """Simulate arms as one batch and keep those that track."""
     t, program = config["data"]["tracked"], _program(config)
     drawn = count + count // 4 + 1
     beta = draw_arms(rng, drawn, config)
@@ -131,21 +93,7 @@ def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects:
 
 
 def simulate_tracked(config: Config, out: str) -> None:
-    """Simulate the arms whose motions a network is trained on, and keep them.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``data``, ``board`` and ``experiment``.
-    out : str
-        safetensors file: ``position`` and ``pwm`` (int16 counts, shape (K, 2, N)), ``desired`` as sent (float32,
-        (2, N)), and ``parameters`` of each arm (K, 9).
-
-    Raises
-    ------
-    InputError
-        If too few arms track.
-    """
+    """Simulate the arms whose motions a network is trained on, and keep them."""
     t = config["data"]["tracked"]
     arms = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
     # safetensors writes memory as it lies
@@ -159,13 +107,7 @@ def simulate_tracked(config: Config, out: str) -> None:
 
 
 def read_tracked(path: Path, config: Config) -> Tracked:
-    """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, damaged or of other motions.
-    """
+    """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them."""
     program, arms = _program(config), config["data"]["tracked"]["arms"]
     try:
         kept = load_file(path)
@@ -195,26 +137,7 @@ def describe_motions(config: Config) -> str:
 
 
 def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
-    """Motions that a network is trained on.
-
-    Parameters
-    ----------
-    config : mapping
-        Sections ``signals``, ``data``, ``algorithm1`` and, for tracked motions, ``experiment``.
-    tracked : Path, optional
-        File of `simulate_tracked`, for ``data.motions: tracked``.
-
-    Returns
-    -------
-    SampledMotion
-        Eq. 10's own, or those tracked, through lines 1 to 4 of Algorithm 1 as a recording is. With
-        ``algorithm1.image_motion: desired``, f of the image is on the motion as it was sent.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, damaged or of other motions.
-    """
+    """Motions that a network is trained on."""
     signals, beyond = signal_settings(config), any(config["data"]["unmodelled"].values())
     if config["data"]["motions"] == "ideal":
         return sample_motion(identification_trajectory(signals.duration, signals.h), signals, beyond=beyond)

@@ -15,21 +15,7 @@ RESAMPLES = 9999
 def verdict(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
     """Is a method better than an opponent: in how many runs, and by how much?
 
-    Parameters
-    ----------
-    scores : DataFrame
-        Columns ``case, joint, method, duration, arm, seed, total``; as many specimens of each arm.
-    methods : sequence of str
-        Methods to compare with each of `opponents`.
-    opponents : sequence of str
-        What they are compared with.
-
-    Returns
-    -------
-    DataFrame
-        For each method, opponent, motion, joint and duration: arms, runs, wins, their share, and the median of the
-        paired difference of total similarity with its 95 % bootstrap percentile interval, for which arms are drawn
-        first and then specimens of each.
+    From columns ``case, joint, method, duration, arm, seed, total``.
     """
     index = ["motion", "joint", "duration", "arm", "seed"]
     totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
@@ -48,15 +34,7 @@ def verdict(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[st
 
 
 def _median(values: Array, index: int) -> tuple[float, float, float]:
-    """Median with its 95 % bootstrap percentile interval; equal values are their own interval.
-
-    Parameters
-    ----------
-    values : array of shape (arms, specimens)
-        Differences.
-    index : int
-        Which motion, joint and duration: each has resamples of its own, the same for every pair of methods.
-    """
+    """Median with its 95 % bootstrap percentile interval; equal values are their own interval."""
     rng, (arms, specimens) = stream(0, Stream.BOOTSTRAP, index), values.shape
     arm = rng.integers(arms, size=(RESAMPLES, arms, 1))
     drawn = values[arm, rng.integers(specimens, size=(RESAMPLES, arms, specimens))]

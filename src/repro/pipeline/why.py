@@ -86,23 +86,7 @@ def simulate_states(config: Config) -> States:
 
 
 def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[str, Prepared]:
-    """Signals of each step after line 12 of Algorithm 1.
-
-    Parameters
-    ----------
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data.
-    config : mapping
-        Sections ``signals``, ``arm``, ``board`` and ``experiment``.
-    image_motion : {"measured", "desired"}
-        Motion that f of the image is taken on.
-
-    Returns
-    -------
-    dict
-        By name of `STEPS`. ``quantised`` rounds positions and torque and leaves velocity and acceleration alone; so
-        does ``loop``, whose motion is the arm's; ``recording`` takes them from the encoder.
-    """
+    """Signals of each step after line 12 of Algorithm 1."""
     signals, beta, control = signal_settings(config), true_parameters(config), control_constants(config)
     states = simulate_states(config)
     program, recording = states.recording.program, states.recording
@@ -140,26 +124,7 @@ def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[
 
 
 def explain(identifier: Identifier, tau_mean: Array, seeds: Sequence[int], config: Config) -> pd.DataFrame:
-    """Similarity and the estimate's error of one network at each step.
-
-    Parameters
-    ----------
-    identifier : Identifier
-        Network and settings.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data.
-    seeds : sequence of int
-        Of the search.
-    config : mapping
-        Sections ``signals``, ``arm``, ``board``, ``experiment``, ``metric`` and ``why``.
-
-    Returns
-    -------
-    DataFrame
-        ``network, step, seed, total1, total2, error_uniform, error_near``: similarities as fractions of 1, root mean
-        square errors of single estimates of beta over the largest torque, from guesses as Algorithm 1 draws them and
-        from guesses near the truth.
-    """
+    """Similarity and the estimate's error of one network at each step."""
     metric, why, true = metric_settings(config), config["why"], true_parameters(config)
     prepared = dissect(tau_mean, config, identifier.search.image_motion)
     progress = Progress(f"why, network {identifier.variant}")

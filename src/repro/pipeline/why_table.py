@@ -4,19 +4,7 @@ import pandas as pd
 
 
 def why_table(explained: pd.DataFrame) -> pd.DataFrame:
-    """Medians over the seeds, and what each step costs.
-
-    Parameters
-    ----------
-    explained : DataFrame
-        From `explain`, of one or more networks.
-
-    Returns
-    -------
-    DataFrame
-        ``network, step, seeds, total1, total2, spread1, spread2, lost, error_uniform, error_near``: median and
-        standard deviation of the similarities, and by how much the mean of both joints falls from the step before.
-    """
+    """Medians over the seeds, and what each step costs."""
     groups = explained.groupby(["network", "step"], sort=False)
     table = groups[["total1", "total2", "error_uniform", "error_near"]].median()
     table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=1).fillna(0.0).to_numpy()

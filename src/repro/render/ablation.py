@@ -47,27 +47,7 @@ _REST = 1.0
 
 
 def figure(frame: pd.DataFrame) -> Figure:
-    """Headline numbers under each reading of the paper, beside those of the default reading.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``question, reading, quantity, value``; quantities id_mean, validation_mean, arm_id, arm_validation,
-        arm_refined, arm_least_squares and arm_true, values as fractions of 1; every reading holds every quantity once,
-        and the question of one reading is `DEFAULT`.
-
-    Returns
-    -------
-    Figure
-        A row for each reading under its question, a panel for the numeric arms and two for the simulated arm, page
-        wide; vertical lines at the values of the default reading. Values far below these stand as numbers in a
-        strip at the left of the panel.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Headline numbers under each reading of the paper, beside those of the default reading."""
     checked = check_table(frame, ("question", "reading", "quantity"), ("value",))
     every = [name for names in _PANELS.values() for name in names]
     check_names(checked["quantity"], every, "quantity")
@@ -107,17 +87,7 @@ def figure(frame: pd.DataFrame) -> Figure:
 
 
 def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[str, str]]) -> None:
-    """Draw the values of each row, those of the first as lines; what lies far below them is written out.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    values : DataFrame
-        Percent; rows by height, the default first, a column for each quantity.
-    quantities : dict
-        Label and look of each.
-    """
+    """Draw the values of each row, those of the first as lines; what lies far below them is written out."""
     shown = values >= values.iloc[0].min() - _REACH
     low, high = float(values[shown].min().min()), float(values[shown].max().max())
     margin = 0.06 * max(high - low, 1.0)

@@ -11,13 +11,7 @@ DEFAULT = "default"
 
 
 def grouped(checked: pd.DataFrame, *columns: str) -> list[tuple[str, pd.DataFrame]]:
-    """Rows of each question in the order of the file, the default reading first.
-
-    Raises
-    ------
-    InputError
-        If there is not one default reading, or a row occurs twice.
-    """
+    """Rows of each question in the order of the file, the default reading first."""
     twice = checked.duplicated(["question", "reading", *columns]).to_numpy()
     if twice.any():
         row = int(twice.argmax())
@@ -30,25 +24,7 @@ def grouped(checked: pd.DataFrame, *columns: str) -> list[tuple[str, pd.DataFram
 
 
 def table(frame: pd.DataFrame) -> Table:
-    """Headline numbers under each reading of the paper.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_id, arm_validation,
-        arm_refined, arm_least_squares, arm_true``; similarities as fractions of 1; the question of
-        one row is `DEFAULT`.
-
-    Returns
-    -------
-    Table
-        A block for each question, the default reading first; similarities in percent, losses in 1e-4.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Headline numbers under each reading of the paper."""
     of_arm = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
     shares = ("id_mean", "id_lowest", "validation_mean", *of_arm)
     checked = check_table(frame, ("question", "reading"), ("steps", "held_out_loss", *shares))

@@ -72,24 +72,7 @@ def _verdict(verdict: str, found: float, printed: float, si: str) -> Text:
 
 
 def audit(frame: pd.DataFrame) -> LongTable:
-    """Findings of the audit of the paper.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``place, what, arithmetic, found, printed, unit, verdict, note``, as in `repro.paper.checks.finding.Finding`;
-        found, printed, unit and note may be blank, further columns are not read.
-
-    Returns
-    -------
-    LongTable
-        A block for each verdict, the consistent findings last and without their values and notes.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Findings of the audit of the paper."""
     words, optional, numbers = ("place", "what", "arithmetic", "verdict"), ("unit", "note"), ("found", "printed")
     blank = {name: frame[name].astype(object).fillna("") for name in optional if name in frame.columns}
     # A blank number passes the check as 0 and is taken back after it.

@@ -11,23 +11,7 @@ _SHOWN = 12
 
 
 def metric_search(frame: pd.DataFrame) -> Figure:
-    """Best candidate formulas of each factor of the similarity metric.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``factor, candidate, rms_log_error, chosen``, one row for each candidate.
-
-    Returns
-    -------
-    Figure
-        A panel for each factor, the best candidate on top, the chosen one marked; page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Best candidate formulas of each factor of the similarity metric."""
     table = check_table(frame, text=("factor", "candidate"), numbers=("rms_log_error",))
     table["chosen"] = flags(frame, "chosen")
     factors = list(dict.fromkeys(table["factor"]))

@@ -13,27 +13,7 @@ Curve = tuple[Array, Array]
 
 
 def check_table(frame: pd.DataFrame, text: Sequence[str] = (), numbers: Sequence[str] = ()) -> pd.DataFrame:
-    """Check columns and values of a table.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Table as read from its CSV.
-    text : sequence of str
-        Columns that must hold text, none of it blank.
-    numbers : sequence of str
-        Columns that must hold finite numbers.
-
-    Returns
-    -------
-    DataFrame
-        The named columns alone, text as `str` and numbers as float64, rows renumbered from 0.
-
-    Raises
-    ------
-    InputError
-        If a column is missing, there is no row, or a value is blank, not a number or not finite.
-    """
+    """Check columns and values of a table."""
     wanted = (*text, *numbers)
     missing = [name for name in wanted if name not in frame.columns]
     if missing:
@@ -62,13 +42,7 @@ def _first_line(wrong: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> int:
 
 
 def check_names(found: pd.Series, allowed: Sequence[str], field: str) -> None:
-    """Check that a column holds exactly the names it may hold.
-
-    Raises
-    ------
-    InputError
-        If a name is not one of `allowed` or one of them does not occur.
-    """
+    """Check that a column holds exactly the names it may hold."""
     present = [str(name) for name in found.unique()]
     for name in present:
         if name not in allowed:
@@ -79,13 +53,7 @@ def check_names(found: pd.Series, allowed: Sequence[str], field: str) -> None:
 
 
 def check_range(frame: pd.DataFrame, columns: Sequence[str], low: float, high: float, meaning: str) -> None:
-    """Check that columns stay within a range.
-
-    Raises
-    ------
-    InputError
-        If a value lies below `low` or above `high`; the message ends with `meaning`.
-    """
+    """Check that columns stay within a range."""
     for name in columns:
         values = frame[name].to_numpy(dtype=np.float64)
         wrong = (values < low) | (values > high)
@@ -94,13 +62,7 @@ def check_range(frame: pd.DataFrame, columns: Sequence[str], low: float, high: f
 
 
 def flags(frame: pd.DataFrame, name: str) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Read a column of true and false, also written as 1 and 0.
-
-    Raises
-    ------
-    InputError
-        If another value occurs or the column is missing.
-    """
+    """Read a column of true and false, also written as 1 and 0."""
     words = check_table(frame, text=(name,))[name].str.lower()
     meaning = {"true": True, "false": False, "1": True, "0": False}
     known = words.isin(list(meaning)).to_numpy()
@@ -113,28 +75,7 @@ def flags(frame: pd.DataFrame, name: str) -> "np.ndarray[tuple[int], np.dtype[np
 def read_curves(
     frame: pd.DataFrame, panels: Mapping[str, Sequence[str]], rising: bool = True
 ) -> dict[str, dict[str, Curve]]:
-    """Split a long table ``panel, series, x, y`` into curves.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        One row for each point.
-    panels : mapping of str to sequence of str
-        Panels that must be there, each with its series.
-    rising : bool
-        Whether x must rise along a curve; a path in the plane may turn back.
-
-    Returns
-    -------
-    dict of dict of Curve
-        By panel, then series, in the order of `panels`.
-
-    Raises
-    ------
-    InputError
-        If the table is not valid, a panel or series is unknown or missing, a curve has fewer than two
-        points, or its x does not rise where it must.
-    """
+    """Split a long table ``panel, series, x, y`` into curves."""
     table = check_table(frame, text=("panel", "series"), numbers=("x", "y"))
     check_names(table["panel"], list(panels), "panel")
     curves: dict[str, dict[str, Curve]] = {}
@@ -156,29 +97,7 @@ def read_curves(
 
 
 def dense(table: pd.DataFrame, axes: Sequence[str], values: Sequence[str], place: str) -> Array:
-    """Fold a long table with integer indices into an array.
-
-    Parameters
-    ----------
-    table : DataFrame
-        Checked table, one row for each element.
-    axes : sequence of str
-        Index columns, slowest first; each counts from 0 without a gap.
-    values : sequence of str
-        Columns to stack on the last axis.
-    place : str
-        What the table is part of, for the message.
-
-    Returns
-    -------
-    array of shape (n_1, ..., n_k, len(values))
-        Elements by index.
-
-    Raises
-    ------
-    InputError
-        If an index is not a whole number from 0, or an element is missing or given twice.
-    """
+    """Fold a long table with integer indices into an array."""
     index = table[list(axes)].to_numpy(dtype=np.float64)
     if (index < 0).any() or (index != np.floor(index)).any():
         raise InputError.at(f"{place}: {', '.join(axes)}", "an index that is not", "whole numbers from 0")

@@ -16,24 +16,7 @@ _SET_APART = Text(r"$^{\dagger}$", "\N{DAGGER}")
 
 
 def related_work(frame: pd.DataFrame) -> Table:
-    """Related work of Section I-A and the article (Table 1).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``reference, robot, dof, method, identified, optimisation, set_apart``, all text; the last two are yes, no
-        or not stated.
-
-    Returns
-    -------
-    Table
-        A row for each work.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Related work of Section I-A and the article (Table 1)."""
     words = ("reference", "robot", "dof", "method", "identified")
     answers = ("optimisation", "set_apart")
     table = check_table(frame, text=(*words, *answers))
@@ -61,24 +44,7 @@ def related_work(frame: pd.DataFrame) -> Table:
 
 
 def parameters(frame: pd.DataFrame) -> Table:
-    """Dynamic parameters (Table 2).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``parameter, description, expression, unit``; parameter, expression and unit in ASCII as in
-        `repro.model.parameters`.
-
-    Returns
-    -------
-    Table
-        A row for each parameter.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Dynamic parameters (Table 2)."""
     table = check_table(frame, text=("parameter", "description", "expression", "unit"))
     rows = [
         (formula(name), plain(description), formula(expression), unit(si))
@@ -89,23 +55,7 @@ def parameters(frame: pd.DataFrame) -> Table:
 
 
 def characteristics(frame: pd.DataFrame) -> Table:
-    """Characteristics of the network (Table 3).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``feature, value``, both text; sizes such as ``9 x 9 x 2 x 10``.
-
-    Returns
-    -------
-    Table
-        A row for each feature.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Characteristics of the network (Table 3)."""
     table = check_table(frame, text=("feature", "value"))
     rows = [(plain(feature), plain(value)) for feature, value in table.itertuples(index=False)]
     caption = plain("Characteristics of the convolutional neural network.")
@@ -113,24 +63,7 @@ def characteristics(frame: pd.DataFrame) -> Table:
 
 
 def metric_search(frame: pd.DataFrame) -> Table:
-    """Best candidate formulas of each factor of the similarity metric.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``factor, candidate, formula, rms_log_error_best, rms_log_error_mean, best_bandwidth, rank, chosen``;
-        bandwidth in rad/s, rank from 1 within its factor.
-
-    Returns
-    -------
-    Table
-        A block for each factor, by rank.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Best candidate formulas of each factor of the similarity metric."""
     errors = ("rms_log_error_best", "rms_log_error_mean")
     table = check_table(
         frame, ("factor", "candidate", "formula"), (*errors, "best_bandwidth", "rank", "abstract_mean_total")

@@ -138,27 +138,7 @@ def _draw_link(axes: Axes, route: Route, label: str, inferred: bool, size: float
 
 
 def draw_diagram(frame: pd.DataFrame, layout: Layout) -> Figure:
-    """Draw a diagram.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Columns `COLUMNS`, all text. ``element`` is box or link; a box has one row or more, each with a piece of its
-        words; a link has one row and the boxes where it starts and ends. Formulas stand between backticks, in
-        ASCII. ``source`` says where the paper has it, ``basis`` how far it does (`BASES`).
-    layout : Layout
-        Places of the same boxes and links.
-
-    Returns
-    -------
-    Figure
-        As large as the layout says.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described, does not hold the layout's boxes and links, or has too many words.
-    """
+    """Draw a diagram."""
     lines, links = _read(frame, layout)
     figure = style.new_figure(layout.width, layout.height)
     figure.set_layout_engine("none")  # everything is placed in inches

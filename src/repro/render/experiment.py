@@ -24,13 +24,7 @@ _VALIDATION = {f"{case} torque{j}": f"{case}, joint {j}" for case in CASES for j
 
 
 def _compared(frame: pd.DataFrame, panels: Iterable[str]) -> tuple[str, ...]:
-    """Series of the torque panels: the measured one, then the methods that the table holds.
-
-    Raises
-    ------
-    InputError
-        If there is no method, or a series that is neither measured nor a method.
-    """
+    """Series of the torque panels: the measured one, then the methods that the table holds."""
     table = check_table(frame, text=("panel", "series"))
     found = dict.fromkeys(table["series"][table["panel"].isin(list(panels))])
     for name in found:
@@ -51,25 +45,7 @@ def _torques(frame: pd.DataFrame, titles: Mapping[str, str], draw: Callable[...,
 
 
 def identification(frame: pd.DataFrame) -> Figure:
-    """Torques on the identification trajectory, rebuilt by each method, and the motion (Fig. 19).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels torque1, torque2 (N m; series measured and one or more of
-        `style.METHODS`, the same in both), position (rad; series desired1, desired2, joint1, joint2), velocity
-        (rad/s) and acceleration (rad/s^2) (series joint1, joint2); x in s.
-
-    Returns
-    -------
-    Figure
-        Torques above, motion below, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Torques on the identification trajectory, rebuilt by each method, and the motion (Fig. 19)."""
     torque_series = dict.fromkeys(_IDENTIFICATION, _compared(frame, _IDENTIFICATION))
     curves = read_curves(frame, {**torque_series, **_TRACKED})
     figure = style.new_figure(style.PAGE, 4.4)
@@ -84,45 +60,12 @@ def identification(frame: pd.DataFrame) -> Figure:
 
 
 def identification_spectra(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques of the identification trajectory (Fig. 20).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels torque1, torque2; series measured and one or more of `style.METHODS`, the
-        same in both; x in Hz, y in N m.
-
-    Returns
-    -------
-    Figure
-        A column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """DCT-II of the torques of the identification trajectory (Fig. 20)."""
     return _torques(frame, _IDENTIFICATION, spectrum_panels)
 
 
 def paths(frame: pd.DataFrame) -> Figure:
-    """Desired and actual paths of the tip on the validation motions (Fig. 21).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels T1 ... T4; series desired, actual; x and y in m, in the order of time.
-
-    Returns
-    -------
-    Figure
-        A panel with equal axes for each motion, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Desired and actual paths of the tip on the validation motions (Fig. 21)."""
     curves = read_curves(frame, dict.fromkeys(CASES, ("actual", "desired")), rising=False)
     figure = style.new_figure(style.PAGE, 2.35)
     panels = figure.subplots(1, len(CASES))
@@ -136,24 +79,7 @@ def paths(frame: pd.DataFrame) -> Figure:
 
 
 def validation_motion(frame: pd.DataFrame) -> Figure:
-    """Validation motions of both joints (Fig. 22).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels ``T1 position``, ``T1 velocity``, ``T1 acceleration`` ... ``T4
-        acceleration``; units and series as in the motion of `identification`.
-
-    Returns
-    -------
-    Figure
-        A column for each motion, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Validation motions of both joints (Fig. 22)."""
     wanted: dict[str, Sequence[str]] = {f"{case} {panel}": _TRACKED[panel] for panel in MOTION for case in CASES}
     curves = read_curves(frame, wanted)
     figure = style.new_figure(style.PAGE, 4.3)
@@ -172,43 +98,10 @@ def validation_motion(frame: pd.DataFrame) -> Figure:
 
 
 def validation_torques(frame: pd.DataFrame) -> Figure:
-    """Torques of the validation motions, rebuilt by each method (Fig. 23).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels ``T1 torque1``, ``T1 torque2`` ... ``T4 torque2``; series measured and one
-        or more of `style.METHODS`, the same in all; x in s, y in N m.
-
-    Returns
-    -------
-    Figure
-        A row for each motion, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Torques of the validation motions, rebuilt by each method (Fig. 23)."""
     return _torques(frame, _VALIDATION, torque_panels)
 
 
 def validation_spectra(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques of the validation motions (Fig. 24).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `validation_torques`, x in Hz.
-
-    Returns
-    -------
-    Figure
-        A row for each motion, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """DCT-II of the torques of the validation motions (Fig. 24)."""
     return _torques(frame, _VALIDATION, partial(spectrum_panels, by_row=True))

@@ -138,25 +138,7 @@ def _draw_arm(axes: Axes) -> None:
 
 
 def setup(frame: pd.DataFrame) -> Figure:
-    """Simulated experimental set-up with its components (Fig. 18).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``component, label, value, unit``, all text, ``-`` where there is none, symbols such as ``l1``; one or
-        more rows for each of pc, serial, write-ram, ram, pd, pwm, decoder, uplink, motors and arm, as many as find
-        room in its box.
-
-    Returns
-    -------
-    Figure
-        Components and the signals between them, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Simulated experimental set-up with its components (Fig. 18)."""
     lines = _read(frame)
     figure = style.new_figure(style.PAGE, _HEIGHT)
     figure.set_layout_engine("none")  # everything is placed in inches

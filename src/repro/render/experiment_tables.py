@@ -16,25 +16,7 @@ def with_unit(name: Text, si: str) -> Text:
 
 
 def control(frame: pd.DataFrame) -> Table:
-    """Constants of the embedded system and how well the position follows (Table 8).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``case, method, joint, time, frequency, total, total_sd, seeds, kp, kv, pwm_khz, c_f``; case tracking, method
-        pd; one row for each joint; similarities and spread as fractions of 1, kp in N m/rad, kv in N m per rad and
-        sample, the PWM frequency in kHz, c_f in s^2. With one seed no spread is shown.
-
-    Returns
-    -------
-    Table
-        A row for each joint.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Constants of the embedded system and how well the position follows (Table 8)."""
     shares, constants = ("time", "frequency", "total", "total_sd"), ("kp", "kv", "pwm_khz", "c_f")
     table = check_table(frame, ("case", "method"), ("joint", *shares, "seeds", *constants))
     check_names(table["case"], ("tracking",), "case")
@@ -70,25 +52,7 @@ SIDE_BY_SIDE = ("algorithm1", "algorithm1+refinement", "least-squares")
 
 
 def parameters(frame: pd.DataFrame) -> Table:
-    """Parameters of the simulated arm as identified by each method (Table 9).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``case, method, parameter, unit, true, estimate, estimate_sd``; case ID; one row for each method and
-        parameter. Where every spread is 0 (one seed) none is shown.
-
-    Returns
-    -------
-    Table
-        A row for each parameter, a column for the truth and for each method that the paper's table has, and our
-        refinement; more do not fit a page side by side.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Parameters of the simulated arm as identified by each method (Table 9)."""
     table = check_table(frame, ("case", "method", "parameter", "unit"), ("true", "estimate", "estimate_sd"))
     check_names(table["case"], ("ID",), "case")
     check_range(table, ("estimate_sd",), 0.0, float("inf"), "a spread of 0 or more")
@@ -111,24 +75,7 @@ def parameters(frame: pd.DataFrame) -> Table:
 
 
 def stability(frame: pd.DataFrame) -> Table:
-    """Conditions for stability of the appendix with the parameters of each method.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``method, quantity, symbol, value, bound, holds``; symbol in ASCII, such as ``rho lambda_Q^min``; a condition
-        holds if its value exceeds its bound.
-
-    Returns
-    -------
-    Table
-        A block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Conditions for stability of the appendix with the parameters of each method."""
     table = check_table(frame, ("method", "quantity", "symbol"), ("value", "bound"))
     table["holds"] = flags(frame, "holds")
     blocks = []
@@ -191,13 +138,7 @@ def verdict(frame: pd.DataFrame) -> Table:
 
 
 def validation_rows(table: pd.DataFrame, key: dict[str, object]) -> pd.DataFrame:
-    """Comparisons on T1 to T4 with these values.
-
-    Raises
-    ------
-    InputError
-        If a motion and joint is missing or comes twice.
-    """
+    """Comparisons on T1 to T4 with these values."""
     rows = table[(table[list(key)] == pd.Series(key)).all(axis=1) & (table["motion"] != "ID")]
     expected = 2 * (len(_MOTIONS) - 1)
     if len(rows) != expected or rows.duplicated(["motion", "joint"]).any():

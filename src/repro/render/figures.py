@@ -63,22 +63,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
 
 
 def draw(name: str, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
-    """Draw one figure from its CSV.
-
-    Parameters
-    ----------
-    name : str
-        A key of `FIGURES`.
-    csv_path : Path
-        The numbers drawn.
-    pdf_path, png_path : Path
-        Destinations; the same CSV gives the same bytes.
-
-    Raises
-    ------
-    InputError
-        If there is no such figure, or the CSV is missing or not what the figure needs.
-    """
+    """Draw one figure from its CSV."""
     if name not in FIGURES:
         raise InputError.at("figure", repr(name), f"one of {', '.join(FIGURES)}")
     frame = read_csv(csv_path)

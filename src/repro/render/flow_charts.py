@@ -108,42 +108,10 @@ METHOD = Layout(
 
 
 def control(frame: pd.DataFrame) -> Figure:
-    """Flow chart of one cycle of the PD control with its saturation (Fig. 3).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Boxes and links of `CONTROL`, in the columns of `repro.render.diagram.draw_diagram`.
-
-    Returns
-    -------
-    Figure
-        From the sample at the top down to the output and back, a column wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Flow chart of one cycle of the PD control with its saturation (Fig. 3)."""
     return draw_diagram(frame, CONTROL)
 
 
 def method(frame: pd.DataFrame) -> Figure:
-    """General diagram of the identification method (Fig. 4).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Boxes and links of `METHOD`, in the columns of `repro.render.diagram.draw_diagram`.
-
-    Returns
-    -------
-    Figure
-        Steps 1 to 5 from left to right, 6 to 9 back below them, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """General diagram of the identification method (Fig. 4)."""
     return draw_diagram(frame, METHOD)

@@ -60,21 +60,5 @@ LAYOUT = Layout(
 
 
 def hardware(frame: pd.DataFrame) -> Figure:
-    """Hardware blocks of the FPGA with their buses (Fig. 2).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Boxes and links of `LAYOUT`, in the columns of `repro.render.diagram.draw_diagram`.
-
-    Returns
-    -------
-    Figure
-        Blocks within the FPGA, the PC on their left, motors and encoders on their right, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Hardware blocks of the FPGA with their buses (Fig. 2)."""
     return draw_diagram(frame, LAYOUT)

@@ -24,24 +24,7 @@ _GAP = 6
 
 
 def examples(frame: pd.DataFrame) -> Figure:
-    """Nine images of each kind of training data (Fig. 8).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``kind, image, row, column, red, green, blue``; kinds Mp and Mn, images a to i each; row and column from
-        0; colours between 0 and 1.
-
-    Returns
-    -------
-    Figure
-        Two grids of three by three, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Nine images of each kind of training data (Fig. 8)."""
     table = check_table(frame, text=("kind", "image"), numbers=("row", "column", *_COLOURS))
     check_names(table["kind"], list(_KINDS), "kind")
     check_range(table, _COLOURS, 0.0, 1.0, "a colour between 0 and 1")
@@ -67,18 +50,7 @@ def examples(frame: pd.DataFrame) -> Figure:
 
 
 def _mosaic(power: Array) -> Array:
-    """Set the kernels of a layer side by side.
-
-    Parameters
-    ----------
-    power : array of shape (n_out, n_in, k, k)
-        Power of each kernel.
-
-    Returns
-    -------
-    array of shape (n_out * (_CELL + _GAP), n_in * (_CELL + _GAP))
-        A cell for each kernel, half a gap of NaN all around it.
-    """
+    """Set the kernels of a layer side by side."""
     height, width = (max(1, round(_CELL / k)) for k in power.shape[2:])
     cells = np.kron(power, np.ones((1, 1, height, width)))
     half = _GAP // 2
@@ -88,24 +60,7 @@ def _mosaic(power: Array) -> Array:
 
 
 def kernels(frame: pd.DataFrame) -> Figure:
-    """Normalised power spectrum of every convolution kernel (Fig. 11).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``layer, input, output, row, column, power``; layers conv1, conv2, conv3; indices from 0, zero frequency
-        in the middle; power between 0 and 1.
-
-    Returns
-    -------
-    Figure
-        A block for each layer, output maps down and input maps across, with one colour bar; page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Normalised power spectrum of every convolution kernel (Fig. 11)."""
     table = check_table(frame, text=("layer",), numbers=("input", "output", "row", "column", "power"))
     check_names(table["layer"], _LAYERS, "layer")
     check_range(table, ("power",), 0.0, 1.0, "a normalised power between 0 and 1")

@@ -35,26 +35,7 @@ def plot_panel(axes: Axes, series: Mapping[str, Curve]) -> None:
 
 
 def motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
-    """Position, velocity and acceleration of both joints over time (Fig. 6).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels position (rad), velocity (rad/s), acceleration (rad/s^2); series
-        joint1, joint2; x in s.
-    width : float
-        Width of the figure, in.
-
-    Returns
-    -------
-    Figure
-        Three stacked panels.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Position, velocity and acceleration of both joints over time (Fig. 6)."""
     curves = read_curves(frame, dict.fromkeys(MOTION, JOINTS))
     figure = style.new_figure(width, 3.9)
     panels = figure.subplots(3, 1, sharex=True)
@@ -68,45 +49,12 @@ def motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
 
 
 def random_motion(frame: pd.DataFrame) -> Figure:
-    """Random validation trajectory (Fig. 16): as `motion`, but page wide because it turns so often.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `motion`.
-
-    Returns
-    -------
-    Figure
-        Three stacked panels.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Random validation trajectory (Fig. 16): as `motion`, but page wide because it turns so often."""
     return motion(frame, style.PAGE)
 
 
 def torque_distribution(frame: pd.DataFrame) -> Figure:
-    """Distribution of the training torques over time (Fig. 9).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels joint1, joint2; series p05, p25, p50, p75, p95 and mean of the
-        torque as a part of its maximum; x in s, the same for all series of a panel.
-
-    Returns
-    -------
-    Figure
-        Two stacked panels, one column wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Distribution of the training torques over time (Fig. 9)."""
     series = ("p05", "p25", "p50", "p75", "p95", "mean")
     curves = read_curves(frame, dict.fromkeys(JOINTS, series))
     figure = style.new_figure(style.COLUMN, 3.7)
@@ -129,23 +77,7 @@ def torque_distribution(frame: pd.DataFrame) -> Figure:
 
 
 def loss(frame: pd.DataFrame) -> Figure:
-    """Loss on training and test images over the iterations (Fig. 10).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panel loss; series train, test; x in iterations, y above 0.
-
-    Returns
-    -------
-    Figure
-        One panel with a logarithmic loss, one column wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Loss on training and test images over the iterations (Fig. 10)."""
     curves = read_curves(frame, {"loss": ("train", "test")})["loss"]
     figure = style.new_figure(style.COLUMN, 2.3)
     axes = figure.subplots()

@@ -23,13 +23,7 @@ class LongTable(Table):
     shares: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        """Check that the columns fill the page.
-
-        Raises
-        ------
-        ValueError
-            If there is not one share for each column, or they do not add up to 1.
-        """
+        """Check that the columns fill the page."""
         if len(self.shares) != len(self.alignment) or abs(sum(self.shares) - 1.0) > 1e-9:
             raise ValueError(f"shares: must be one for each of {len(self.alignment)} columns, of sum 1.")
 

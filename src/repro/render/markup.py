@@ -77,13 +77,7 @@ EMPTY = Text("", "")
 
 
 def plain(text: str) -> Text:
-    """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product.
-
-    Parameters
-    ----------
-    text : str
-        Any text; line ends become spaces.
-    """
+    """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product."""
     text = _PRODUCT.sub(_TIMES, " ".join(text.split()))
     return Text("".join(_TEX_SPECIAL.get(c, c) for c in text), _MD_SPECIAL.sub(r"\\\1", text))
 
@@ -91,14 +85,8 @@ def plain(text: str) -> Text:
 def formula(text: str) -> Text:
     """A formula typed in ASCII, such as ``m2 lc2^2 + J2`` or ``1 - |x-y|^2/|x|^2``.
 
-    A single letter, or letters with an index, is a symbol (``lc1`` is l with index c1); a Greek letter is
-    spelled out; any other word is upright; ``_1`` is a subscript. What follows a comma outside
-    brackets is read as a remark.
-
-    Parameters
-    ----------
-    text : str
-        Formula.
+    A single letter, or letters with an index, is a symbol (``lc1`` is l with index c1); a Greek letter is spelled out;
+    any other word is upright; ``_1`` is a subscript. What follows a comma outside brackets is read as a remark.
     """
     brackets = 0
     for place, sign in enumerate(text):

@@ -137,25 +137,7 @@ def _connect(axes: Axes, before: _Drawn, after: _Drawn, scale: float) -> None:
 
 
 def network(frame: pd.DataFrame) -> Figure:
-    """Architecture of the network with every size (Fig. 7).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``layer, kind, height, width, channels, kernel, parameters``; layers input, conv1, pool1, conv2, pool2,
-        conv3, fc4, fc5, output; kinds as in `KINDS`; kernel such as ``9x9x2x10``, blank where there is none; a
-        fully connected layer has height and width 1 and its units as channels.
-
-    Returns
-    -------
-    Figure
-        Maps and units to one scale, their sizes in rows below, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Architecture of the network with every size (Fig. 7)."""
     layers = _read(frame)
     figure = style.new_figure(style.PAGE, _HEIGHT)
     figure.set_layout_engine("none")  # everything is placed in inches

@@ -43,37 +43,13 @@ _CUTOFF_VIEW = 2.0
 
 
 def ordered_titles(result: Result) -> dict[str, str]:
-    """Name every method in the order of the figures: the recommended one first.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    dict of str to str
-        Title of each method.
-    """
+    """Name every method in the order of the figures: the recommended one first."""
     methods = sorted(result.methods, key=lambda method: method.method != result.recommended)
     return {method.method: method.title for method in methods}
 
 
 def stroke(titles: Mapping[str, str], method: str) -> dict[str, Any]:
-    """How a method is drawn in every figure of one report: by its place in `titles`.
-
-    Parameters
-    ----------
-    titles : mapping of str to str
-        As from `ordered_titles`.
-    method : str
-        One of them.
-
-    Returns
-    -------
-    dict
-        Properties of a line.
-    """
+    """How a method is drawn in every figure of one report: by its place in `titles`."""
     return STROKES[list(titles).index(method) % len(STROKES)]
 
 
@@ -89,29 +65,7 @@ def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
 
 
 def overlay(signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False) -> Figure:
-    """Measured and rebuilt torque of both joints with the residual below, the whole log beside a close-up.
-
-    Parameters
-    ----------
-    signals : Signals
-        Curves of one log of n samples.
-    methods : sequence of str
-        Methods drawn: all of them in the close-up and the first alone over the whole log.
-    titles : mapping of str to str
-        Title of every method, which also gives its stroke (see `stroke`).
-    simulated : bool
-        Whether the log comes from the simulated board.
-
-    Returns
-    -------
-    Figure
-        For each joint a row of torques over a row of residuals, page wide.
-
-    Raises
-    ------
-    ValueError
-        If no method is given or one has no curve.
-    """
+    """Measured and rebuilt torque of both joints with the residual below, the whole log beside a close-up."""
     _check(signals.rebuilt, methods)
     figure = style.new_figure(style.PAGE, 5.3)
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
@@ -162,23 +116,8 @@ def _close_up(t: Array) -> tuple[float, float]:
 def spectra(signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Amplitude spectra of the measured and the rebuilt torque.
 
-    Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are
-    left out.
-
-    Parameters
-    ----------
-    signals, methods, titles, simulated
-        As for `overlay`.
-
-    Returns
-    -------
-    Figure
-        A panel for each joint, page wide.
-
-    Raises
-    ------
-    ValueError
-        If no method is given or one has no curve.
+    Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are left
+    out.
     """
     _check(signals.rebuilt_spectrum, methods)
     figure = style.new_figure(style.PAGE, 2.5)
@@ -220,20 +159,7 @@ def _logarithmic(axes: Axes) -> None:
 
 
 def cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
-    """The two curves that the cut-off is chosen by.
-
-    Parameters
-    ----------
-    curve : Cutoff
-        Curves of m frequencies.
-    simulated : bool
-        Whether the log comes from the simulated board.
-
-    Returns
-    -------
-    Figure
-        Position over its noise on the left, share of the torque that Eq. 1 explains on the right, page wide.
-    """
+    """The two curves that the cut-off is chosen by."""
     figure = style.new_figure(style.PAGE, 2.4)
     panels = figure.subplots(1, 2, sharex=True)
     shown = (curve.frequency > 0.0) & (curve.frequency <= _CUTOFF_VIEW * curve.highest)

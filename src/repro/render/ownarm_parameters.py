@@ -20,19 +20,7 @@ _REACH = 12.0
 
 
 def parameters(result: Result) -> Figure:
-    """Estimate and 95 % interval of each parameter by each method.
-
-    Parameters
-    ----------
-    result : Result
-        What `repro identify` found.
-
-    Returns
-    -------
-    Figure
-        Three rows of three panels, page wide: a row for each method, the recommended one on top. An estimate too far
-        from the others to be shown on their scale is an arrow at the edge with its value.
-    """
+    """Estimate and 95 % interval of each parameter by each method."""
     titles = ordered_titles(result)
     found = {m.method: {parameter.name: parameter for parameter in m.parameters} for m in result.methods}
     figure = style.new_figure(style.PAGE, 1.2 + 3 * (0.35 + 0.17 * len(titles)))

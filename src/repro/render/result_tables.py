@@ -22,13 +22,7 @@ def heading_of(method: str) -> Text:
 
 
 def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
-    """Find the one row with these values.
-
-    Raises
-    ------
-    InputError
-        If there is none, or more than one.
-    """
+    """Find the one row with these values."""
     chosen = table
     for column, value in key.items():
         chosen = chosen[chosen[column] == value]
@@ -65,45 +59,12 @@ def _parameters(frame: pd.DataFrame, cases: Sequence[str], title: str, label: st
 
 
 def parameters_12(frame: pd.DataFrame) -> Table:
-    """Identified parameters of the numeric tests N1 and N2 (Table 4).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``case, method, parameter, unit, true, estimate, estimate_sd``; one row for each case, method and
-        parameter. Where every spread is 0 (one seed) none is shown.
-
-    Returns
-    -------
-    Table
-        True and identified values side by side, a block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Identified parameters of the numeric tests N1 and N2 (Table 4)."""
     return _parameters(frame, ("N1", "N2"), "Table 4", "tab:table04")
 
 
 def parameters_34(frame: pd.DataFrame) -> Table:
-    """Identified parameters of the numeric tests N3 and N4 (Table 5).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `parameters_12`.
-
-    Returns
-    -------
-    Table
-        True and identified values side by side, a block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Identified parameters of the numeric tests N3 and N4 (Table 5)."""
     return _parameters(frame, ("N3", "N4"), "Table 5", "tab:table05")
 
 
@@ -136,68 +97,19 @@ def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: 
 
 
 def similarity(frame: pd.DataFrame) -> Table:
-    """Similarity on the identification trajectory, N1 to N4 (Table 6).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``case, method, joint, time, frequency, total, total_sd, seeds``; similarities and spread as fractions
-        of 1; one row for each case, method and joint. With one seed no spread is shown.
-
-    Returns
-    -------
-    Table
-        Percentages, a block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Similarity on the identification trajectory, N1 to N4 (Table 6)."""
     what = "from the identified parameters, numeric tests"
     return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 6", "tab:table06", what)
 
 
 def validation(frame: pd.DataFrame) -> Table:
-    """Similarity on the random validation trajectory, N1 to N4 (Table 7).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `similarity`.
-
-    Returns
-    -------
-    Table
-        Percentages, a block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Similarity on the random validation trajectory, N1 to N4 (Table 7)."""
     what = "on the random validation trajectory, numeric tests"
     return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 7", "tab:table07", what)
 
 
 def experiment(frame: pd.DataFrame) -> Table:
-    """Similarity on the identification and validation motions of the simulated arm (Table 10).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `similarity`, cases ID, T1 ... T4.
-
-    Returns
-    -------
-    Table
-        Percentages, a block for each method.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Similarity on the identification and validation motions of the simulated arm (Table 10)."""
     what = "on the identification motion and the validation motions, simulated experiment"
     return _similarities(frame, ("ID", "T1", "T2", "T3", "T4"), "Table 10", "tab:table10", what)
 

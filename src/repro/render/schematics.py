@@ -50,24 +50,7 @@ def _arrow(figure: Figure, left: tuple[Axes, Annotation], right: tuple[Axes, Ann
 
 
 def subsampling(frame: pd.DataFrame) -> Figure:
-    """Subsampling by the DCT-II in three steps (Fig. 5).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panel signal (series x; s, N m), panel spectrum (series kept and dropped; band
-        number, N m), panel subsampled (series xs; s, N m).
-
-    Returns
-    -------
-    Figure
-        Signal, cut spectrum and subsampled signal from left to right, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described, or a dropped band lies below a kept one.
-    """
+    """Subsampling by the DCT-II in three steps (Fig. 5)."""
     curves = read_curves(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
     x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]

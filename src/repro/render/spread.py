@@ -76,27 +76,7 @@ def _plot_published(axes: Axes, known: pd.DataFrame) -> None:
 
 
 def spread(frame: pd.DataFrame) -> Figure:
-    """Total similarity of every run of the experiment, by motion, joint, method and ID duration.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``case, joint, method, duration, seed, total, median``; cases ID, T1 ... T4; joints 1, 2; methods one or
-        more of `style.METHODS`, and perhaps ``published algorithm1`` and ``published least-squares``, whose
-        duration, seed and median are not read; duration of the identification trajectory in s; total, and the
-        median of its group of seeds, as fractions of 1. Every method, duration and seed holds every case and
-        joint once.
-
-    Returns
-    -------
-    Figure
-        A row for each joint, a column for each motion, page wide; the bar is the median of the points.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Total similarity of every run of the experiment, by motion, joint, method and ID duration."""
     runs, published = _read(frame)
     methods = [name for name in style.METHODS if name in set(runs["method"])]
     durations = sorted(set(runs["duration"]))

@@ -141,25 +141,7 @@ def house_style() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure with automatic spacing.
-
-    Parameters
-    ----------
-    width : float
-        `COLUMN` or `PAGE`, in.
-    height : float
-        in.
-
-    Returns
-    -------
-    Figure
-        Not attached to any window or to pyplot.
-
-    Raises
-    ------
-    ValueError
-        If the width is neither of the two.
-    """
+    """Make an empty figure with automatic spacing."""
     if width not in (COLUMN, PAGE):
         raise ValueError(f"width: must be {COLUMN} or {PAGE} in, got {width}.")
     return Figure(figsize=(width, height), layout="constrained")
@@ -180,15 +162,6 @@ def save(figure: Figure, title: str, pdf_path: Path, png_path: Path) -> None:
 
     The files hold no date and no program version, so the same figure gives the same bytes. Call it inside
     `house_style`: text and line settings are read while saving.
-
-    Parameters
-    ----------
-    figure : Figure
-        What to write.
-    title : str
-        Title in the metadata of both files.
-    pdf_path, png_path : Path
-        Destinations.
     """
     undated = {"Title": title, "Creator": None, "Producer": None, "CreationDate": None}
     write_whole(pdf_path, lambda path: figure.savefig(path, format="pdf", metadata=undated))

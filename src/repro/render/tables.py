@@ -43,23 +43,7 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], Table]] = {
 
 
 def lay_out(name: str, csv_path: Path, tex_path: Path, md_path: Path) -> None:
-    r"""Lay out one table from its CSV.
-
-    Parameters
-    ----------
-    name : str
-        A key of `LAYOUTS`.
-    csv_path : Path
-        The tidy table.
-    tex_path, md_path : Path
-        Destinations: a LaTeX table environment to ``\input`` (it needs booktabs; the audit also array and
-        longtable), and Markdown.
-
-    Raises
-    ------
-    InputError
-        If there is no such table, or the CSV is missing or not what the table needs.
-    """
+    r"""Lay out one table from its CSV."""
     if name not in LAYOUTS:
         raise InputError.at("table", repr(name), f"one of {', '.join(LAYOUTS)}")
     frame = read_csv(csv_path)

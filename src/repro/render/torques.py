@@ -85,19 +85,7 @@ def torque_panels(
     titles: Mapping[str, str],
     legend_title: str | None = None,
 ) -> None:
-    """Draw torques over time, two panels in a row.
-
-    Parameters
-    ----------
-    figure : FigureBase
-        Empty figure, or empty part of one.
-    curves : mapping of str to mapping of str to Curve
-        By panel, then series, the reference first; s and N m.
-    titles : mapping of str to str
-        What stands above each panel, in the order of the panels; an even number of them.
-    legend_title : str, optional
-        What stands above the legend.
-    """
+    """Draw torques over time, two panels in a row."""
     _compare(figure, curves, titles, (TIME, TORQUE), _plot_lines, legend_title)
 
 
@@ -121,13 +109,6 @@ def spectrum_panels(
     """Draw spectra, two panels in a row.
 
     Bands above the last one that reaches `_BAND_IN_VIEW` in any panel are left out, and the figure says so.
-
-    Parameters
-    ----------
-    figure, curves, titles, legend_title
-        As for `torque_panels`; curves in Hz and N m.
-    by_row : bool
-        Whether each row has its own last band, for rows that show different motions.
     """
     names = list(titles)
     groups = [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names]
@@ -159,84 +140,20 @@ def _numeric(frame: pd.DataFrame, cases: Sequence[str], draw: Callable[..., None
 
 
 def torques_12(frame: pd.DataFrame) -> Figure:
-    """Numeric torques and the rebuilt ones, tests N1 and N2 (Fig. 12).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels N1/joint1 ... N2/joint2; series actual, rebuilt; x in s, y in N m.
-
-    Returns
-    -------
-    Figure
-        A row for each test, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Numeric torques and the rebuilt ones, tests N1 and N2 (Fig. 12)."""
     return _numeric(frame, ("N1", "N2"), torque_panels)
 
 
 def torques_34(frame: pd.DataFrame) -> Figure:
-    """Numeric torques and the rebuilt ones, tests N3 and N4 (Fig. 13).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `torques_12`, panels N3/joint1 ... N4/joint2.
-
-    Returns
-    -------
-    Figure
-        A row for each test, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Numeric torques and the rebuilt ones, tests N3 and N4 (Fig. 13)."""
     return _numeric(frame, ("N3", "N4"), torque_panels)
 
 
 def torques_all(frame: pd.DataFrame) -> Figure:
-    """Validation torques and the rebuilt ones, tests N1 to N4 (Fig. 15).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As for `torques_12`, panels N1/joint1 ... N4/joint2.
-
-    Returns
-    -------
-    Figure
-        A row for each test, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Validation torques and the rebuilt ones, tests N1 to N4 (Fig. 15)."""
     return _numeric(frame, ("N1", "N2", "N3", "N4"), torque_panels)
 
 
 def spectra_all(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques and of the rebuilt ones, tests N1 to N4 (Fig. 14, 17).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``panel, series, x, y``; panels N1/joint1 ... N4/joint2; series actual, rebuilt; x in Hz, y in N m.
-
-    Returns
-    -------
-    Figure
-        A row for each test, a column for each joint, page wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """DCT-II of the torques and of the rebuilt ones, tests N1 to N4 (Fig. 14, 17)."""
     return _numeric(frame, ("N1", "N2", "N3", "N4"), spectrum_panels)

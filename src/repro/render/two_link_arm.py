@@ -112,24 +112,7 @@ def _key(axes: Axes, table: pd.DataFrame) -> None:
 
 
 def schematic(frame: pd.DataFrame) -> Figure:
-    """Two-link arm with its symbols (Fig. 1).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        ``symbol, mark, description, unit, source, basis``, all text, one row for each of `SYMBOLS`; mark is one of
-        `MARKS`. Symbols of one description and unit share a line of the key.
-
-    Returns
-    -------
-    Figure
-        The arm, hanging, above the key, a column wide.
-
-    Raises
-    ------
-    InputError
-        If the table is not as described.
-    """
+    """Two-link arm with its symbols (Fig. 1)."""
     table = check_table(frame, text=("symbol", "mark", "description", "unit", "source", "basis"))
     check_names(table["symbol"], SYMBOLS, "symbol")
     check_names(table["mark"], MARKS, "mark")

@@ -54,25 +54,7 @@ class Link:
 
 
 def pictures(paths: Mapping[str, Path], budget: int = IMAGE_BUDGET) -> dict[str, Picture]:
-    """Embed PNG files as they are; if they are too large together, at two pixels a CSS pixel.
-
-    Parameters
-    ----------
-    paths : mapping of str to Path
-        PNG files.
-    budget : int
-        Characters of base64 allowed for all of them before they are made smaller.
-
-    Returns
-    -------
-    dict of str to Picture
-        By the keys of `paths`.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read or is not a PNG.
-    """
+    """Embed PNG files as they are; if they are too large together, at two pixels a CSS pixel."""
     contents = {key: read_bytes(path, "a PNG image") for key, path in paths.items()}
     smaller = sum(4 * (len(content) // 3 + 1) for content in contents.values()) > budget
     embedded = {}
@@ -94,20 +76,7 @@ def _resized(image: Image.Image, size: tuple[int, int]) -> bytes:
 
 
 def link(path: Path, page: Path) -> Link:
-    """Link to a data file, held in the page if it is small.
-
-    Parameters
-    ----------
-    path : Path
-        The file, with one of the suffixes .csv, .tex, .md or .pdf.
-    page : Path
-        The page that the link stands in.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
-    """
+    """Link to a data file, held in the page if it is small."""
     content = read_bytes(path, f"a {path.suffix[1:].upper()} file")
     kind, size = path.suffix[1:].upper(), _size(len(content))
     if len(content) <= LARGEST_DOWNLOAD and path.suffix != ".pdf":

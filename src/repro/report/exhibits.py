@@ -44,13 +44,7 @@ class Shown:
 
 
 def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
-    """Read every table's layout and link its CSV and LaTeX.
-
-    Raises
-    ------
-    InputError
-        If a file is missing in a whole report, or is not what it must be.
-    """
+    """Read every table's layout and link its CSV and LaTeX."""
     return [_show_table(exhibit, inputs) for exhibit in exhibits]
 
 
@@ -64,13 +58,7 @@ def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
 
 
 def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
-    """Embed every figure and link the numbers drawn and the vector file.
-
-    Raises
-    ------
-    InputError
-        If a file is missing in a whole report, or is not what it must be.
-    """
+    """Embed every figure and link the numbers drawn and the vector file."""
     images = {exhibit.name: inputs.figures / f"{exhibit.name}.png" for exhibit in exhibits}
     may_miss = {exhibit.name: inputs.partial or exhibit.optional for exhibit in exhibits}
     embedded = pictures({name: path for name, path in images.items() if path.exists() or not may_miss[name]})
@@ -112,18 +100,7 @@ class Audit:
 
 
 def show_audit(inputs: ReportInputs) -> Audit | None:
-    """Read the audit.
-
-    Returns
-    -------
-    Audit or None
-        None if the file is missing and the report may be partial.
-
-    Raises
-    ------
-    InputError
-        If it is missing in a whole report or not a table.
-    """
+    """Read the audit."""
     path = inputs.results / "tables" / "audit.csv"
     if inputs.partial and not path.exists():
         return None

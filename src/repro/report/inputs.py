@@ -54,13 +54,7 @@ class ReportInputs:
 
 
 def read_bytes(path: Path, expected: str) -> bytes:
-    """Read a file that must be there and hold something.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read or is empty.
-    """
+    """Read a file that must be there and hold something."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -71,13 +65,7 @@ def read_bytes(path: Path, expected: str) -> bytes:
 
 
 def read_text(path: Path, expected: str) -> str:
-    """Read UTF-8 text, line ends made Unix ones.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is empty or is not UTF-8.
-    """
+    """Read UTF-8 text, line ends made Unix ones."""
     try:
         text = read_bytes(path, expected).decode("utf-8")
     except UnicodeDecodeError as error:
@@ -86,27 +74,7 @@ def read_text(path: Path, expected: str) -> str:
 
 
 def read_rows(path: Path, columns: Sequence[str] = ()) -> tuple[list[str], list[dict[str, str]]]:
-    """Read a CSV table as the text it holds: numbers keep the digits they were written with.
-
-    Parameters
-    ----------
-    path : Path
-        File to read.
-    columns : sequence of str
-        Columns that must be there; others may be.
-
-    Returns
-    -------
-    header : list of str
-        Column names.
-    rows : list of dict
-        Text of each row by column.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not a table, lacks a column, or a row has too few or too many fields.
-    """
+    """Read a CSV table as the text it holds: numbers keep the digits they were written with."""
     try:
         header, *body = [row for row in csv.reader(read_text(path, "a CSV table").splitlines(keepends=True)) if row]
     except csv.Error as error:

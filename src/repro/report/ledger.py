@@ -87,24 +87,7 @@ class Claim:
 
 
 def read_claims(inputs: ReportInputs) -> list[Claim]:
-    """Read the ledger.
-
-    Parameters
-    ----------
-    inputs : ReportInputs
-        Its ``results`` folder holds ``claims.csv``.
-
-    Returns
-    -------
-    list of Claim
-        In the order of the file; empty if there is no file and the report may be partial.
-
-    Raises
-    ------
-    InputError
-        If the file is missing in a whole report, lacks a column, or holds an unknown verdict, a `must` that is not
-        true or false, a blank field that must be filled, or an id that is no anchor or occurs twice.
-    """
+    """Read the ledger."""
     path = inputs.results / "claims.csv"
     if inputs.partial and not path.exists():
         return []
@@ -183,20 +166,7 @@ class Difference:
 
 
 def differences(claims: Sequence[Claim], verdict: str) -> list[Difference]:
-    """Claims with a verdict, those of one place and with one note together.
-
-    Parameters
-    ----------
-    claims : sequence of Claim
-        The ledger.
-    verdict : str
-        Which of them.
-
-    Returns
-    -------
-    list of Difference
-        In the order of the ledger.
-    """
+    """Claims with a verdict, those of one place and with one note together."""
     groups: dict[tuple[str, str], list[Claim]] = {}
     for claim in claims:
         if claim.verdict == verdict:

@@ -21,24 +21,7 @@ _TEMPLATES = Path(__file__).parent
 
 
 def build_report(inputs: ReportInputs) -> str:
-    """Lay out the report.
-
-    Parameters
-    ----------
-    inputs : ReportInputs
-        What it shows. The same inputs give the same text.
-
-    Returns
-    -------
-    str
-        A complete HTML document that loads nothing: styles, script and pictures are inside, and its own policy
-        forbids the browser to fetch anything.
-
-    Raises
-    ------
-    InputError
-        If a file is missing in a whole report, a file is not what it must be, or the report would be too large.
-    """
+    """Lay out the report."""
     claims = read_claims(inputs)
     style, script = (_read_own(name) for name in ("report.css", "report.js"))
     ledger_file = inputs.results / "claims.csv"
@@ -79,20 +62,7 @@ def build_report(inputs: ReportInputs) -> str:
 
 
 def write_report(inputs: ReportInputs, path: Path | None = None) -> None:
-    """Write the report.
-
-    Parameters
-    ----------
-    inputs : ReportInputs
-        What it shows.
-    path : Path, optional
-        Destination; by default ``inputs.page``, where its links to files beside it start.
-
-    Raises
-    ------
-    InputError
-        As `build_report`.
-    """
+    """Write the report."""
     write_text(path or inputs.page, build_report(inputs))
 
 

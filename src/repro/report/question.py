@@ -49,13 +49,7 @@ class Answer:
 
 
 def answer(inputs: ReportInputs) -> Answer | None:
-    """Count the comparisons on T1 to T4; None if the table is missing and the report may be partial.
-
-    Raises
-    ------
-    InputError
-        If ``tables/verdict.csv`` is missing in a whole report or not the table it must be.
-    """
+    """Count the comparisons on T1 to T4; None if the table is missing and the report may be partial."""
     path = inputs.results / "tables" / "verdict.csv"
     if inputs.partial and not path.exists():
         return None

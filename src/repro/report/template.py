@@ -8,18 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 
 def environment(folder: Path) -> Environment:
-    """Jinja environment that escapes everything and refuses unknown names.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the templates lie.
-
-    Returns
-    -------
-    Environment
-        Filters may be added.
-    """
+    """Jinja environment that escapes everything and refuses unknown names."""
     return Environment(
         loader=FileSystemLoader(folder),
         autoescape=True,
@@ -31,20 +20,7 @@ def environment(folder: Path) -> Environment:
 
 
 def policy(style: str, script: str | None = None) -> str:
-    """Content security policy: this style, this script if any, pictures in data URIs, nothing else.
-
-    Parameters
-    ----------
-    style : str
-        Content of the page's style element.
-    script : str or None
-        Content of its script element.
-
-    Returns
-    -------
-    str
-        Value of the policy's meta element.
-    """
+    """Content security policy: this style, this script if any, pictures in data URIs, nothing else."""
     allowed = [f"style-src 'sha256-{_digest(style)}'"]
     if script is not None:
         allowed.append(f"script-src 'sha256-{_digest(script)}'")

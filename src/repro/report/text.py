@@ -23,13 +23,7 @@ def plain(text: str) -> str:
 
 
 def paragraphs(text: str) -> list[Markup]:
-    """Paragraphs of a reStructuredText caption: emphasis, strong text and literals; nothing else is markup.
-
-    Parameters
-    ----------
-    text : str
-        Paragraphs with blank lines between them.
-    """
+    """Paragraphs of a reStructuredText caption: emphasis, strong text and literals; nothing else is markup."""
     return [_inline(" ".join(part.split())) for part in re.split(r"\n\s*\n", text.strip())]
 
 
@@ -65,26 +59,7 @@ class MarkdownTable:
 
 
 def markdown_table(text: str, place: str) -> MarkdownTable:
-    """Read the one table of a Markdown file.
-
-    Parameters
-    ----------
-    text : str
-        A caption, ``**Name.** words``, and a table with bars at both ends of a line. A row whose first cell alone
-        is filled, in bold, is the heading of the rows below it.
-    place : str
-        File, for messages.
-
-    Returns
-    -------
-    MarkdownTable
-        Text with Markdown's escapes undone.
-
-    Raises
-    ------
-    InputError
-        If there is no table, or a row has too few or too many cells.
-    """
+    """Read the one table of a Markdown file."""
     lines = [line.strip() for line in text.splitlines()]
     rows = [_cells(line) for line in lines if line.startswith("|")]
     if len(rows) < 3 or not all(_RULE.fullmatch(cell) for cell in rows[1]):

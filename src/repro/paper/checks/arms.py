@@ -18,18 +18,7 @@ def _ids(case: str, method: str, names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def definiteness(p: Published) -> list[Finding]:
-    """Is M(q) positive definite for every q2? One finding for each true set and each published estimate.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Eight.
-    """
+    """Is M(q) positive definite for every q2? One finding for each true set and each published estimate."""
     found = []
     for method, words in (("true", "true parameters"), ("algorithm1", "published estimate")):
         for case, beta in zip(NUMERIC_CASES, p.parameter_sets(method), strict=True):
@@ -71,19 +60,7 @@ def _link_limits(p: Published) -> tuple[Array, Array]:
 
 
 def training_ranges(p: Published) -> list[Finding]:
-    """Could the published ranges have made N1 to N4?
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        One for I1, I2, I3, g1, g2, for I1 - I3, for friction, for the length of link 1 that the sets imply, and
-        for the reach of the real arm.
-    """
+    """Could the published ranges have made N1 to N4?"""
     low, high = _link_limits(p)
     true = p.parameter_sets("true")
     values = np.column_stack([true[:, :5], true[:, 0] - true[:, 2]])

@@ -77,54 +77,19 @@ class Finding:
 
 
 def agreement(found: float, printed: float, tolerance: float, otherwise: str = CONTRADICTS) -> str:
-    """Verdict on two numbers that should be equal.
-
-    Parameters
-    ----------
-    found, printed, tolerance : float
-        As in `Finding`.
-    otherwise : str
-        Verdict if they differ by more.
-
-    Returns
-    -------
-    str
-        ``consistent`` or `otherwise`; the latter too if a number is not finite.
-    """
+    """Verdict on two numbers that should be equal."""
     return CONSISTENT if abs(found - printed) <= tolerance * (1.0 + _ROUNDING) else otherwise
 
 
 def remark(
     id_: str, place: str, what: str, arithmetic: str, verdict: str, note: str = "", numbers: tuple[str, ...] = ()
 ) -> Finding:
-    """Finding about words or symbols, which has no numbers to compare.
-
-    Parameters
-    ----------
-    id_, place, what, arithmetic, verdict, note, numbers
-        As in `Finding`.
-
-    Returns
-    -------
-    Finding
-        With nan for `found`, `printed` and `tolerance`.
-    """
+    """Finding about words or symbols, which has no numbers to compare."""
     return Finding(id_, place, what, arithmetic, math.nan, math.nan, math.nan, "", verdict, note, numbers)
 
 
 def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:
-    """Tidy table of findings.
-
-    Parameters
-    ----------
-    findings : iterable of Finding
-        In the order wanted.
-
-    Returns
-    -------
-    DataFrame
-        One row a finding, a column for each field; `numbers` joined by spaces.
-    """
+    """Tidy table of findings."""
     return pd.DataFrame(
         [{**vars(f), "numbers": " ".join(f.numbers)} for f in findings], columns=list(Finding.__dataclass_fields__)
     )

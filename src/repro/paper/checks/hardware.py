@@ -19,18 +19,7 @@ FLOAT_BITS = 32
 
 
 def encoder(p: Published) -> list[Finding]:
-    """Encoder step and position range.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Three.
-    """
+    """Encoder step and position range."""
     step, gear, turns = p["section3/encoder-step"], p["section3/gear-ratio"], p["section3/position-turns"]
     low, high, bits = p["section3/position-low"], p["section3/position-high"], p["section3/position-bits"]
     # The motor's counts a turn are not printed: the whole number that the printed ones lead to.
@@ -84,18 +73,7 @@ def encoder(p: Published) -> list[Finding]:
 
 
 def link_and_device(p: Published) -> list[Finding]:
-    """Frame, rate of the serial link, logic elements, memory, and the circle of T2.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Five.
-    """
+    """Frame, rate of the serial link, logic elements, memory, and the circle of T2."""
     frame, identifier = p["section3/frame"], p["section3/identifier"]
     fields, position, torque_bits = (
         p["section3/position-fields"],

@@ -51,11 +51,5 @@ _MISPRINTS = (
 
 
 def misprints() -> list[Finding]:
-    """Misprints that can be told from the text.
-
-    Returns
-    -------
-    list of Finding
-        All with the verdict ``misprint``; none uses a published number.
-    """
+    """Misprints that can be told from the text."""
     return [remark(id_, place, what, why, MISPRINT, note) for id_, place, what, why, note in _MISPRINTS]

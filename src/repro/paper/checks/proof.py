@@ -21,18 +21,7 @@ def _crossing(ratio: Callable[[float], float], level: float, low: float, high: f
 
 
 def bounds(p: Published) -> list[Finding]:
-    """How far the three inequalities of the proof hold.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Three; found is the end of the interval in which the inequality holds.
-    """
+    """How far the three inequalities of the proof hold."""
     rho, gamma, domain = p["appendix/rho"], p["appendix/gamma"], p["appendix/domain"]
     steepness, speed = p["section4a/steepness"], p["section3/joint-speed"]
     radius = domain.value * math.pi
@@ -86,18 +75,7 @@ def bounds(p: Published) -> list[Finding]:
 
 
 def matrices(p: Published) -> list[Finding]:
-    """Signs and factors in Eq. 17, 20, 21 and 22.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Five.
-    """
+    """Signs and factors in Eq. 17, 20, 21 and 22."""
     scale = p["appendix/rho"].value * p["appendix/epsilon"].value
     arm = stability_constants(appendix_arm())
     return [

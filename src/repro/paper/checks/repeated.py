@@ -32,18 +32,7 @@ REPEATED = {
 
 
 def repeated_numbers(p: Published) -> list[Finding]:
-    """Numbers stated more than once: the same each time?
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        One a number.
-    """
+    """Numbers stated more than once: the same each time?"""
     found = []
     for what, ids in REPEATED.items():
         values = [p[i] for i in ids]

@@ -9,18 +9,7 @@ from repro.paper.published import Published
 
 
 def sampling(p: Published) -> list[Finding]:
-    """Sampling rate, and the band that 100 coefficients hold on the identification trajectory.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Two.
-    """
+    """Sampling rate, and the band that 100 coefficients hold on the identification trajectory."""
     period, rate = p["section3/sampling-period"], p["section3/sampling-rate"]
     hertz = 1000.0 / period.value
     duration, bands, high = p["section4a/time-high"], p["section4a/bands"], p["section4a/band-high"]
@@ -61,18 +50,7 @@ def sampling(p: Published) -> list[Finding]:
 
 
 def image_and_trajectory(p: Published) -> list[Finding]:
-    """Colour weights of Eq. 16, and the speed that Eq. 10 asks for.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Two.
-    """
+    """Colour weights of Eq. 16, and the speed that Eq. 10 asks for."""
     weight = p["eq16/blue/channel1"]
     blue = weight.value / 3.0 + 1.0
     speed = p["section3/joint-speed"]
@@ -117,18 +95,7 @@ def image_and_trajectory(p: Published) -> list[Finding]:
 
 
 def random_trajectories(p: Published) -> list[Finding]:
-    """How many of the validation trajectories are filtered random signals.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        One.
-    """
+    """How many of the validation trajectories are filtered random signals."""
     stated = p["section1a/random-trajectories"]
     return [
         remark(

@@ -25,18 +25,7 @@ def _share(count: int, of: int) -> str:
 
 
 def numeric_claims(p: Published) -> list[Finding]:
-    """97.38 % of the abstract and 97 % of Section VI: the published pairs scored on Eq. 10.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Each claim under both readings of the metric's time factor.
-    """
+    """97.38 % of the abstract and 97 % of Section VI: the published pairs scored on Eq. 10."""
     found = []
     pairs = tuple(
         f"table0{4 if case in NUMERIC_CASES[:2] else 5}/{case}/{method}/{name}"
@@ -71,18 +60,7 @@ def numeric_claims(p: Published) -> list[Finding]:
 
 
 def experimental_claims(p: Published) -> list[Finding]:
-    """93.55 % of the abstract, 93 %, 93.91 % and the threshold of Sections VI and VII, against Table 10.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        One a claim.
-    """
+    """93.55 % of the abstract, 93 %, 93.91 % and the threshold of Sections VI and VII, against Table 10."""
     identification, validation = _totals(p, "algorithm1", ("ID",)), _totals(p, "algorithm1", VALIDATION)
     found = []
     stated = p["abstract/experimental/total"]
@@ -159,18 +137,7 @@ def experimental_claims(p: Published) -> list[Finding]:
 
 
 def comparison_with_least_squares(p: Published) -> list[Finding]:
-    """Is Algorithm 1 better than least squares, as the abstract says?
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        On the identification and on the validation trajectories.
-    """
+    """Is Algorithm 1 better than least squares, as the abstract says?"""
     found = []
     for name, cases in (("identification", ("ID",)), ("validation", VALIDATION)):
         ours, theirs = _totals(p, "algorithm1", cases), _totals(p, "least-squares", cases)
@@ -198,18 +165,7 @@ def comparison_with_least_squares(p: Published) -> list[Finding]:
 
 
 def lost_table(p: Published) -> list[Finding]:
-    """Table 6 against the threshold of the numeric tests: lost.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        One.
-    """
+    """Table 6 against the threshold of the numeric tests: lost."""
     stated, threshold = p["abstract/numeric/total"], p["section6/numeric/threshold"]
     return [
         remark(

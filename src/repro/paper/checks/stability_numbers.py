@@ -18,18 +18,7 @@ def _ids(*names: str) -> tuple[str, ...]:
 
 
 def numbers_against_each_other(p: Published) -> list[Finding]:
-    """Relations between the six numbers that need no arm, and whether one arm gives all of them.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Five.
-    """
+    """Relations between the six numbers that need no arm, and whether one arm gives all of them."""
     n = appendix_numbers(p)
     rho, epsilon = p["appendix/rho"].value, p["appendix/epsilon"].value
     scale = rho * epsilon

@@ -7,18 +7,7 @@ from repro.paper.published import Published
 
 
 def torque(p: Published) -> list[Finding]:
-    """Torque units, range, saturation and full torque.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Six.
-    """
+    """Torque units, range, saturation and full torque."""
     unit, low, high = p["section3/torque-unit"], p["section3/torque-low"], p["section3/torque-high"]
     bits, motor = p["section3/torque-bits"], p["section3/motor-torque"]
     percent = 100.0 / high.value

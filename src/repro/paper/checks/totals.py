@@ -6,18 +6,7 @@ from repro.paper.published import Published
 
 
 def totals_against_factors(p: Published) -> list[Finding]:
-    """Is each Total of Tables 7 and 10 Time x Freq.? One finding a table and one for each Total that is not.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Tables first.
-    """
+    """Is each Total of Tables 7 and 10 Time x Freq.? One finding a table and one for each Total that is not."""
     checks = composition(p)
     found = []
     for place, cells in checks.groupby("place", sort=False):

@@ -7,18 +7,7 @@ from repro.paper.published import Published
 
 
 def training(p: Published) -> list[Finding]:
-    """Split of the images, loss, learning rate, and the sizes the kernels lead to.
-
-    Parameters
-    ----------
-    p : Published
-        The numbers.
-
-    Returns
-    -------
-    list of Finding
-        Six.
-    """
+    """Split of the images, loss, learning rate, and the sizes the kernels lead to."""
     sets = p["section5a/parameter-sets"]
     found = []
     for part in ("train", "test"):

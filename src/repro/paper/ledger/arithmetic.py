@@ -31,27 +31,7 @@ _ARM = "arm chosen so that all six numbers come out, Table 9 being lost"
 
 
 def arithmetic(published: Published, config: Mapping[str, Any], results: Results) -> dict[str, Ours]:
-    """Exact and deterministic numbers.
-
-    Parameters
-    ----------
-    published : Published
-        Numbers that others are computed from.
-    config : mapping
-        Checked configuration.
-    results : Results
-        Result files.
-
-    Returns
-    -------
-    dict
-        Our side by the id of the published number.
-
-    Raises
-    ------
-    InputError
-        If a result is missing.
-    """
+    """Exact and deterministic numbers."""
 
     def made(value: float, note: str) -> Ours:
         return Ours(float(value), TARGET, note=note)

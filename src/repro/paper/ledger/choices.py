@@ -20,18 +20,7 @@ def chosen(value: float, key: str, note: str = "", unused: bool = False) -> Ours
 
 
 def choices(config: Config) -> dict[str, Ours]:
-    """Published settings that are keys of the configuration, or follow from them.
-
-    Parameters
-    ----------
-    config : mapping
-        Checked configuration.
-
-    Returns
-    -------
-    dict
-        Our side by the id of the published number.
-    """
+    """Published settings that are keys of the configuration, or follow from them."""
     return {**_arms(config), **_signals(config), **_training(config), **_search(config), **_experiment(config)}
 
 

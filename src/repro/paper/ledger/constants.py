@@ -38,13 +38,7 @@ def fixed(value: float, module: str, note: str = "") -> Ours:
 
 
 def constants() -> dict[str, Ours]:
-    """Published settings that our code holds.
-
-    Returns
-    -------
-    dict
-        Our side by the id of the published number.
-    """
+    """Published settings that our code holds."""
     return {**_frame(), **_network(), **_images(), **_ranges(), **_identification_motion(), **_others()}
 
 
@@ -133,20 +127,7 @@ def _ranges() -> dict[str, Ours]:
 
 
 def second_harmonic(residual: Array, acceleration: Array, time: Array) -> tuple[float, float, float]:
-    """Amplitude, frequency and phase of one sinusoid.
-
-    Parameters
-    ----------
-    residual, acceleration : arrays of shape (N,)
-        Sampled sinusoid and its exact second derivative.
-    time : array of shape (N,)
-        s.
-
-    Returns
-    -------
-    amplitude, frequency, phase : float
-        Of ``amplitude cos(frequency t + phase)``, the phase from 0 to pi; frequency in rad/s.
-    """
+    """Amplitude, frequency and phase of one sinusoid."""
     frequency = float(np.sqrt(-(acceleration @ residual) / (residual @ residual)))
     waves = np.stack([np.cos(frequency * time), -np.sin(frequency * time)], axis=-1)
     (c, s), *_ = np.linalg.lstsq(waves, residual, rcond=None)

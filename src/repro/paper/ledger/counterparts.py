@@ -34,37 +34,7 @@ _ABOUT = {"appendix/sine": "appendix/domain"}
 
 
 def counterparts(published: Published, config: Mapping[str, Any], results: Results) -> dict[str, Ours]:
-    """Our side of every published number that is the paper's own.
-
-    Parameters
-    ----------
-    published : Published
-        The numbers.
-    config : mapping
-        Checked configuration.
-    results : Results
-        Result files.
-
-    Returns
-    -------
-    dict
-        Our side by id, for `repro.paper.claims.ledger`.
-
-    Raises
-    ------
-    InputError
-        If a result is missing.
-
-    Notes
-    -----
-    The project promises (`must`) settings that the default run uses, arithmetic and the numbers of the appendix
-    wherever it has a counterpart and the paper does not contradict itself there; a held-out loss no higher than the
-    published one; and that its refinement reaches, without a tolerance, the abstract's two similarities and the totals
-    of Table 10 on the identification trajectory.
-    This rule was fixed before the results of a full run were compared. What it promises of networks keeps twice the
-    spread over networks (`tests/test_reference.py`), so that another machine keeps it too. Nothing else
-    is promised: the literal Algorithm 1, the parameters it finds and all that is simulated are shown as they come out.
-    """
+    """Our side of every published number that is the paper's own."""
     found = {**choices(config), **constants(), **arithmetic(published, config, results), **measured(results)}
     audited = findings(published)
     contradictions = {about(finding): finding for finding in audited if about(finding)}
@@ -103,21 +73,5 @@ def _told(finding: Finding) -> str:
 
 
 def compute(published: Published, config: Mapping[str, Any], results: Results) -> pd.DataFrame:
-    """The ledger from its sources.
-
-    Parameters
-    ----------
-    published, config, results
-        As for `counterparts`.
-
-    Returns
-    -------
-    DataFrame
-        Columns `repro.paper.claims.COLUMNS`.
-
-    Raises
-    ------
-    InputError
-        If a result is missing.
-    """
+    """The ledger from its sources."""
     return ledger(published, counterparts(published, config, results))

@@ -26,23 +26,7 @@ _OF_TABLE = {"table06": (REFINEMENT,), "table07": (REFINEMENT,), "table10": (REF
 
 
 def measured(results: Results) -> dict[str, Ours]:
-    """Everything that the workflow's results hold against the paper's.
-
-    Parameters
-    ----------
-    results : Results
-        Result files.
-
-    Returns
-    -------
-    dict
-        Our side by the id of the published number; one of `EXTENSIONS` behind the id for an extension of ours.
-
-    Raises
-    ------
-    InputError
-        If a result is missing.
-    """
+    """Everything that the workflow's results hold against the paper's."""
     loss = Ours(results.loss(), "train", better=lower, strict=True, must=True, note="held-out loss, default recipe")
     return {
         **_parameters(results),

@@ -74,27 +74,7 @@ class Results:
         return number
 
     def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> tuple[float, float]:
-        """Similarity of a table, and its standard deviation over the seeds, %.
-
-        Parameters
-        ----------
-        table : str
-            ``table06``, ``table07``, ``table08`` or ``table10``.
-        case, method, joint : str, str, int
-            Row.
-        quantity : {"time", "frequency", "total"}
-            Column.
-
-        Returns
-        -------
-        value, spread : float
-            The spread is 0 with one seed.
-
-        Raises
-        ------
-        InputError
-            If there is no such row, or no finite number in it.
-        """
+        """Similarity of a table, and its standard deviation over the seeds, %."""
         row = {"case": case, "method": method, "joint": joint}
         value = self._number(f"tables/{table}.csv", quantity, **row)
         if table not in _SEEDS:
@@ -114,20 +94,7 @@ class Results:
         return true, estimate, sd
 
     def stability(self, quantity: str, column: str) -> float:
-        """A number of the appendix for the arm behind the simulated board.
-
-        Parameters
-        ----------
-        quantity : str
-            First word of the condition: ``Potential``, ``Energy``, ``Dissipation`` or ``Rate``.
-        column : {"value", "bound"}
-            Which side of it.
-
-        Raises
-        ------
-        InputError
-            If there is no such row, or no finite number in it.
-        """
+        """A number of the appendix for the arm behind the simulated board."""
         name = "tables/stability.csv"
         names = self._rows(name, method="true")["quantity"].astype(str)
         full = next((text for text in names if text.startswith(quantity)), quantity)

@@ -17,24 +17,7 @@ def _digest(path: Path) -> str:
 
 
 def write_sources(path: Path, files: Iterable[Path], root: Path = Path(), published: Path = PUBLISHED_FILE) -> None:
-    """Write the check sums of files and of the published numbers.
-
-    Parameters
-    ----------
-    path : Path
-        The list, written.
-    files : iterable of Path
-        Files, relative to `root`.
-    root : Path
-        Folder of the project, which the names in the list start from.
-    published : Path
-        File of the published numbers, listed as `PUBLISHED_NAME`.
-
-    Raises
-    ------
-    InputError
-        If a file is missing.
-    """
+    """Write the check sums of files and of the published numbers."""
     sums = {PUBLISHED_NAME: published, **{file.as_posix(): root / file for file in files}}
     lines = []
     for name, file in sorted(sums.items()):
@@ -46,13 +29,7 @@ def write_sources(path: Path, files: Iterable[Path], root: Path = Path(), publis
 
 
 def read_sources(path: Path) -> dict[str, str]:
-    """Names and check sums of a list.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, empty, or a line is not a check sum and a name.
-    """
+    """Names and check sums of a list."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -69,23 +46,7 @@ def read_sources(path: Path) -> dict[str, str]:
 
 
 def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
-    """Files of a list that are gone or changed.
-
-    Parameters
-    ----------
-    path, root, published
-        As for `write_sources`.
-
-    Returns
-    -------
-    list of str
-        A line for each, naming it.
-
-    Raises
-    ------
-    InputError
-        If the list itself cannot be read.
-    """
+    """Files of a list that are gone or changed."""
     said = []
     for name, digest in read_sources(path).items():
         file = published if name == PUBLISHED_NAME else root / name

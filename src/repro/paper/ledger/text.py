@@ -57,18 +57,7 @@ def by_verdict(claims: pd.DataFrame) -> pd.DataFrame:
 
 
 def summary(claims: pd.DataFrame) -> list[str]:
-    """How many claims have each verdict, and every promise that does not hold.
-
-    Parameters
-    ----------
-    claims : DataFrame
-        The ledger, columns `repro.paper.claims.COLUMNS`.
-
-    Returns
-    -------
-    list of str
-        Lines.
-    """
+    """How many claims have each verdict, and every promise that does not hold."""
     counted = by_verdict(claims)
     kept, failed = claims["must"].sum(), broken(claims)
     totals = counted.sum()
@@ -87,18 +76,7 @@ def summary(claims: pd.DataFrame) -> list[str]:
 
 
 def markdown(claims: pd.DataFrame) -> str:
-    """The ledger as a page.
-
-    Parameters
-    ----------
-    claims : DataFrame
-        The ledger, columns `repro.paper.claims.COLUMNS`.
-
-    Returns
-    -------
-    str
-        Counts by verdict, promises, what differs, then every number by its place.
-    """
+    """The ledger as a page."""
     failed = broken(claims)
     promises = claims[claims["must"]]
     by_kind = promises.groupby("kind", sort=True)["id"].size()

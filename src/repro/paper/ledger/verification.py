@@ -30,31 +30,7 @@ def write_ledger(
     root: Path = Path(),
     published: Path = PUBLISHED_FILE,
 ) -> pd.DataFrame:
-    """Compute the ledger and write it: table, page and check sums of its sources.
-
-    Parameters
-    ----------
-    results : Path
-        Results folder; ``claims.csv``, ``claims.md`` and ``claims.sha256`` are written there.
-    config : mapping
-        Checked configuration.
-    files : sequence of Path
-        Files to list, relative to `root`: the results, and ``SHA256SUMS`` of the captures.
-    root : Path
-        Folder of the project.
-    published : Path
-        File of the published numbers.
-
-    Returns
-    -------
-    DataFrame
-        The ledger.
-
-    Raises
-    ------
-    InputError
-        If a file is missing or is not what it must be.
-    """
+    """Compute the ledger and write it: table, page and check sums of its sources."""
     claims = compute(load_published(published), config, Results(results))
     write_csv(results / CLAIMS, claims)
     write_text(results / PAGE, markdown(_written(_csv(claims))))
@@ -66,26 +42,7 @@ def write_ledger(
 def verify_ledger(
     results: Path, config: Mapping[str, Any], root: Path = Path(), published: Path = PUBLISHED_FILE
 ) -> tuple[pd.DataFrame | None, list[str]]:
-    """Check every source of a ledger, compute it again and compare it with the one on disk, cell by cell.
-
-    Parameters
-    ----------
-    results, config, root, published
-        As for `write_ledger`.
-
-    Returns
-    -------
-    claims : DataFrame or None
-        The ledger computed again; None if its sources no longer allow that.
-    problems : list of str
-        A line for each file that is gone or changed, each capture that is not the recorded one, and each cell of
-        the ledger that does not follow from its sources; empty if all agree.
-
-    Raises
-    ------
-    InputError
-        If there is no ledger, or no list of its sources, to check.
-    """
+    """Check every source of a ledger, compute it again and compare it with the one on disk, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
     problems = changed_sources(results / SOURCES, root, published)
     for name in read_sources(results / SOURCES):
@@ -102,22 +59,7 @@ def verify_ledger(
 
 
 def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
-    """Cells of a written ledger that are not those of a computed one, beyond what rounding makes of them.
-
-    Parameters
-    ----------
-    text : str
-        The written one, CSV.
-    claims : DataFrame
-        The computed one.
-    place : str
-        File, for messages.
-
-    Returns
-    -------
-    list of str
-        A line for each cell, row or column that differs, naming it.
-    """
+    """Cells of a written ledger that are not those of a computed one, beyond what rounding makes of them."""
     header, found = ",".join(claims.columns), text.partition("\n")[0].strip()
     if found != header:
         return [f"{place}: header: found {found or 'nothing'}, expected {header}"]
