@@ -127,7 +127,7 @@ def change(*keys, to):
         (change("trajectory", "n2", to=401), "trajectory.n2: found 401, expected more than n1"),
         (change("trajectory", to=[]), "trajectory: found [], expected an object"),
         (change("control", "kp", to=[1.0]), "control.kp: found [1.0], expected two positive numbers"),
-        (change("control", "kp", to=[1.0, -2.0]), "control.kp: found [1.0, -2.0], expected two positive numbers"),
+        (change("control", "kp", to=[1.0, -2.0]), "control.kp[1]: found -2.0, expected two positive numbers"),
         (change("control", "kv_counts", to=[1.0, 2.0]), "control.kv_counts: found [1.0, 2.0], expected"),
         (change("counts", "good", to=399), "counts.good: found 399, expected 400"),
         (change("counts", "colour", to=1), "counts.colour: found an unknown key"),

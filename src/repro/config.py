@@ -4,17 +4,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import yaml
 
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.feasibility import is_positive_definite
+from repro.schema import Place, spelled, violation
 from repro.signals.programs import MEMORY_SAMPLES
-
-#: Keys and list positions that lead to a value.
-Place = tuple[str | int, ...]
 
 _ABSENT = object()
 
@@ -22,17 +19,6 @@ _ABSENT = object()
 NEAREST = 0.7
 #: Largest number that the board's memory holds.
 LARGEST = float(np.finfo(np.float32).max)
-
-# JSON takes 60.0 for an integer; a budget written so would fail later, far from here.
-_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
-    "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
-)
-_Validator = jsonschema.validators.extend(jsonschema.Draft202012Validator, type_checker=_TYPES)  # type: ignore[no-untyped-call]
-
-
-def _field(place: Place) -> str:
-    """``("numeric", "arms", "N1", 3)`` as ``numeric.arms.N1[3]``."""
-    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in place).removeprefix(".")
 
 
 def _at(node: Any, place: Place) -> object:  # noqa: ANN401
@@ -43,18 +29,6 @@ def _at(node: Any, place: Place) -> object:  # noqa: ANN401
     except (KeyError, IndexError, TypeError):
         return _ABSENT
     return node
-
-
-def _infinite(node: object, place: Place = ()) -> Iterator[Place]:
-    """Places of NaN and infinity, which YAML can spell and a schema lets through."""
-    if isinstance(node, Mapping):
-        for key, item in node.items():
-            yield from _infinite(item, (*place, str(key)))
-    elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _infinite(item, (*place, index))
-    elif isinstance(node, float) and not np.isfinite(node):
-        yield place
 
 
 def _odd_keys(node: object, place: Place = ()) -> Iterator[tuple[Place, object]]:
@@ -110,35 +84,6 @@ def merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any
     return changed
 
 
-def _expected(error: jsonschema.ValidationError) -> tuple[Place, str, str]:
-    """Place, found and expected of a schema violation, in words."""
-    place = tuple(error.absolute_path)
-    rule, limit = str(error.validator), error.validator_value
-    if rule == "additionalProperties":
-        schema: Mapping[str, Any] = error.schema  # type: ignore[assignment]
-        known = [*schema.get("properties", {}), *schema.get("required", [])]
-        unknown = [k for k in error.instance if k not in known]  # type: ignore[union-attr]
-        return (*place, str(unknown[0])), "an unknown key", f"one of {', '.join(sorted(set(known)))}"
-    if rule == "required":
-        missing = next(k for k in limit if k not in error.instance)  # type: ignore[union-attr,operator]
-        return (*place, str(missing)), "nothing", "a value"
-    words = {
-        "type": f"{limit}",
-        "enum": f"one of {limit}",
-        "const": f"{limit}",
-        "minimum": f"at least {limit}",
-        "maximum": f"at most {limit}",
-        "exclusiveMinimum": f"more than {limit}",
-        "exclusiveMaximum": f"less than {limit}",
-        "minItems": f"at least {limit} values",
-        "maxItems": f"at most {limit} values",
-        "uniqueItems": "values that differ",
-        "pattern": f"text like {limit}",
-        "not": "another key",
-    }
-    return place, repr(error.instance), words.get(rule, f"{rule} {limit}")
-
-
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
     """Values that do not go together, and what would."""
     for low, high in (
@@ -148,7 +93,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
     ):
         a, b = config[low[0]][low[1]], config[high[0]][high[1]]
         if not a < b:
-            yield (low, high), f"{_field(low)} ({a}) below {_field(high)} ({b})"
+            yield (low, high), f"{spelled(low)} ({a}) below {spelled(high)} ({b})"
     data, signals, paper = config["data"], config["signals"], config["training"]["paper"]
     if data["exact_share"] + data["near_share"] > 1:
         yield (("data", "exact_share"), ("data", "near_share")), "two shares that add up to 1 at most"
@@ -204,27 +149,23 @@ def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] 
     """Check a configuration against its schema, and its values against each other."""
     sources = _Sources(config, files)
     for place, key in _odd_keys(config):
-        raise InputError.at(f"{sources.name(place)}: {_field(place) or 'configuration'}", f"the key {key!r}", "text")
-    validator = _Validator(yaml.safe_load(schema.read_text(encoding="utf-8")))
-    _check(config, validator, sources)
+        raise InputError.at(f"{sources.name(place)}: {spelled(place) or 'configuration'}", f"the key {key!r}", "text")
+    rules = yaml.safe_load(schema.read_text(encoding="utf-8"))
+    _check(config, rules, sources)
     if not config["refinement"]["passes"]:
         place = ("refinement", "passes")
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", 0, "at least 1; 0 is for section networks")
+        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", 0, "at least 1; 0 is for section networks")
     for name, changes in config["networks"].items():
-        _check(merged(config, changes), validator, sources, ("networks", name))
+        _check(merged(config, changes), rules, sources, ("networks", name))
 
 
-def _check(config: Mapping[str, Any], validator: Any, sources: _Sources, network: Place = ()) -> None:  # noqa: ANN401
+def _check(config: Mapping[str, Any], schema: Mapping[str, Any], sources: _Sources, network: Place = ()) -> None:
     """Raise an `InputError` at the first violation; `network` leads to the changes of a network in `config`."""
-    violations = list(validator.iter_errors(config))
-    if violations:
-        place, found, expected = _expected(min(violations, key=lambda e: [str(p) for p in e.absolute_path]))
+    if wrong := violation(config, schema):
+        place, found, expected = wrong
         place = (*network, *place)
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", found, expected)
-    for inner in _infinite(config):
-        place = (*network, *inner)
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, inner), "a finite number")
+        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", found, expected)
     for places, expected in _contradictions(config):
         own = [(*network, *place) for place in places if sources.hold((*network, *place))]
         place = max(own, key=sources.rank)  # the one that was set last
-        raise InputError.at(f"{sources.name(place)}: {_field(place)}", _at(config, place[len(network) :]), expected)
+        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", _at(config, place[len(network) :]), expected)

@@ -1,18 +1,18 @@
-"""What a capture file says about itself: the JSON file beside the raw bytes, checked key by key."""
+"""What a capture file says about itself: the JSON file beside the raw bytes, checked against its schema."""
 
 import hashlib
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from repro.errors import InputError
-from repro.fpga.about import REASONS, About, Host, Reason
+from repro.fpga.about import About, Host, Reason
 from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import parse_program
 from repro.fpga.stream import Counts
+from repro.schema import spelled, violation
 
 #: Version of the layout of the sidecar, and the one before, which held a hash of the desired positions alone.
 FORMAT, WITHOUT_PROGRAM = 2, 1
@@ -67,83 +67,6 @@ def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[s
     return content
 
 
-@dataclass(frozen=True)
-class _Rule:
-    expected: str
-    holds: Callable[[Any], bool]
-
-
-def _is_integer(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
-
-
-def _is_pair(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(_is_number(x) and x > 0 for x in value)
-
-
-def _is_digest(value: object) -> bool:
-    return isinstance(value, str) and len(value) == 64 and set(value) <= set("0123456789abcdef")
-
-
-def _is_chunk(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 2 and _is_integer(value[0]) and _is_number(value[1])
-
-
-_TEXT = _Rule("text", lambda value: isinstance(value, str))
-_COUNT = _Rule("an integer, 0 or more", lambda value: _is_integer(value) and value >= 0)
-_PAIR = _Rule("two positive numbers", _is_pair)
-_DIGEST = _Rule("a SHA-256 of 64 hexadecimal digits", _is_digest)
-_HOST = {
-    "port": _TEXT,
-    "baud": _COUNT,
-    "began": _TEXT,
-    "chunks": _Rule("pairs of bytes and seconds", lambda value: isinstance(value, list) and all(map(_is_chunk, value))),
-}
-_CONTROL = (*(field.name for field in fields(ControlConstants)), "kp_counts", "kv_counts")
-_SIDECAR: dict[str, Any] = {
-    "format": _Rule(str(FORMAT), lambda value: _is_integer(value) and value == FORMAT),
-    "source": _Rule("simulated or serial", lambda value: value in ("simulated", "serial")),
-    "board": _Rule("an object or null", lambda value: value is None or isinstance(value, dict)),
-    "motion": _TEXT,
-    "sampling_period_s": _Rule("a positive number", lambda value: _is_number(value) and value > 0),
-    "samples_expected": _COUNT,
-    "trajectory": {"n1": _COUNT, "n2": _COUNT},
-    "program": {
-        "bytes": _COUNT,
-        "sha256": _DIGEST,
-        "recomputed": _Rule("true or false", lambda value: isinstance(value, bool)),
-    },
-    "control": dict.fromkeys(_CONTROL, _PAIR),
-    "counts": {field.name: _COUNT for field in fields(Counts)},
-    "complete": _Rule("true or false", lambda value: isinstance(value, bool)),
-    "reason": _Rule(f"one of {', '.join(map(repr, REASONS))}", lambda value: value in REASONS),
-    "bytes": _COUNT,
-    "sha256": _DIGEST,
-}
-
-
-def _check(place: str, content: object, rules: Mapping[str, Any], prefix: str = "") -> None:
-    """Check keys and values of one object, and of the objects in it."""
-    if not isinstance(content, dict):
-        raise InputError.at(f"{place}: {prefix.rstrip('.') or 'content'}", repr(content), "an object")
-    for key, rule in rules.items():
-        name = prefix + key
-        if key not in content:
-            raise InputError.at(f"{place}: {name}", "nothing", "a value")
-        if isinstance(rule, _Rule):
-            if not rule.holds(content[key]):
-                raise InputError.at(f"{place}: {name}", repr(content[key]), rule.expected)
-        else:
-            _check(place, content[key], rule, f"{name}.")
-    for key in content:
-        if key not in rules:
-            raise InputError.at(f"{place}: {prefix}{key}", "an unknown key", f"one of {', '.join(rules)}")
-
-
 def check_sidecar(place: str, content: object) -> dict[str, Any]:
     """Check what was read from a JSON file.
 
@@ -165,16 +88,21 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
         If the version is another, a key is missing or unknown, or a value is of the wrong type or contradicts
         another.
     """
-    if isinstance(content, dict) and "format" in content:  # another version may have other keys
-        if _is_integer(content["format"]) and content["format"] == WITHOUT_PROGRAM:
-            raise InputError.at(
-                f"{place}: format",
-                "1, a recording without what the board was sent",
-                f"{FORMAT}; `repro upgrade {Path(place).with_suffix('.bin')}` adds it",
-            )
-        _check(place, {"format": content["format"]}, {"format": _SIDECAR["format"]})
-    with_host = isinstance(content, dict) and "host" in content
-    _check(place, content, _SIDECAR | ({"host": _HOST} if with_host else {}))
+    # Another version may have other keys.
+    if isinstance(content, dict) and content.get("format") == WITHOUT_PROGRAM and content["format"] is not True:
+        raise InputError.at(
+            f"{place}: format",
+            "1, a recording without what the board was sent",
+            f"{FORMAT}; `repro upgrade {Path(place).with_suffix('.bin')}` adds it",
+        )
+    schema = json.loads(Path(__file__).with_name("sidecar.schema.json").read_text(encoding="utf-8"))
+    of_format = {"format": content["format"]} if isinstance(content, dict) and "format" in content else {}
+    wrong = violation(of_format, {"properties": {"format": schema["properties"]["format"]}}) or violation(
+        content, schema
+    )
+    if wrong:
+        where, found, expected = wrong
+        raise InputError.at(f"{place}: {spelled(where) or 'content'}", found, expected)
     assert isinstance(content, dict)  # checked above
     c: dict[str, Any] = content
     control, trajectory, board = _control(c), c["trajectory"], c["board"]

@@ -1,20 +1,19 @@
 """The arm file: what a recording of this arm means, where its header does not say."""
 
 import json
-import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import yaml
 
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
+from repro.schema import spelled, violation
 
 #: One value for each joint.
 Pair = tuple[float, float]
@@ -119,12 +118,9 @@ def read_arm(path: Path | None) -> Arm:
         return Arm()
     content = _load(path)
     schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
-    violations = list(jsonschema.Draft202012Validator(schema).iter_errors(content))
-    if violations:
-        error = min(violations, key=lambda e: [str(key) for key in e.absolute_path])
-        raise _violation(str(path), error, schema)
-    for place, value in _infinite(content):
-        raise InputError.at(f"{path}: {place}", value, "a finite number")
+    if wrong := violation(content, schema):
+        place, found, expected = wrong
+        raise InputError.at(f"{path}: {spelled(place)}", found, expected)
     columns = content.get("columns", {})
     for signal, header in columns.items():
         twin = next(other for other in columns if columns[other] == header)
@@ -156,34 +152,6 @@ def _load(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise InputError.at(str(path), repr(content)[:60], "keys with values, such as 'gravity: 9.81'")
     return content
-
-
-def _violation(file: str, error: jsonschema.ValidationError, schema: Mapping[str, Any]) -> InputError:
-    """One line for a violation; the schema's descriptions say what is expected."""
-    node, keys = schema, list(error.absolute_path)
-    for key in keys:
-        if key not in node.get("properties", {}):
-            break
-        node = node["properties"][key]
-    place = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).removeprefix(".")
-    if error.validator == "additionalProperties":
-        known = node["properties"]
-        unknown = next(key for key in error.instance if key not in known)  # type: ignore[union-attr]
-        place = f"{place}.{unknown}".removeprefix(".")
-        return InputError.at(f"{file}: {place}", "an unknown key", f"one of {', '.join(known)}")
-    return InputError.at(f"{file}: {place}", repr(error.instance)[:60], str(node["description"]))
-
-
-def _infinite(node: object, place: str = "") -> Iterator[tuple[str, float]]:
-    """Places of NaN and infinity, which YAML can spell and a schema lets through."""
-    if isinstance(node, Mapping):
-        for key, item in node.items():
-            yield from _infinite(item, f"{place}.{key}".removeprefix("."))
-    elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _infinite(item, f"{place}[{index}]")
-    elif isinstance(node, float) and not math.isfinite(node):
-        yield place, node
 
 
 def _value(key: str, value: Any) -> Any:  # noqa: ANN401
