@@ -6,7 +6,7 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 from repro import contract
-from repro.exhibits.catalogue import FIGURES, TABLES
+from repro.exhibits.catalogue import EXHIBITS
 from repro.pipeline.alive import begin_run, join_run
 from repro.pipeline.provenance import host_fingerprint, write_provenance
 from repro.pipeline.readings import READINGS
@@ -35,9 +35,8 @@ else:
 
 R = config["results"]
 F = config["figures"]
-EXHIBITS = [*TABLES, *FIGURES]
-ALL_FIGURES = [exhibit.name for exhibit in FIGURES if not exhibit.optional]
-ALL_TABLES = [*(exhibit.name for exhibit in TABLES if not exhibit.optional), "audit"]
+ALL_FIGURES = [exhibit.name for exhibit in EXHIBITS if exhibit.kind == "figure" and not exhibit.optional]
+ALL_TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.kind == "table" and not exhibit.optional]
 
 
 wildcard_constraints:

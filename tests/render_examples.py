@@ -15,16 +15,20 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from repro.errors import InputError
+from repro.exhibits import catalogue
+from repro.exhibits.make import draw, lay_out, made_of
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
 from repro.pipeline import schematics_data
 from repro.pipeline.readings import READINGS, ablation_figure
 from repro.render import style
-from repro.render.figures import FIGURES, draw
-from repro.render.tables import lay_out
 
 CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+refinement+scale-aware", "algorithm1+refinement", "a further_one", "algorithm1")
+
+#: Drawings and layouts by the name of the exhibit.
+FIGURES = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "figure"}
+LAYOUTS = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "table"}
 
 
 def long_table(panels: dict[str, tuple[str, ...]], x: np.ndarray, y: Callable[[int], np.ndarray]) -> pd.DataFrame:
@@ -350,13 +354,13 @@ def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
     pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
-    draw(name, written(folder, name, frame), pdf, png)
+    draw(FIGURES[name], name, written(folder, name, frame), pdf, png)
     return pdf.read_bytes(), png.read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
     tex, md = folder / f"{name}.tex", folder / f"{name}.md"
-    lay_out(name, written(folder, name, frame), tex, md)
+    lay_out(LAYOUTS[name], written(folder, name, frame), tex, md)
     return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
 
 

@@ -18,6 +18,7 @@ from experiment_example import (
     short_config,
 )
 
+from repro.exhibits import arm
 from repro.identify.prepare import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.feasibility import is_positive_definite
@@ -34,7 +35,6 @@ from repro.pipeline.experiment_data import (
     stability_table,
     validation_figure,
 )
-from repro.pipeline.experiment_outputs import FIGURE_DATA, TABLE_DATA
 from repro.pipeline.experiment_runs import every_seed, filtered, least_squares_of, score_runs, tracking
 from repro.pipeline.recordings import read_recording
 from repro.settings import metric_settings, signal_settings
@@ -159,7 +159,7 @@ def test_figure_22_shows_each_motion_in_panels_of_its_own(recordings):
 
 def test_figures_23_and_24_show_the_two_methods_that_are_compared(inputs):
     for name in ("fig23", "fig24"):
-        frame = FIGURE_DATA[name](inputs[name], CONFIG)
+        frame = arm.MADE["figure", name].numbers(inputs[name], CONFIG)
         assert set(frame["panel"]) == {f"{motion} torque{j}" for motion in MOTIONS[1:] for j in (1, 2)}
         assert set(frame["series"]) == {"measured", "algorithm1+refinement", "least-squares"}
         _, refined = curve(frame, "T1 torque1", "algorithm1+refinement")
@@ -189,7 +189,7 @@ def test_table_8_has_the_tracking_and_the_constants(recordings):
 
 
 def test_table_9_has_the_median_seed_and_no_row_for_the_truth(inputs):
-    table = TABLE_DATA["table09"](inputs["table09"], CONFIG)
+    table = arm.MADE["table", "table09"].numbers(inputs["table09"], CONFIG)
     assert "true" not in set(table["method"])
     assert set(table["case"]) == {"ID"}
     for method, factor in {"algorithm1": ERROR[MEDIAN], "least-squares": LEAST_SQUARES}.items():
@@ -202,7 +202,7 @@ def test_table_9_has_the_median_seed_and_no_row_for_the_truth(inputs):
 
 
 def test_table_10_has_every_motion_method_and_joint(inputs):
-    table = TABLE_DATA["table10"](inputs["table10"], CONFIG)
+    table = arm.MADE["table", "table10"].numbers(inputs["table10"], CONFIG)
     suffixes = ("", "+scale-aware")
     methods = {f"algorithm1{step}{s}" for step in ("", "+refinement", "+local-search") for s in suffixes}
     assert set(table["method"]) == {*methods, "least-squares", "bounded", "consistent", "true"}
@@ -212,7 +212,7 @@ def test_table_10_has_every_motion_method_and_joint(inputs):
 
 
 def test_the_stability_table_has_the_four_conditions_of_each_method(inputs):
-    table = TABLE_DATA["stability"](inputs["stability"], CONFIG)
+    table = arm.MADE["table", "stability"].numbers(inputs["stability"], CONFIG)
     assert table["method"].drop_duplicates().tolist() == [
         "algorithm1", "algorithm1+refinement", "least-squares", "true",
     ]  # fmt: skip

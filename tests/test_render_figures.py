@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_rgb
-from render_examples import FRAMES, candidates_frame, case_panels, drawn, kernels_frame, long_table, refused
+from render_examples import FIGURES, FRAMES, candidates_frame, case_panels, drawn, kernels_frame, long_table, refused
 
 from repro.render import style
-from repro.render.figures import FIGURES
 
 
 def test_pairs_that_meet_differ_in_greyscale() -> None:

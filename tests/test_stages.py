@@ -10,11 +10,13 @@ import pytest
 import yaml
 
 from repro.errors import InputError
+from repro.exhibits import catalogue
 from repro.exhibits.make import make_exhibit
 from repro.pipeline import network_stages, stages
 from repro.settings import numeric_settings
 
 ROOT = Path(__file__).resolve().parent.parent
+EXHIBITS = {e.name: e for e in (*catalogue.TABLES, *catalogue.FIGURES)}  # a figure where both have the name
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
 CONFIG["training"] |= {"steps": 2, "batch": 4, "test_samples": 4, "log_every": 1, "checkpoint_every": 1}
@@ -104,9 +106,9 @@ def test_a_second_run_gives_the_same_bytes(original, tmp_path):
 
 def test_a_figure_and_a_table_are_made_whole(original, tmp_path):
     history = [("history", str(original / "training.csv"))]
-    make_exhibit("figure", "fig10", history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})
+    make_exhibit(EXHIBITS["fig10"], history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})
     scores = [("scores", [str(original / "numeric.csv")])]
-    make_exhibit("table", "table06", scores, [(e, str(tmp_path / f"table06.{e}")) for e in ("csv", "tex", "md")], {})
+    make_exhibit(EXHIBITS["table06"], scores, [(e, str(tmp_path / f"table06.{e}")) for e in ("csv", "tex", "md")], {})
     made = contents(tmp_path)
     assert set(made) == {"fig10.csv", "fig10.pdf", "fig10.png", "table06.csv", "table06.tex", "table06.md"}
     assert made["fig10.pdf"].startswith(b"%PDF")
@@ -241,7 +243,7 @@ def test_a_damaged_identification_is_refused(results, damage):
 
 def make_table06(folder):
     outputs = [(e, str(folder / f"table06.{e}")) for e in ("csv", "tex", "md")]
-    make_exhibit("table", "table06", [("scores", [str(folder / "numeric.csv")])], outputs, {})
+    make_exhibit(EXHIBITS["table06"], [("scores", [str(folder / "numeric.csv")])], outputs, {})
 
 
 @pytest.mark.parametrize("column", ["time", "frequency", "total"])
@@ -269,7 +271,7 @@ def test_missing_scores_are_refused(results):
 
 def make_fig(name, folder, **inputs):
     outputs = [(e, str(folder / f"{name}.{e}")) for e in ("csv", "pdf", "png")]
-    make_exhibit("figure", name, [(key, str(value)) for key, value in inputs.items()], outputs, CONFIG)
+    make_exhibit(EXHIBITS[name], [(key, str(value)) for key, value in inputs.items()], outputs, CONFIG)
 
 
 @pytest.mark.parametrize("damage", ["missing", "column"])

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 WORKFLOW = ROOT / "workflow"
 FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional]
 TABLES = [exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional]
-EXHIBITS = {exhibit.target: exhibit for exhibit in (*catalogue.TABLES, *catalogue.FIGURES)}
+EXHIBITS = {exhibit.target: exhibit for exhibit in catalogue.EXHIBITS}
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
@@ -241,7 +241,9 @@ def test_logs_and_benchmarks_of_two_jobs_never_meet(working):
 
 
 def captions_of(rule):
-    return [file.flags["report"].caption.get_path_or_uri(secret_free=True) for file in rule.output if "report" in file.flags]
+    return [
+        file.flags["report"].caption.get_path_or_uri(secret_free=True) for file in rule.output if "report" in file.flags
+    ]
 
 
 def test_files_that_a_rule_points_to_exist(working):
@@ -263,7 +265,7 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
         rule = rules[target]
         assert {Path(file).stem for file in rule.output} == {exhibit.name}
         assert captions_of(rule)[0].endswith(f"report/{target}.rst")
-        assert (rule.params.kind, rule.params.name) == (exhibit.kind, exhibit.name)
+        assert rule.params.exhibit == exhibit
         assert set(rule.params.config) == {*exhibit.sections}
 
 

@@ -1,30 +1,3 @@
-rule audit:
-    output:
-        csv=report(
-            f"{R}/tables/audit.csv",
-            category="Claims",
-            labels={"what": "Audit of the paper"},
-            caption="../report/audit.rst",
-        ),
-        tex=f"{R}/tables/audit.tex",
-        md=f"{R}/tables/audit.md",
-    log:
-        f"{R}/logs/audit.log",
-    benchmark:
-        f"{R}/benchmarks/audit.tsv"
-    conda:
-        "../../envs/repro.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        name="audit",
-    message:
-        "Audit of the paper"
-    script:
-        "../scripts/audit.py"
-
-
 rule claims:
     input:
         **ledger_sources(),

@@ -60,8 +60,7 @@ for exhibit in EXHIBITS:
         resources:
             mem_mb=1500,
         params:
-            kind=exhibit.kind,
-            name=exhibit.name,
+            exhibit=exhibit,
             config=sections(*exhibit.sections),
         message:
             f"{exhibit.title} ({exhibit.label})"

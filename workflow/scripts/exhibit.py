@@ -5,9 +5,5 @@ from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):
     make_exhibit(
-        snakemake.params.kind,
-        snakemake.params.name,
-        snakemake.input.items(),
-        snakemake.output.items(),
-        snakemake.params.config,
+        snakemake.params.exhibit, snakemake.input.items(), snakemake.output.items(), snakemake.params.config
     )

@@ -28,6 +28,8 @@ class Exhibit:
         What it shows, in a few words.
     category : str
         Chapter of the workflow's own report.
+    family : str
+        Module of `repro.exhibits` that makes it.
     inputs : tuple of str
         What its numbers are made from: keys of SOURCES in `workflow/rules/exhibits.smk`.
     sections : tuple of str
@@ -42,6 +44,7 @@ class Exhibit:
     label: str
     title: str
     category: str
+    family: str
     inputs: tuple[str, ...] = ()
     sections: tuple[str, ...] = ()
     optional: bool = False
@@ -52,10 +55,30 @@ class Exhibit:
         return self.category in (EXPERIMENT, ABLATION)
 
 
+_FAMILIES = {NUMERIC: "numeric", VALIDATION: "numeric", EXPERIMENT: "arm"}
+_FAMILIES |= dict.fromkeys((METHOD, SIGNALS, DATA, MODEL), "method")
+
+
 def _paper(number: int, kind: Kind, title: str, category: str, *inputs: str, of: tuple[str, ...] = ()) -> Exhibit:
     """A table or figure of the paper; `of` are its sections."""
     name, label = (f"table{number:02d}", "Table") if kind == "table" else (f"fig{number:02d}", "Figure")
-    return Exhibit(kind, name, name, f"{label} {number}", title, category, inputs, of)
+    return Exhibit(kind, name, name, f"{label} {number}", title, category, _FAMILIES[category], inputs, of)
+
+
+def _ours(
+    kind: Kind,
+    name: str,
+    label: str,
+    title: str,
+    category: str,
+    family: str,
+    *inputs: str,
+    target: str = "",
+    of: tuple[str, ...] = (),
+    optional: bool = False,
+) -> Exhibit:
+    """A table or figure that the paper does not have."""
+    return Exhibit(kind, name, target or f"{name}_{kind}", label, title, category, family, inputs, of, optional)
 
 
 _TRAINING = ("signals", "data", "image", "training")
@@ -73,64 +96,52 @@ TABLES = (
     _paper(8, "table", "Position control of the board", EXPERIMENT, "ID", of=(*_ARM, "metric")),
     _paper(9, "table", "Parameters of the arm", EXPERIMENT, "arm"),
     _paper(10, "table", "Similarity on the identification run and on T1 to T4", EXPERIMENT, "arm"),
-    Exhibit(
-        "table",
-        "why",
-        "why_table",
-        "Why",
-        "From the ideal case to the recording, one cause at a time",
-        EXPERIMENT,
-        ("why",),
+    _ours(
+        "table", "why", "Why", "From the ideal case to the recording, one cause at a time", EXPERIMENT, "study", "why"
     ),
-    Exhibit(
+    _ours("table", "coverage", "Coverage", "Do the intervals of the network cover", EXPERIMENT, "study", "coverage"),
+    _ours(
         "table",
-        "coverage",
-        "coverage_table",
-        "Coverage",
-        "Do the intervals of the network cover",
-        EXPERIMENT,
-        ("coverage",),
-    ),
-    Exhibit(
-        "table",
-        "intervals",
         "intervals",
         "Intervals",
         "The arm's parameters with the network's intervals",
         EXPERIMENT,
-        ("coverage",),
+        "study",
+        "coverage",
+        target="intervals",
     ),
-    Exhibit(
-        "table", "verdict", "verdict", "Verdict", "Algorithm 1 against the field's methods", EXPERIMENT, ("spread",)
-    ),
-    Exhibit("table", "stability", "stability", "Stability", "Conditions of the appendix", EXPERIMENT, ("arm",)),
-    Exhibit(
+    _ours(
         "table",
-        "metric_search",
-        "metric_search_table",
-        "Metric search",
-        "Ranking of the formulas of metr2ev",
-        METRIC,
-        ("search",),
+        "verdict",
+        "Verdict",
+        "Algorithm 1 against the field's methods",
+        EXPERIMENT,
+        "study",
+        "spread",
+        target="verdict",
     ),
-    Exhibit(
+    _ours(
+        "table", "stability", "Stability", "Conditions of the appendix", EXPERIMENT, "arm", "arm", target="stability"
+    ),
+    _ours("table", "metric_search", "Metric search", "Ranking of the formulas of metr2ev", METRIC, "paper", "search"),
+    _ours(
         "table",
         "paper_recipe",
-        "paper_recipe_table",
         "The paper's training",
         "Literal Algorithm 1 with it",
         ABLATION,
-        ("paper_recipe",),
+        "numeric",
+        "paper_recipe",
         optional=True,
     ),
-    Exhibit(
+    _ours(
         "table",
         "ablation",
-        "ablation_table",
         "Ablation",
         "Headline numbers under other readings",
         ABLATION,
-        ("readings",),
+        "study",
+        "readings",
         optional=True,
     ),
 )
@@ -160,61 +171,36 @@ FIGURES = (
     _paper(22, "figure", "Motions of T1 to T4", EXPERIMENT, "validation", of=_ARM),
     _paper(23, "figure", "Torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
     _paper(24, "figure", "Spectra of the torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
-    Exhibit(
-        "figure",
-        "why",
-        "why_figure",
-        "Why",
-        "From the ideal case to the recording, one cause at a time",
-        EXPERIMENT,
-        ("why",),
+    _ours(
+        "figure", "why", "Why", "From the ideal case to the recording, one cause at a time", EXPERIMENT, "study", "why"
     ),
-    Exhibit(
-        "figure",
-        "coverage",
-        "coverage_figure",
-        "Coverage",
-        "Levels at which intervals reach the truth",
-        EXPERIMENT,
-        ("coverage",),
+    _ours(
+        "figure", "coverage", "Coverage", "Levels at which intervals reach the truth", EXPERIMENT, "study", "coverage"
     ),
-    Exhibit(
-        "figure", "spread", "spread_figure", "Spread", "Similarity over many simulated arms", EXPERIMENT, ("spread",)
-    ),
-    Exhibit(
-        "figure",
-        "metric_search",
-        "metric_search_figure",
-        "Metric search",
-        "Candidates for the metric's formula",
-        METRIC,
-        ("search",),
-    ),
-    Exhibit(
+    _ours("figure", "spread", "Spread", "Similarity over many simulated arms", EXPERIMENT, "study", "spread"),
+    _ours("figure", "metric_search", "Metric search", "Candidates for the metric's formula", METRIC, "paper", "search"),
+    _ours(
         "figure",
         "paper_recipe",
-        "paper_recipe_figure",
         "The paper's training",
         "Loss beside ours",
         ABLATION,
-        ("losses",),
-        ("training", "networks"),
+        "numeric",
+        "losses",
+        of=("training", "networks"),
         optional=True,
     ),
-    Exhibit(
-        "figure",
-        "ablation",
-        "ablation_figure",
-        "Ablation",
-        "Headline numbers by reading",
-        ABLATION,
-        ("ablation",),
-        optional=True,
+    _ours(
+        "figure", "ablation", "Ablation", "Headline numbers by reading", ABLATION, "study", "ablation", optional=True
     ),
 )
 
+#: Has a section of its own in the report.
+AUDIT = Exhibit("table", "audit", "audit", "Audit", "Audit of the paper", "Claims", "paper")
+EXHIBITS = (*TABLES, *FIGURES, AUDIT)
+
 #: Targets that have a section of their own.
-SECTIONS = ("claims", "audit")
+SECTIONS = ("claims", AUDIT.target)
 
 TARGETS = frozenset((*SECTIONS, *(exhibit.target for exhibit in (*TABLES, *FIGURES))))
 

@@ -1,19 +1,55 @@
 """Makes one exhibit: its numbers, then its layouts or its drawing from them."""
 
-from repro.exhibits.catalogue import Kind
-from repro.files import write_csv
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from repro.errors import InputError
+from repro.exhibits.catalogue import Exhibit
+from repro.exhibits.inputs import Family, Made
+from repro.files import read_csv, write_csv, write_text
 from repro.pipeline.named import Config, Named, paths
-from repro.pipeline.outputs import FIGURE_DATA, TABLE_DATA
-from repro.render.figures import draw
-from repro.render.tables import lay_out
+from repro.render import style
+from repro.render.markup import Table
 
 
-def make_exhibit(kind: Kind, name: str, named_inputs: Named, named_outputs: Named, config: Config) -> None:
+def made_of(exhibit: Exhibit) -> Made:
+    """How an exhibit is made, from its family."""
+    family: Family = import_module(f"repro.exhibits.{exhibit.family}").MADE
+    return family[exhibit.kind, exhibit.name]
+
+
+def make_exhibit(exhibit: Exhibit, named_inputs: Named, named_outputs: Named, config: Config) -> None:
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
     out = {key: files[0] for key, files in paths(named_outputs).items()}
-    numbers = (TABLE_DATA if kind == "table" else FIGURE_DATA)[name]
-    write_csv(out["csv"], numbers(paths(named_inputs), config))
-    if kind == "table":
-        lay_out(name, out["csv"], out["tex"], out["md"])
+    made = made_of(exhibit)
+    write_csv(out["csv"], made.numbers(paths(named_inputs), config))
+    if exhibit.kind == "table":
+        lay_out(made.drawing, out["csv"], out["tex"], out["md"])  # type: ignore[arg-type]
     else:
-        draw(name, out["csv"], out["pdf"], out["png"])
+        draw(made.drawing, exhibit.name, out["csv"], out["pdf"], out["png"])  # type: ignore[arg-type]
+
+
+def lay_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path, tex_path: Path, md_path: Path) -> None:
+    """Lay out a table from its CSV as a LaTeX table environment and as Markdown."""
+    frame = read_csv(csv_path)
+    try:
+        table = layout(frame)
+    except InputError as error:
+        raise InputError(f"{csv_path}: {error}") from error
+    write_text(tex_path, table.tex())
+    write_text(md_path, table.md())
+
+
+def draw(drawing: Callable[[pd.DataFrame], Figure], name: str, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
+    """Draw a figure from its CSV; the same CSV gives the same bytes."""
+    frame = read_csv(csv_path)
+    with style.house_style():
+        try:
+            figure = drawing(frame)
+        except InputError as error:
+            raise InputError(f"{csv_path}: {error}") from error
+        style.save(figure, name, pdf_path, png_path)

@@ -1,25 +1,16 @@
-"""Stages that hold our results against the paper's numbers: the ledger, its verification, the audit of the paper."""
+"""Stages that hold our results against the paper's numbers: the ledger and its verification."""
 
 import logging
 from pathlib import Path
 
 from repro.errors import InputError
-from repro.files import write_csv, write_text
-from repro.paper.audit import audit
+from repro.files import write_text
 from repro.paper.claims import broken
 from repro.paper.ledger.text import summary
 from repro.paper.ledger.verification import verify_ledger, write_ledger
 from repro.pipeline.named import Config, Named, paths
-from repro.render.tables import lay_out
 
 _LOG = logging.getLogger(__name__)
-
-
-def make_audit(name: str, named_outputs: Named) -> None:
-    """Stage render: every finding of the audit of the paper, and its layouts."""
-    out = {key: files[0] for key, files in paths(named_outputs).items()}
-    write_csv(out["csv"], audit())
-    lay_out(name, out["csv"], out["tex"], out["md"])
 
 
 def make_claims(output: str, named_inputs: Named, config: Config) -> None:
