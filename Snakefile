@@ -8,6 +8,7 @@ from snakemake.utils import min_version
 from repro import contract
 from repro.exhibits.catalogue import EXHIBITS
 from repro.pipeline.alive import begin_run, join_run
+from repro.pipeline.code import CodeDigests
 from repro.pipeline.provenance import host_fingerprint, write_provenance
 from repro.pipeline.readings import READINGS
 from repro.pipeline.start import accept_config, set_allocator
@@ -64,6 +65,10 @@ include: "workflow/rules/ablation.smk"
 include: "workflow/rules/exhibits.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"
+
+
+if workflow.is_main_process:
+    CODE.keep()
 
 
 localrules:

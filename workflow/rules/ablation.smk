@@ -15,6 +15,7 @@ rule ablation_train:
         mem_mb=3000,
         runtime=90,
     params:
+        code=code("ablation_train.py"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections(
             "signals",
@@ -50,6 +51,7 @@ rule ablation_run:
     resources:
         mem_mb=2000,
     params:
+        code=code("ablation_run.py"),
         config=ablation_sections(),
     message:
         "Headline numbers under the reading {wildcards.reading}"

@@ -20,6 +20,7 @@ rule claims:
     resources:
         mem_mb=1500,
     params:
+        code=code("claims.py"),
         config=ledger_sections(),
     message:
         "Ledger of every published number"
@@ -44,6 +45,7 @@ rule verify:
     resources:
         mem_mb=1500,
     params:
+        code=code("verify.py"),
         config={**ledger_sections(), "claims": config["claims"]},
     message:
         "Verifying the ledger"

@@ -1,3 +1,11 @@
+CODE = CodeDigests(Path(".snakemake/code.json"))
+
+
+def code(script, *modules):
+    """Digest of the code that a script reaches, and of further modules; a docstring changes nothing."""
+    return CODE.of_script(Path(workflow.basedir) / "workflow/scripts" / script, *modules)
+
+
 def network_name(wildcards):
     """Network of a suffix."""
     return wildcards.suffix.removeprefix("-") or "published"

@@ -19,6 +19,7 @@ rule check_coverage:
         mem_mb=2000,
         runtime=30,
     params:
+        code=code("check_coverage.py"),
         config=sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
             *("algorithm1", "refinement", "coverage"),

@@ -5,14 +5,16 @@ rule simulate_tracked:
         f"{R}/logs/simulate_tracked.log",
     benchmark:
         f"{R}/benchmarks/simulate_tracked.tsv"
+    # A network waits for it.
+    priority: 20
     conda:
         "../../envs/repro.yaml"
     threads: 1
-    # A network waits for it.
-    priority: 20
     resources:
         mem_mb=2000,
     params:
+        # As narrow as that of the training, which would begin again.
+        code=CODE.of("repro.fpga.loop", "repro.cnn.priors"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"
@@ -33,6 +35,7 @@ rule mean_torque:
     resources:
         mem_mb=1000,
     params:
+        code=code("mean_torque.py"),
         config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"

@@ -60,6 +60,7 @@ for exhibit in EXHIBITS:
         resources:
             mem_mb=1500,
         params:
+            code=code("exhibit.py", f"repro.exhibits.{exhibit.family}"),
             exhibit=exhibit,
             config=sections(*exhibit.sections),
         message:

@@ -24,6 +24,7 @@ rule acquire:
         mem_mb=2000,
         serial_port=int(SERIAL),
     params:
+        code=code("acquire.py"),
         config=sections("signals", "arm", "board", "experiment"),
     message:
         "Capture of {wildcards.motion}"
@@ -52,6 +53,7 @@ rule identify_experiment:
     resources:
         mem_mb=2000,
     params:
+        code=code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
         config=network_sections(
             "signals", "arm", "board", "experiment", "network", "data", "image", "metric", "algorithm1", "refinement"
@@ -77,6 +79,7 @@ rule identify_least_squares:
     resources:
         mem_mb=2000,
     params:
+        code=code("identify_least_squares.py"),
         config=sections("signals", "arm", "board", "experiment"),
     message:
         "Identifying the arm by least squares"
@@ -100,6 +103,7 @@ rule score_experiment:
     resources:
         mem_mb=2000,
     params:
+        code=code("score_experiment.py"),
         config=sections("signals", "arm", "board", "experiment", "metric"),
     message:
         "Scoring the arm's estimates on ID and T1 to T4"
@@ -120,6 +124,7 @@ rule simulate_spread:
     resources:
         mem_mb=2000,
     params:
+        code=code("simulate_spread.py"),
         config=sections("signals", "data", "arm", "board", "experiment", "spread"),
     message:
         "Simulating many specimens of the arm"
@@ -145,6 +150,7 @@ rule score_spread:
         mem_mb=2000,
         runtime=30,
     params:
+        code=code("score_spread.py"),
         config=sections(
             "signals",
             "arm",

@@ -18,6 +18,7 @@ rule identify_numeric:
     resources:
         mem_mb=2000,
     params:
+        code=code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
         config=network_sections("signals", "network", "data", "image", "metric", "algorithm1", "refinement", "numeric"),
     message:

@@ -14,6 +14,7 @@ rule search_metric:
     resources:
         mem_mb=1500,
     params:
+        code=code("search_metric.py"),
         config=sections("metric_search"),
     message:
         "Searching the formula of metr2ev that explains Table 7"

@@ -17,6 +17,7 @@ rule score_paper_recipe:
     resources:
         mem_mb=2000,
     params:
+        code=code("score_experiment.py"),
         config=sections("signals", "arm", "board", "experiment", "metric"),
     message:
         "Scoring the arm's estimates with the paper's own training"

@@ -18,6 +18,7 @@ rule report:
     resources:
         mem_mb=1500,
     params:
+        code=code("report.py"),
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,
     message:

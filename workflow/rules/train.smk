@@ -14,16 +14,18 @@ rule train:
         f"{R}/logs/train{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/train{{suffix}}.tsv"
+    # Most of the time of a run: nothing that a core can do meanwhile is to keep a network waiting.
+    priority: 10
     conda:
         "../../envs/repro.yaml"
     # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
     threads: 1
-    # Most of the time of a run: nothing that a core can do meanwhile is to keep a network waiting.
-    priority: 10
     resources:
         mem_mb=3000,
         runtime=90,
     params:
+        # The training alone: nobody wants it again for a change around it.
+        code=CODE.of("repro.cnn.train"),
         config=training_sections,
         checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
     message:

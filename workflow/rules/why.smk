@@ -15,6 +15,7 @@ rule explain:
         mem_mb=2000,
         runtime=30,
     params:
+        code=code("explain.py"),
         config=network_sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
             *("algorithm1", "refinement", "why"),
