@@ -6,7 +6,8 @@ from repro.pipeline.code import CodeDigests
 
 FILES = {
     "__init__": '"""Package."""\n',
-    "top": '"""Top."""\nfrom pack import middle\nfrom pack.low import LOW\n\n\ndef run():\n    """Run."""\n    return middle.twice(LOW)\n',
+    "top": "from pack import middle\nfrom pack.low import LOW\n\n\n"
+    'def run():\n    """Run."""\n    return middle.twice(LOW)\n',
     "middle": 'import math\n\n\ndef twice(x):\n    """Double."""\n    return 2 * x\n',
     "low": "LOW = 1\n",
     "aside": "ASIDE = 1\n",
