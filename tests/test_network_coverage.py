@@ -33,7 +33,7 @@ def config():
 def tables(config, tmp_path_factory):
     """Of a reader that errs by a shared normal 0.1 for each arm and scatters by 0.02 over the guesses."""
     path = tmp_path_factory.mktemp("coverage") / "tracked.safetensors"
-    simulate_tracked(config, str(path))
+    simulate_tracked(config, path)
     rng = np.random.default_rng(0)
 
     class Reader:

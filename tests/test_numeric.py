@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from repro.cnn.priors import sample_beta
 from repro.identify.algorithm1 import SearchSettings
 from repro.identify.refinement import RefinementSettings
 from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.methods import Identifier
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     mean_training_torque,
@@ -22,7 +24,7 @@ from repro.pipeline.numeric import (
     score_estimates,
     validation_motion,
 )
-from repro.pipeline.numeric_identification import Experiment, identify_arms
+from repro.pipeline.numeric_identification import identify_arms
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
@@ -122,16 +124,19 @@ class PerfectNetwork:
 
 
 def experiment(**changes):
-    settings = Experiment(
-        variant="scale-aware",
-        signals=SIGNALS,
-        data=DataSettings(image=AWARE),
-        search=SearchSettings(executions=4, inner_limit=3),
-        refinement=RefinementSettings(restarts=5, keep=9, passes=2),
-        numeric=NUMERIC,
-        tau_mean=mean_training_torque(SIGNALS, DataSettings(), 1),
-    )
-    return replace(settings, **changes)
+    settings = {
+        "variant": "scale-aware",
+        "data": DataSettings(image=AWARE),
+        "search": SearchSettings(executions=4, inner_limit=3),
+        "refinement": RefinementSettings(restarts=5, keep=9, passes=2),
+        "numeric": NUMERIC,
+    }
+    return SimpleNamespace(**settings | changes)
+
+
+def identify(network, e, seed):
+    identifier = Identifier(e.variant, network, e.data.image, e.search, e.refinement)
+    return identify_arms(identifier, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +148,7 @@ def perfect():
 
 @pytest.fixture(scope="module")
 def found(perfect):
-    return identify_arms(perfect, experiment(), 1)
+    return identify(perfect, experiment(), 1)
 
 
 def test_a_perfect_network_finds_every_arm(found):
@@ -178,14 +183,14 @@ def untrained():
 
 def test_the_same_seed_gives_the_same_result_and_another_another(untrained):
     published = experiment(variant="published", data=DataSettings())
-    one, again, other = (identify_arms(untrained, published, seed) for seed in (1, 1, 2))
+    one, again, other = (identify(untrained, published, seed) for seed in (1, 1, 2))
     assert one == again
     assert [one["seed"], other["seed"]] == [1, 2]
     assert one["arms"] != other["arms"]
 
 
 def test_a_result_is_plain_json(untrained, found):
-    for result in (identify_arms(untrained, experiment(variant="published", data=DataSettings()), 1), found):
+    for result in (identify(untrained, experiment(variant="published", data=DataSettings()), 1), found):
         assert json.loads(json.dumps(result, allow_nan=False)) == result
 
 
@@ -193,7 +198,7 @@ def test_a_result_is_plain_json(untrained, found):
     ("variant", "suffix"), [("published", ""), ("scale-aware", "+scale-aware"), ("paper-recipe", "+paper-recipe")]
 )
 def test_methods_are_named_after_the_network(untrained, variant, suffix):
-    result = identify_arms(untrained, experiment(variant=variant, data=DataSettings()), 1)
+    result = identify(untrained, experiment(variant=variant, data=DataSettings()), 1)
     assert result["variant"] == variant
     for arm in result["arms"].values():
         steps = ("", "+local-search", "+refinement")
@@ -202,8 +207,8 @@ def test_methods_are_named_after_the_network(untrained, variant, suffix):
 
 def test_without_passes_there_is_algorithm_1_alone(untrained):
     literal = experiment(refinement=RefinementSettings(restarts=5, keep=9, passes=0), variant="tracked")
-    result = identify_arms(untrained, literal, 1)
-    whole = identify_arms(untrained, experiment(variant="tracked"), 1)
+    result = identify(untrained, literal, 1)
+    whole = identify(untrained, experiment(variant="tracked"), 1)
     for name, arm in result["arms"].items():
         assert list(arm["methods"]) == ["algorithm1+tracked"]
         # The search is the same whether it is refined afterwards or not.
@@ -211,13 +216,13 @@ def test_without_passes_there_is_algorithm_1_alone(untrained):
 
 
 def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
-    both = identify_arms(untrained, experiment(), 1)
-    alone = identify_arms(untrained, experiment(numeric=replace(NUMERIC, arms={"N1": ARMS["N1"]})), 1)
+    both = identify(untrained, experiment(), 1)
+    alone = identify(untrained, experiment(numeric=replace(NUMERIC, arms={"N1": ARMS["N1"]})), 1)
     assert alone["arms"]["N1"] == both["arms"]["N1"]
 
 
 def test_refinement_never_ends_below_algorithm_1(untrained, found):
-    for result in (identify_arms(untrained, experiment(), 1), found):
+    for result in (identify(untrained, experiment(), 1), found):
         for arm in result["arms"].values():
             literal, control, refined = arm["methods"].values()
             assert refined["similarity"] >= literal["similarity"] - 1e-12
@@ -231,7 +236,7 @@ def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
             return torch.full((len(u), 9), -10.0)
 
     literal = experiment(refinement=RefinementSettings(passes=0))
-    result = identify_arms(Refused(), literal, 1)
+    result = identify(Refused(), literal, 1)
     for arm in result["arms"].values():
         assert arm["executions_over_threshold"] == 0
         for estimate in arm["methods"].values():

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from scripts_run import run_script
 
 from repro.errors import InputError
 from repro.exhibits import catalogue
 from repro.exhibits.make import make_exhibit
-from repro.pipeline import network_stages, stages
 from repro.settings import numeric_settings
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,17 +36,22 @@ def run_all(folder):
         "identification": folder / "numeric-seed1.json",
         "scores": folder / "numeric.csv",
     }
-    stages.mean_torque(str(out["mean_torque"]), CONFIG)
-    trained = [(name, str(out[name])) for name in ("weights", "history", "card")]
-    network_stages.train_network("published", [], trained, str(folder / ".checkpoint.safetensors"), CONFIG)
+    run_script("mean_torque", {}, {"csv": out["mean_torque"]}, folder, config=CONFIG)
+    trained = {name: out[name] for name in ("weights", "history", "card")}
+    checkpoint = str(folder / ".checkpoint.safetensors")
+    run_script("train", {}, trained, folder, {"suffix": ""}, checkpoint=checkpoint, config=CONFIG)
     identify(out["weights"], out["mean_torque"], out["identification"])
-    stages.score_numeric([str(out["identification"])], str(out["scores"]), CONFIG)
+    score(out["identification"], out["scores"])
     return out
 
 
 def identify(weights, mean_torque, output, config=CONFIG):
-    inputs = [("weights", str(weights)), ("mean_torque", str(mean_torque))]
-    network_stages.identify_numeric("published", [1], inputs, [str(output)], config)
+    inputs = {"weights": weights, "mean_torque": mean_torque}
+    run_script("identify_numeric", inputs, {"json": output}, output.parent, {"suffix": ""}, seeds=[1], config=config)
+
+
+def score(identification, output):
+    run_script("score_numeric", {"runs": identification}, {"csv": output}, output.parent, config=CONFIG)
 
 
 @pytest.fixture(scope="module")
@@ -237,7 +242,7 @@ DAMAGED_JSON = {
 def test_a_damaged_identification_is_refused(results, damage):
     path = results / "numeric-seed1.json"
     damage(path)
-    message = refused(lambda: stages.score_numeric([str(path)], str(results / "out.csv"), CONFIG), results)
+    message = refused(lambda: score(path, results / "out.csv"), results)
     assert message.startswith(str(path))
 
 

@@ -30,7 +30,7 @@ def small(arms=6, **tracked):
 @pytest.fixture(scope="module")
 def motions(tmp_path_factory):
     path = tmp_path_factory.mktemp("tracked") / "tracked.safetensors"
-    simulate_tracked(small(), str(path))
+    simulate_tracked(small(), path)
     return path
 
 
@@ -104,5 +104,5 @@ def test_a_file_of_fewer_motions_is_refused(motions):
 
 def test_arms_that_do_not_track_end_in_one_line(tmp_path):
     with pytest.raises(InputError, match="arms that track"):
-        simulate_tracked(small(largest_error_rad=1e-6), str(tmp_path / "out.safetensors"))
+        simulate_tracked(small(largest_error_rad=1e-6), tmp_path / "out.safetensors")
     assert not list(tmp_path.iterdir())

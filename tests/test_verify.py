@@ -10,13 +10,14 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from claims_example import make_project
+from scripts_run import run_script
 
 from repro.cli import main
 from repro.errors import InputError
+from repro.exhibits import paper
 from repro.paper.ledger import sums, verification
 from repro.paper.ledger.sums import PUBLISHED_NAME
 from repro.paper.ledger.verification import CLAIMS, PAGE, SOURCES, write_ledger
-from repro.pipeline.claims_stage import make_audit, make_claims, verify_claims
 from repro.pipeline.experiment import load_config
 
 
@@ -261,6 +262,10 @@ def test_the_ledger_is_the_same_to_the_byte_when_made_again(project):
     assert before == {name: (project / "results" / name).read_bytes() for name in (CLAIMS, PAGE)}
 
 
+def verify_run(project, config):
+    run_script("verify", {}, {"txt": "results/verified.txt"}, project, config=config)
+
+
 def test_the_stage_writes_a_ledger_with_broken_promises_and_its_verification_fails_only_if_enforced(project, caplog):
     change(project / "results/model/training.csv", "0.00025", "0.0025")
     config = load_config(project / "config/config.yaml")
@@ -270,15 +275,15 @@ def test_the_stage_writes_a_ledger_with_broken_promises_and_its_verification_fai
         ("training", "results/model/training.csv"),
         ("scores", ["results/validation/numeric.csv", "results/validation/experiment.csv"]),
     ]
-    make_claims("results/claims.csv", inputs, config)
+    run_script("claims", dict(inputs), {"csv": "results/claims.csv"}, project, config=config)
     listed = Path("results/claims.sha256").read_text(encoding="utf-8")
     assert listed.count("\n") == len(list(Path("results/tables").iterdir())) + 7
     assert config["claims"]["enforce"]
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 promises that do not hold"):
-        verify_claims("results/verified.txt", config)
+        verify_run(project, config)
     assert "promise broken: section5a/loss" in caplog.text
     assert not Path("results/verified.txt").exists()
-    verify_claims("results/verified.txt", {**config, "claims": {"enforce": False}})
+    verify_run(project, {**config, "claims": {"enforce": False}})
     assert "promise broken: section5a/loss" in Path("results/verified.txt").read_text(encoding="utf-8")
 
 
@@ -286,7 +291,7 @@ def test_the_stage_fails_on_tampering_even_if_promises_are_not_enforced(project,
     change(project / "results/tables/table09.csv", "0.12", "0.13")
     config = {**load_config(project / "config/config.yaml"), "claims": {"enforce": False}}
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 disagreements"):
-        verify_claims("results/verified.txt", config)
+        verify_run(project, config)
     assert "results/tables/table09.csv" in caplog.text
 
 
@@ -295,9 +300,9 @@ def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
         sums.write_sources(tmp_path / SOURCES, [Path("gone.csv")], tmp_path)
 
 
-def test_the_audit_is_laid_out(tmp_path):
-    out = {ext: str(tmp_path / f"audit.{ext}") for ext in ("csv", "tex", "md")}
-    make_audit("audit", out.items())
-    table = pd.read_csv(out["csv"])
+def test_the_audit_is_laid_out():
+    made = paper.MADE["table", "audit"]
+    table = made.numbers({}, {})
     assert {"id", "place", "what", "arithmetic", "found", "printed", "verdict", "note"} <= set(table.columns)
-    assert len(table) > 60 and "88.479" in Path(out["md"]).read_text(encoding="utf-8")
+    assert len(table) > 60
+    assert "88.479" in made.drawing(table).md()

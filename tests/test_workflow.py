@@ -3,7 +3,6 @@
 Each run of Snakemake takes seconds, so there are few, all in folders of their own.
 """
 
-import ast
 import os
 import re
 import subprocess
@@ -271,20 +270,3 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 def test_no_script_is_left_over(working):
     assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
-
-
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
-def test_a_script_is_one_call_inside_a_job(script):
-    text = script.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 30
-    docstring, *imports, block = ast.parse(text).body
-    assert isinstance(docstring, ast.Expr)
-    assert isinstance(docstring.value, ast.Constant)
-    assert all(isinstance(node, ast.ImportFrom) and node.module.startswith("repro.") for node in imports)
-    assert isinstance(block, ast.With)
-    assert ast.unparse(block.items[0]) == "job(snakemake.log[0], snakemake.threads)"
-    (statement,) = block.body
-    assert isinstance(statement, ast.Expr)
-    assert isinstance(statement.value, ast.Call)
-    logic = (ast.If, ast.IfExp, ast.For, ast.comprehension, ast.Lambda, ast.BinOp, ast.Compare, ast.Try, ast.Assign)
-    assert not [node for node in ast.walk(block) if isinstance(node, logic)]

@@ -14,16 +14,17 @@ from repro.errors import InputError
 CSV_FLOAT_FORMAT = "%.10g"
 
 
-def write_whole(path: Path, write: Callable[[Path], object]) -> None:
+def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file beside `path`, then rename it to `path`.
 
     Parameters
     ----------
-    path : Path
+    path : Path or str
         Destination; its folder is made if missing.
     write : callable
         Called with the temporary path, which keeps the suffix of `path`.
     """
+    path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
     os.close(handle)
@@ -38,7 +39,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: Path | str, text: str) -> None:
     """Write UTF-8 text with Unix line ends."""
 
     def fill(temporary: Path) -> None:
@@ -47,12 +48,12 @@ def write_text(path: Path, text: str) -> None:
     write_whole(path, fill)
 
 
-def write_json(path: Path, content: object) -> None:
+def write_json(path: Path | str, content: object) -> None:
     """Write JSON with sorted keys; a NaN is refused."""
     write_text(path, json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n")
 
 
-def write_csv(path: Path, frame: pd.DataFrame) -> None:
+def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
     """Write a table without its index, numbers with ten significant digits."""
     text = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
     write_text(path, text)

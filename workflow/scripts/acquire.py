@@ -1,7 +1,9 @@
 """The capture of one motion: stored, simulated or from a serial port."""
 
-from repro.pipeline.experiment_stages import acquire_capture
+from pathlib import Path
+
+from repro.pipeline.acquire import acquire
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):
-    acquire_capture(snakemake.wildcards.motion, list(snakemake.output), snakemake.params.config)
+    acquire(snakemake.wildcards.motion, Path(snakemake.output[0]), snakemake.params.config)

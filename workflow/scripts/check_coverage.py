@@ -1,7 +1,20 @@
 """Whether the intervals of the network of tracked motions cover."""
 
+from pathlib import Path
+
+from repro.files import write_csv
+from repro.pipeline.coverage import coverage
 from repro.pipeline.job import job
-from repro.pipeline.network_stages import check_coverage
+from repro.pipeline.methods import arm_identifier_of
+from repro.pipeline.numeric import read_mean_torque
+from repro.pipeline.recordings import read_recordings
+from repro.settings import signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    check_coverage(snakemake.input.items(), snakemake.output.items(), snakemake.params.config)
+    config = snakemake.params.config
+    tau_mean = read_mean_torque(snakemake.input.mean_torque, signal_settings(config))
+    (recording,) = read_recordings(snakemake.input.captures, config)
+    identifier = arm_identifier_of("tracked", snakemake.input.weights, config)
+    tables = coverage(identifier, Path(snakemake.input.motions), recording, tau_mean, config)
+    for name, output in snakemake.output.items():
+        write_csv(output, tables[name])

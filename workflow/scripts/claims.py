@@ -1,7 +1,10 @@
 """The ledger of every published number."""
 
-from repro.pipeline.claims_stage import make_claims
+from pathlib import Path
+
+from repro.paper.ledger.verification import write_ledger
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):
-    make_claims(snakemake.output[0], snakemake.input.items(), snakemake.params.config)
+    folder = Path(snakemake.output[0]).parent
+    write_ledger(folder, snakemake.params.config, [Path(name) for name in snakemake.input])

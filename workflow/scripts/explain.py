@@ -1,12 +1,14 @@
 """The search of one network on every step from the ideal case to the recording."""
 
+from repro.files import write_csv
 from repro.pipeline.job import job
-from repro.pipeline.network_stages import explain_network
+from repro.pipeline.methods import arm_identifier_of
+from repro.pipeline.numeric import read_mean_torque
+from repro.pipeline.why import explain
+from repro.settings import signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    explain_network(
-        snakemake.wildcards.suffix.removeprefix("-") or "published",
-        snakemake.input.items(),
-        snakemake.output[0],
-        snakemake.params.config,
-    )
+    config, variant = snakemake.params.config, snakemake.wildcards.suffix.removeprefix("-") or "published"
+    tau_mean = read_mean_torque(snakemake.input.mean_torque, signal_settings(config))
+    identifier = arm_identifier_of(variant, snakemake.input.weights, config)
+    write_csv(snakemake.output[0], explain(identifier, tau_mean, config["why"]["seeds"], config))

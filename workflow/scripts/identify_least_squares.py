@@ -1,7 +1,13 @@
-"""The arm's parameters by least squares."""
+"""The arm's parameters by least squares, plain and with constraints."""
 
-from repro.pipeline.experiment_stages import identify_least_squares
+from repro.files import write_json
+from repro.pipeline.experiment import true_parameters
+from repro.pipeline.experiment_runs import least_squares_of
 from repro.pipeline.job import job
+from repro.pipeline.recordings import read_recordings
+from repro.settings import signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    identify_least_squares(snakemake.input.items(), snakemake.output[0], snakemake.params.config)
+    config = snakemake.params.config
+    (recording,) = read_recordings(snakemake.input.captures, config)
+    write_json(snakemake.output[0], least_squares_of(recording, signal_settings(config), true_parameters(config)))

@@ -1,13 +1,16 @@
 """All numeric arms for one network and every seed."""
 
+from repro.files import write_json
 from repro.pipeline.job import job
-from repro.pipeline.network_stages import identify_numeric
+from repro.pipeline.methods import identifier_of
+from repro.pipeline.numeric import read_mean_torque
+from repro.pipeline.numeric_identification import identify_arms
+from repro.settings import numeric_settings, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    identify_numeric(
-        snakemake.wildcards.suffix.removeprefix("-") or "published",
-        snakemake.params.seeds,
-        snakemake.input.items(),
-        list(snakemake.output),
-        snakemake.params.config,
-    )
+    config, variant = snakemake.params.config, snakemake.wildcards.suffix.removeprefix("-") or "published"
+    signals, numeric = signal_settings(config), numeric_settings(config)
+    tau_mean = read_mean_torque(snakemake.input.mean_torque, signals)
+    identifier = identifier_of(variant, snakemake.input.weights, config)
+    for seed, output in zip(snakemake.params.seeds, snakemake.output, strict=True):
+        write_json(output, identify_arms(identifier, signals, numeric, tau_mean, seed))

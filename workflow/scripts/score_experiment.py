@@ -1,7 +1,14 @@
 """Similarity of every estimate of the arm on all five motions."""
 
-from repro.pipeline.experiment_stages import score_experiment
+from repro.files import write_csv
+from repro.pipeline.experiment_runs import every_seed, score_runs
+from repro.pipeline.identified import read_identifications
 from repro.pipeline.job import job
+from repro.pipeline.recordings import read_recordings
+from repro.settings import metric_settings, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    score_experiment(snakemake.input.items(), snakemake.output[0], snakemake.params.config)
+    config = snakemake.params.config
+    runs = every_seed(read_identifications(snakemake.input.identifications))
+    recordings = read_recordings(snakemake.input.captures, config)
+    write_csv(snakemake.output[0], score_runs(runs, recordings, signal_settings(config), metric_settings(config)))

@@ -1,7 +1,13 @@
-"""Similarity of the numeric torques and their rebuilding."""
+"""Similarity of every estimate of the numeric arms, on the identification and the validation trajectories."""
 
+from repro.files import write_csv
+from repro.pipeline.identified import read_identifications
 from repro.pipeline.job import job
-from repro.pipeline.stages import score_numeric
+from repro.pipeline.numeric import score_estimates
+from repro.settings import metric_settings, numeric_settings, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    score_numeric(list(snakemake.input), snakemake.output[0], snakemake.params.config)
+    config = snakemake.params.config
+    runs = read_identifications(list(snakemake.input))
+    scores = score_estimates(runs, signal_settings(config), numeric_settings(config), metric_settings(config))
+    write_csv(snakemake.output[0], scores)

@@ -1,9 +1,20 @@
 """Identification and validation of many specimens for one duration."""
 
+from pathlib import Path
+
+from repro.files import write_csv
 from repro.pipeline.job import job
-from repro.pipeline.network_stages import score_specimens
+from repro.pipeline.methods import arm_identifier_of
+from repro.pipeline.numeric import read_mean_torque
+from repro.pipeline.specimens import score_specimens
+from repro.settings import of_network, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):
-    score_specimens(
-        int(snakemake.wildcards.index), snakemake.input.items(), snakemake.output[0], snakemake.params.config
-    )
+    config = snakemake.params.config
+    tau_mean = read_mean_torque(snakemake.input.mean_torque, signal_settings(config))
+    identifiers = [
+        arm_identifier_of(name, weights, of_network(config, name))
+        for name, weights in zip(("published", "tracked"), snakemake.input.weights, strict=True)
+    ]
+    recordings, index = Path(snakemake.input.recordings), int(snakemake.wildcards.index)
+    write_csv(snakemake.output[0], score_specimens(identifiers, recordings, index, tau_mean, config))

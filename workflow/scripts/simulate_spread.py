@@ -1,7 +1,9 @@
 """Recordings of many specimens of the arm."""
 
-from repro.pipeline.experiment_stages import simulate_specimens
+from pathlib import Path
+
 from repro.pipeline.job import job
+from repro.pipeline.spread import simulate_spread
 
 with job(snakemake.log[0], snakemake.threads):
-    simulate_specimens(snakemake.output[0], snakemake.params.config)
+    simulate_spread(snakemake.params.config, Path(snakemake.output[0]))

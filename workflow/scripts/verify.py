@@ -1,7 +1,10 @@
-"""Verification of the ledger."""
+"""Verification of the ledger, and of its promises if the configuration enforces them."""
 
-from repro.pipeline.claims_stage import verify_claims
+from pathlib import Path
+
+from repro.files import write_text
+from repro.paper.ledger.verification import verified
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):
-    verify_claims(snakemake.output[0], snakemake.params.config)
+    write_text(snakemake.output[0], verified(Path(snakemake.output[0]).parent, snakemake.params.config))

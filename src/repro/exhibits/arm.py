@@ -4,15 +4,20 @@ from typing import Any
 
 import pandas as pd
 
-from repro.exhibits.inputs import Family, Inputs, Made, arm_scores, recordings
+from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.pipeline import experiment_data as data
 from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.experiment_runs import CASE, every_seed, tracking
 from repro.pipeline.identified import read_identifications
 from repro.pipeline.named import Config
+from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.summary import median_cells, parameter_table
 from repro.render import experiment, experiment_setup, experiment_tables, result_tables
 from repro.settings import metric_settings, signal_settings
+
+
+def _recordings(inputs: Inputs, config: Config) -> list[Recording]:
+    return read_recordings(inputs["captures"], config)
 
 
 def _runs(inputs: Inputs) -> list[dict[str, Any]]:
@@ -24,12 +29,14 @@ def _estimates(inputs: Inputs) -> dict[str, Any]:
 
 
 def _identification(inputs: Inputs, config: Config, in_frequency: bool) -> pd.DataFrame:
-    (recording,) = recordings(inputs, config)
+    (recording,) = _recordings(inputs, config)
     return data.identification_figure(recording, signal_settings(config), _estimates(inputs), in_frequency)
 
 
 def _validation(inputs: Inputs, config: Config, in_frequency: bool) -> pd.DataFrame:
-    return data.validation_figure(recordings(inputs, config), signal_settings(config), _estimates(inputs), in_frequency)
+    return data.validation_figure(
+        _recordings(inputs, config), signal_settings(config), _estimates(inputs), in_frequency
+    )
 
 
 def _setup(config: Config) -> pd.DataFrame:
@@ -38,7 +45,7 @@ def _setup(config: Config) -> pd.DataFrame:
 
 
 def _control(inputs: Inputs, config: Config) -> pd.DataFrame:
-    (recording,) = recordings(inputs, config)
+    (recording,) = _recordings(inputs, config)
     tracked = tracking(recording, metric_settings(config))
     return data.control_table(tracked, control_constants(config), config["signals"]["filter_coefficient"])
 
@@ -61,10 +68,12 @@ MADE: Family = {
     ("figure", "fig19"): Made(lambda i, c: _identification(i, c, in_frequency=False), experiment.identification),
     ("figure", "fig20"): Made(lambda i, c: _identification(i, c, in_frequency=True), experiment.identification_spectra),
     ("figure", "fig21"): Made(
-        lambda i, c: data.paths_figure(recordings(i, c), program_settings(c).geometry), experiment.paths
+        lambda i, c: data.paths_figure(_recordings(i, c), program_settings(c).geometry),
+        experiment.paths,
     ),
     ("figure", "fig22"): Made(
-        lambda i, c: data.motions_figure(recordings(i, c), signal_settings(c)), experiment.validation_motion
+        lambda i, c: data.motions_figure(_recordings(i, c), signal_settings(c)),
+        experiment.validation_motion,
     ),
     ("figure", "fig23"): Made(lambda i, c: _validation(i, c, in_frequency=False), experiment.validation_torques),
     ("figure", "fig24"): Made(lambda i, c: _validation(i, c, in_frequency=True), experiment.validation_spectra),

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from repro.pipeline.identified import read_scores
 from repro.pipeline.named import Config
-from repro.pipeline.recordings import Recording, read_recording
 from repro.render.markup import Table
 
 #: Files by the name of the input.
@@ -34,8 +33,3 @@ Family = Mapping[tuple[str, str], Made]
 def arm_scores(inputs: Inputs) -> pd.DataFrame:
     """Scores of the arm's estimates."""
     return read_scores(inputs["scores"], SCORES)
-
-
-def recordings(inputs: Inputs, config: Config) -> list[Recording]:
-    """Captures, in the order of the rule."""
-    return [read_recording(path, config) for path in inputs["captures"] if path.suffix == ".bin"]

@@ -5,22 +5,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from repro.cnn.checkpoint import load_network, save_network
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.checkpoint import save_network
 from repro.cnn.train import train
 from repro.files import write_json
-from repro.identify.algorithm1 import search, select
-from repro.identify.prepare import prepare
-from repro.identify.residual import ResidualReader
-from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
+from repro.pipeline.methods import Identifier, arm_identifier_of, identifier_of
 from repro.pipeline.named import Config
-from repro.pipeline.network_stages import identifier_of
 from repro.pipeline.numeric import mean_training_torque, score_estimates
+from repro.pipeline.numeric_identification import identify_arms
 from repro.pipeline.readings import READINGS, read_as
-from repro.pipeline.recordings import Recording, read_recording
+from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.tracked import training_motion
 from repro.progress import Progress
 from repro.settings import (
@@ -28,12 +24,9 @@ from repro.settings import (
     metric_settings,
     network_settings,
     numeric_settings,
-    search_settings,
     signal_settings,
     training_settings,
 )
-from repro.signals.trajectories import identification_trajectory
-from repro.streams import Stream, stream
 
 
 def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, config: Config) -> None:
@@ -55,35 +48,19 @@ def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, c
     Path(checkpoint).unlink(missing_ok=True)
 
 
-def _identify_literally(network: FactoredCNN, c: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
-    """Algorithm 1 alone on every test arm, in the form of `numeric_identification.identify_arms`."""
-    signals, numeric, settings = signal_settings(c), numeric_settings(c), search_settings(c)
-    motion = identification_trajectory(signals.duration, signals.h, numeric.margin)
-    y, n = regressor(motion.q, motion.dq, motion.ddq), tau_mean.shape[1]
-    arms = {}
-    for index, (case, beta) in enumerate(numeric.arms.items()):
-        prepared = prepare(motion.q, rebuild_torque(y, beta), tau_mean, signals, numeric.margin, numeric.margin + n)
-        reader = ResidualReader(network, data_settings(c).image, prepared)
-        found = search(reader, prepared, settings, stream(seed, Stream.SEARCH, index))
-        estimate = {"beta": select(found.beta, prepared, settings).beta.tolist()}
-        arms[case] = {"true": beta.tolist(), "methods": {"algorithm1": estimate}}
-    return {"variant": "reading", "seed": seed, "arms": arms}
-
-
 def run_reading(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
     """Headline numbers under a reading."""
     reading = READINGS[name]
     # Every reading is refined, whatever its network is used for elsewhere.
     c = {**read_as(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
-    network = load_network(Path(weights), network_settings(c))
-    data, seeds = data_settings(c), c["ablation"]["seeds"]
-    tau_mean = mean_training_torque(signals, data, c["training"]["seed"])
-    runs = [_identify_literally(network, c, tau_mean, seed) for seed in seeds]
-    numeric = score_estimates(runs, signals, numeric_settings(c), metric)
+    tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
+    arms, identifier = numeric_settings(c), identifier_of("published", weights, c)
+    literal = replace(identifier, refinement=replace(identifier.refinement, passes=0))
+    runs = [identify_arms(literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
+    numeric = score_estimates(runs, signals, arms, metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
-    recordings = [read_recording(Path(name), c) for name in captures if name.endswith(".bin")]
-    arm = _arm_scores(network, recordings, tau_mean, c)
+    arm = _arm_scores(arm_identifier_of("published", weights, c), read_recordings(captures, c), tau_mean, c)
     result: dict[str, Any] = {
         "id_mean": float(cells["ID"].mean()),
         "id_lowest": float(cells["ID"].min()),
@@ -94,14 +71,13 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
 
 
 def _arm_scores(
-    network: FactoredCNN, recordings: Sequence[Recording], tau_mean: Array, c: Config
+    refined: Identifier, recordings: Sequence[Recording], tau_mean: Array, c: Config
 ) -> Mapping[str, float]:
     """Mean total similarity of the literal search on ID and on T1 to T4, and on these of what it is held against.
 
     The literal search is the median of the seeds; one of them is refined.
     """
     signals, true, seeds = signal_settings(c), true_parameters(c), c["ablation"]["seeds"]
-    refined = identifier_of("published", network, c)
     literal = replace(refined, refinement=replace(refined.refinement, passes=0))
     runs = [
         identify_recording(refined if seed == seeds[0] else literal, recordings[0], tau_mean, signals, seed, true)

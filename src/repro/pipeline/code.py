@@ -6,7 +6,6 @@ A module counts by its syntax tree without docstrings, and so does every module 
 import ast
 import hashlib
 import json
-from collections.abc import Iterable
 from pathlib import Path
 
 from repro.files import write_text
@@ -36,13 +35,16 @@ class CodeDigests:
 
     def of_script(self, script: Path, *modules: str) -> str:
         """Digest of a script with all that it imports, and of further modules."""
-        tree, imported = self._parse(script.read_bytes())
-        return self.of(*imported, *modules, salt=tree)
+        return self.of(*modules, *self.reached_by(script), salt=self._parse(script.read_bytes())[0])
+
+    def reached_by(self, script: Path) -> set[str]:
+        """Modules of the package that a script imports, and all that they do."""
+        return self.reached(*self._parse(script.read_bytes())[1])
 
     def of(self, *modules: str, salt: str = "") -> str:
         """Digest of modules with all that they import."""
         digest = hashlib.sha256(salt.encode())
-        for name in sorted(self._reached(modules)):
+        for name in sorted(self.reached(*modules)):
             digest.update(f"{name} {self._module(name)[0]}\n".encode())
         return digest.hexdigest()
 
@@ -52,7 +54,8 @@ class CodeDigests:
             write_text(self._kept, json.dumps(self._read))
             self._known = len(self._read)
 
-    def _reached(self, modules: Iterable[str]) -> set[str]:
+    def reached(self, *modules: str) -> set[str]:
+        """Modules of the package that these import, themselves among them."""
         reached: set[str] = set()
         ahead = [name for name in modules if self._path(name)]
         while ahead:

@@ -33,10 +33,10 @@ def _check_arms(path: Path, arms: object) -> None:
                 raise InputError.at(f"{path}: arms.{case}.methods.{method}.beta", "no parameter set", "nine numbers")
 
 
-def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
+def read_identifications(paths: Sequence[Path | str]) -> list[dict[str, Any]]:
     """Results of `repro.pipeline.numeric_identification.identify_arms`, checked for what later stages need."""
     runs = []
-    for path in paths:
+    for path in map(Path, paths):
         run = read_json(path)
         if not isinstance(run, dict) or not {"seed", "variant", "arms"} <= run.keys():
             raise InputError.at(str(path), "no identification result", "fields seed, variant, arms")

@@ -1,16 +1,20 @@
 """Algorithm 1, its refinement and the refinement's control on one arm's signals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from repro.cnn.checkpoint import load_network
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
 from repro.identify.algorithm1 import SearchSettings, Selected, search, select
 from repro.identify.prepare import Prepared
 from repro.identify.refinement import RefinementSettings, refine, restart
 from repro.identify.residual import ResidualReader
+from repro.pipeline.named import Config
+from repro.settings import data_settings, network_settings, refinement_settings, search_settings
 
 
 @dataclass(frozen=True)
@@ -61,3 +65,16 @@ class Identifier:
 
 def _estimate(selected: Selected, images: int) -> dict[str, Any]:
     return {"beta": selected.beta.tolist(), "similarity": selected.similarity, "images": images}
+
+
+def identifier_of(variant: str, weights: str, config: Config) -> Identifier:
+    """A trained network with the settings of its configuration."""
+    network = load_network(Path(weights), network_settings(config))
+    image, search = data_settings(config).image, search_settings(config)
+    return Identifier(variant, network, image, search, refinement_settings(config))
+
+
+def arm_identifier_of(variant: str, weights: str, config: Config) -> Identifier:
+    """The same with the threshold of the experiment."""
+    identifier = identifier_of(variant, weights, config)
+    return replace(identifier, search=replace(identifier.search, threshold=config["experiment"]["threshold"]))

@@ -1,6 +1,7 @@
 """The numeric experiment: torques of N1 to N4 rebuilt and validated (Section V-B)."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,13 @@ import pandas as pd
 
 from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.priors import sample_beta
+from repro.errors import InputError
+from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
+from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
 from repro.streams import Stream, stream
 
 #: Arms averaged for the mean training torque of fit2trt.
@@ -24,6 +27,20 @@ def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int)
     motion = identification_trajectory(signals.duration, signals.h)
     beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior).mean(0)
     return inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
+
+
+def read_mean_torque(path: str, signals: SignalSettings) -> Array:
+    """Mean training torque of a file, an array of shape (2, N), checked for length and finite numbers."""
+    columns, samples = ("joint1", "joint2"), sample_times(signals.duration, signals.h).size
+    table = read_csv(Path(path), columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
+    if len(table) != samples:
+        raise InputError.at(f"{path}: rows", len(table), f"{samples}, one for each sample of the trajectory")
+    wrong = ~np.isfinite(table.to_numpy())
+    if wrong.any():
+        line, column = np.argwhere(wrong)[0]
+        raise InputError.at(f"{path}: line {line + 2}: {columns[column]}", "no finite number", "a torque in N m")
+    tau: Array = table.to_numpy(dtype=np.float64).T
+    return tau
 
 
 def validation_motion(signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:

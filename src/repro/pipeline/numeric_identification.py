@@ -1,14 +1,10 @@
 """The numeric experiment: N1 to N4 identified from their torques (Section V-B)."""
 
 import logging
-from dataclasses import dataclass
 from typing import Any
 
-from repro.cnn.dataset import DataSettings, SignalSettings
-from repro.cnn.factored import FactoredCNN
-from repro.identify.algorithm1 import SearchSettings
+from repro.cnn.dataset import SignalSettings
 from repro.identify.prepare import prepare
-from repro.identify.refinement import RefinementSettings
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.pipeline.methods import Identifier
@@ -20,47 +16,25 @@ from repro.streams import Stream, stream
 _LOG = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Experiment:
-    """Settings of one run of the numeric experiment.
+def identify_arms(
+    identifier: Identifier, signals: SignalSettings, numeric: NumericSettings, tau_mean: Array, seed: int
+) -> dict[str, Any]:
+    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's control.
 
-    Attributes
-    ----------
-    variant : str
-        Network variant.
-    signals, data, search, refinement, numeric
-        Settings of the rooms.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data, N m.
+    For each arm its true parameters, and for each method the estimate, its similarity and its cost in images. Mean
+    torque of the training data of shape (2, N), N m.
     """
-
-    variant: str
-    signals: SignalSettings
-    data: DataSettings
-    search: SearchSettings
-    refinement: RefinementSettings
-    numeric: NumericSettings
-    tau_mean: Array
-
-
-def identify_arms(network: FactoredCNN, experiment: Experiment, seed: int) -> dict[str, Any]:
-    """Identify every test arm by Algorithm 1, by its refinement, and by the control without the network."""
-    e = experiment
-    margin, signals = e.numeric.margin, e.signals
+    margin, executions = numeric.margin, identifier.search.executions
     recorded = identification_trajectory(signals.duration, signals.h, margin)
     y_recorded = regressor(recorded.q, recorded.dq, recorded.ddq)
-    identifier = Identifier(e.variant, network, e.data.image, e.search, e.refinement)
-    progress = Progress(f"{e.variant} image, seed {seed}")
+    progress = Progress(f"{identifier.variant} image, seed {seed}")
     arms: dict[str, Any] = {}
-    for index, (name, beta) in enumerate(e.numeric.arms.items()):
+    for index, (name, beta) in enumerate(numeric.arms.items()):
         tau = rebuild_torque(y_recorded, beta)
-        prepared = prepare(recorded.q, tau, e.tau_mean, signals, margin, margin + e.tau_mean.shape[-1])
-        methods, met = identifier.methods(
-            prepared,
-            stream(seed, Stream.SEARCH, index),
-            stream(seed, Stream.REFINE, index),
-        )
+        prepared = prepare(recorded.q, tau, tau_mean, signals, margin, margin + tau_mean.shape[-1])
+        streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE))
+        methods, met = identifier.methods(prepared, *streams)
         arms[name] = {"true": beta.tolist(), "executions_over_threshold": met, "methods": methods}
-        _LOG.info("%s: %d of %d executions over the threshold", name, met, e.search.executions)
-        progress(index + 1, len(e.numeric.arms))
-    return {"variant": e.variant, "seed": seed, "arms": arms}
+        _LOG.info("%s: %d of %d executions over the threshold", name, met, executions)
+        progress(index + 1, len(numeric.arms))
+    return {"variant": identifier.variant, "seed": seed, "arms": arms}

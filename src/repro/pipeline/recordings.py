@@ -1,5 +1,6 @@
 """Captures read back: the measured signals of one motion."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -61,3 +62,8 @@ def read_recording(path: Path, config: Config) -> Recording:
     if still.any():
         raise InputError.at(f"{path}: joint {int(still.argmax()) + 1}", "no motion", "a joint that moves")
     return Recording(replace(program, q=capture.about.desired.astype(np.float64)), measured.q, measured.tau)
+
+
+def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Recording]:
+    """Recordings of a rule's captures, whose sidecars are inputs of the rule, too."""
+    return [read_recording(path, config) for path in map(Path, captures) if path.suffix == ".bin"]

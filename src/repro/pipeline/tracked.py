@@ -92,7 +92,7 @@ def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects:
     return Tracked(program, position[kept], pwm[kept], beta[kept])
 
 
-def simulate_tracked(config: Config, out: str) -> None:
+def simulate_tracked(config: Config, out: Path) -> None:
     """Simulate the arms whose motions a network is trained on, and keep them."""
     t = config["data"]["tracked"]
     arms = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
@@ -103,7 +103,7 @@ def simulate_tracked(config: Config, out: str) -> None:
         "desired": arms.program.q.astype(np.float32),
         "parameters": arms.parameters,
     }
-    write_whole(Path(out), lambda temporary: save_file(arrays, temporary))
+    write_whole(out, lambda temporary: save_file(arrays, temporary))
 
 
 def read_tracked(path: Path, config: Config) -> Tracked:

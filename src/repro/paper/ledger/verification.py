@@ -2,6 +2,7 @@
 
 import csv
 import io
+import logging
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,11 +15,14 @@ from repro.comparison.tables import differences
 from repro.errors import InputError
 from repro.files import CSV_FLOAT_FORMAT, write_csv, write_text
 from repro.fpga.checksums import SUMS, verify_folder
+from repro.paper.claims import broken
 from repro.paper.ledger.counterparts import compute
 from repro.paper.ledger.results import Results
 from repro.paper.ledger.sums import changed_sources, read_sources, write_sources
-from repro.paper.ledger.text import markdown
+from repro.paper.ledger.text import markdown, summary
 from repro.paper.published import PUBLISHED_FILE, load_published
+
+_LOG = logging.getLogger(__name__)
 
 CLAIMS, PAGE, SOURCES = "claims.csv", "claims.md", "claims.sha256"
 
@@ -118,3 +122,19 @@ def _captures(folder: Path) -> list[str]:
     except OSError as error:
         return [f"{folder}: found {error.strerror or 'an unreadable folder'}, expected the captures"]
     return []
+
+
+def verified(results: Path, config: Mapping[str, Any]) -> str:
+    """What a ledger says in short, after it was found to follow from its sources; broken promises fail if enforced."""
+    claims, problems = verify_ledger(results, config)
+    for problem in problems:
+        _LOG.error("%s", problem)
+    if problems or claims is None:
+        found = f"{len(problems)} disagreements with its sources, named above"
+        raise InputError.at(f"{results}: ledger", found, "none")
+    lines, failed = summary(claims), len(broken(claims))
+    if failed and config["claims"]["enforce"]:
+        for line in lines:
+            _LOG.error("%s", line)
+        raise InputError.at(f"{results}/claims.csv: must", f"{failed} promises that do not hold", "none")
+    return "".join(f"{line}\n" for line in lines)

@@ -1,4 +1,4 @@
-"""Stage report: every result in one page."""
+"""The report of a run: every result in one page, with what it was made by."""
 
 import hashlib
 import json

@@ -1,0 +1,44 @@
+"""Training of one network of the workflow: its weights, its history and its model card."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from repro.cnn.checkpoint import save_network
+from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.train import on_this_processor, train
+from repro.files import write_csv, write_text
+from repro.pipeline.description import model_card
+from repro.pipeline.named import Config
+from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
+from repro.pipeline.tracked import describe_motions, training_motion
+from repro.progress import Progress
+from repro.settings import data_settings, network_settings, training_settings
+
+
+def train_network(
+    name: str, output: Mapping[str, str], checkpoint: str, config: Config, motions: str | None = None
+) -> None:
+    """Write ``weights``, ``history`` and ``card``, stored or trained; training continues from `checkpoint`."""
+    out = {what: Path(file) for what, file in output.items()}
+    if config["training"]["source"] == "stored" and name != "paper-recipe":
+        take_stored(name, out, config)
+        return
+    network, data, training = network_settings(config), data_settings(config), training_settings(config)
+    training = on_this_processor(training)
+    progress = Progress(f"training, {name}")
+    trained = train(
+        training_motion(config, Path(motions) if motions else None),
+        data,
+        network,
+        training,
+        Path(checkpoint),
+        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
+    )
+    history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
+    save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config)})
+    write_csv(out["history"], history)
+    seconds, said = trained.seconds_at.tolist(), describe_motions(config)
+    write_text(out["card"], model_card(out["weights"], history, network, data, training, seconds, said))
+    Path(checkpoint).unlink(missing_ok=True)
