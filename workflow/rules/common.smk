@@ -3,7 +3,7 @@ CODE = CodeDigests(Path(".snakemake/code.json"))
 
 def code(script, *modules):
     """Digest of the code that a script reaches, and of further modules; a docstring changes nothing."""
-    return CODE.of_script(Path(workflow.basedir) / "workflow/scripts" / script, *modules)
+    return CODE.of_script(HERE / "scripts" / script, *modules)
 
 
 def network_name(wildcards):

@@ -5,7 +5,7 @@ rule report:
         figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
         numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
         captures="data/captures/SHA256SUMS",
-        captions=sorted(str(caption) for caption in (Path(workflow.basedir) / "workflow/report").glob("*.rst")),
+        captions=sorted(str(caption) for caption in (HERE / "report").glob("*.rst")),
     output:
         f"{R}/report/index.html",
     log:
