@@ -103,7 +103,8 @@ def visit(host: Host) -> tuple[str, str]:
     """Do everything on one host; its line, and what a failure printed."""
     if why := cannot(host):
         return f"{host.name:22} not run: {why}", ""
-    tests, began = [f"tests/test_{name}.py" for name in host.tests], time.monotonic()
+    tests = [str(next((ROOT / "tests").rglob(f"test_{name}.py"))) for name in host.tests]
+    began = time.monotonic()
     probes = run(host, "-c", PROBES).stdout.strip() or "?"
     for what, arguments in (
         ("tests", ("-m", "pytest", "-q", "-p", "no:cacheprovider", *tests)),

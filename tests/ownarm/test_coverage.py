@@ -15,7 +15,7 @@ from repro.pipeline.experiment import load_config, program_from_config
 from repro.streams import Stream, stream
 from repro.trust.bootstrap import bootstrap
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 ARMS = 20
 
 

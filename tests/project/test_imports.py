@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 #: Scripts of the workflow that run a network.
 WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "explain", "check_coverage"}

@@ -32,7 +32,7 @@ from repro.settings import metric_settings, numeric_settings, of_network, signal
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
 EXPERIMENT = short_config()

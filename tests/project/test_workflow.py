@@ -15,7 +15,7 @@ from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 WORKFLOW = ROOT / "workflow"
 FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional]
 TABLES = [exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional]

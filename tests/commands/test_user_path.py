@@ -9,7 +9,7 @@ from repro.fpga.recorded import samples, verify_control
 from repro.pipeline.acquire import simulate_capture
 from repro.pipeline.experiment import load_config, program_from_config
 
-CONFIG = Path(__file__).resolve().parent.parent / "config" / "config.yaml"
+CONFIG = Path(__file__).resolve().parents[2] / "config" / "config.yaml"
 
 
 def test_the_identification_run_over_a_pseudo_terminal(tmp_path):

@@ -11,7 +11,7 @@ import yaml
 from repro.comparison.classes import LEDGER, TRAINED_TARGETS, measured_spread
 from repro.paper.published import load_published
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "docs/reference"
 CASES = ("N1", "N2", "N3", "N4")
 NAMES = {

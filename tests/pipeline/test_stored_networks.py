@@ -12,7 +12,7 @@ from repro.errors import InputError
 from repro.pipeline.stored_networks import configuration_digest, stored_files, take_stored
 from repro.settings import of_network
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CONFIG = full_config()
 NETWORKS = ("published", "scale-aware", "tracked")
 

@@ -216,7 +216,7 @@ def test_start_range():
 
 
 def test_examples_of_the_document():
-    text = (Path(__file__).parents[1] / "docs" / "protocol.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
     examples = [bytes.fromhex(line) for line in text.splitlines() if line.startswith("    ")]
     assert examples == [encode([[165], [-2]], [[5], [-1023]]), encode_start(3770)]
     assert all(sentence.split(":")[0] in " ".join(text.split()).replace("`", "") for sentence in UNVERIFIABLE)

@@ -20,7 +20,7 @@ from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.endpoint import PtyEndpoint
 from repro.fpga.faults import FaultInjector, FaultSettings
 
-SCRIPT = Path(__file__).with_name("cli_with_fake_board.py")
+SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 
 
 @pytest.fixture(autouse=True)

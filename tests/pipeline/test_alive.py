@@ -11,7 +11,7 @@ import pytest
 from repro.pipeline import alive
 from repro.pipeline.alive import RUN, begin_run, join_run
 
-SRC = Path(__file__).resolve().parent.parent / "src"
+SRC = Path(__file__).resolve().parents[2] / "src"
 RUNNING = """
 import os, sys
 from pathlib import Path

@@ -15,7 +15,7 @@ from repro.exhibits import catalogue
 from repro.exhibits.make import make_exhibit
 from repro.settings import numeric_settings
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 EXHIBITS = {e.name: e for e in (*catalogue.TABLES, *catalogue.FIGURES)}  # a figure where both have the name
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]

@@ -12,7 +12,7 @@ from repro.pipeline.ablation import run_reading, train_reading
 from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, read_as
 from repro.settings import of_network
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 TINY = copy.deepcopy(CONFIG)
 TINY["ablation"] = {"steps": 3, "paper_steps": 3, "seeds": [1]}

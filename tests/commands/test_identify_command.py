@@ -25,7 +25,7 @@ from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
 from repro.regression.filters import FILTERS
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CAPTURES = ROOT / "data" / "captures"
 WRITTEN = {
     *("parameters.json", "parameters.csv", "scores.csv", "residuals.csv", "report.html", "methods.bib"),

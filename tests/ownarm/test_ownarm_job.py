@@ -23,7 +23,7 @@ from repro.ownarm.settings import Options
 from repro.trust.excitation import torque_share
 from repro.trust.words import COMBINED, NOT_EXCITED
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
