@@ -9,6 +9,7 @@ import yaml
 from repro.config import check_config
 from repro.errors import InputError
 from repro.pipeline.start import accept_config
+from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parent.parent
 BASE = ROOT / "config" / "config.yaml"
@@ -82,6 +83,12 @@ def test_every_key_is_explained():
     for path in leaves(load(BASE)):
         chapter = chapters["Folders"] if len(path) == 1 else chapters[path[0]]
         assert f"`{path[-1]}`" in chapter or path[-2] == "arms", ".".join(path)
+
+
+def test_the_smoke_run_trains_every_network_briefly():
+    config = load(BASE, SMOKE)
+    for name in ("published", *config["networks"]):
+        assert of_network(config, name)["training"]["steps"] <= 100, name
 
 
 def test_the_smoke_run_changes_budgets_and_folders_only():

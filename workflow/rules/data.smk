@@ -13,8 +13,7 @@ rule simulate_tracked:
     resources:
         mem_mb=2000,
     params:
-        # As narrow as that of the training, which would begin again.
-        code=CODE.of("repro.fpga.loop", "repro.cnn.priors"),
+        code=code("simulate_tracked.py"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"

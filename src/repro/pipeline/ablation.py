@@ -11,7 +11,7 @@ from repro.files import write_json
 from repro.model.parameters import Array
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
-from repro.pipeline.methods import Identifier, arm_identifier_of, identifier_of
+from repro.pipeline.methods import Identifier, for_the_arm, identifier_of
 from repro.pipeline.named import Config
 from repro.pipeline.numeric import mean_training_torque, score_estimates
 from repro.pipeline.numeric_identification import identify_arms
@@ -60,7 +60,7 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
     runs = [identify_arms(literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
     numeric = score_estimates(runs, signals, arms, metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
-    arm = _arm_scores(arm_identifier_of("published", weights, c), read_recordings(captures, c), tau_mean, c)
+    arm = _arm_scores(for_the_arm(identifier, c), read_recordings(captures, c), tau_mean, c)
     result: dict[str, Any] = {
         "id_mean": float(cells["ID"].mean()),
         "id_lowest": float(cells["ID"].min()),

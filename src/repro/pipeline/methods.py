@@ -74,7 +74,6 @@ def identifier_of(variant: str, weights: str, config: Config) -> Identifier:
     return Identifier(variant, network, image, search, refinement_settings(config))
 
 
-def arm_identifier_of(variant: str, weights: str, config: Config) -> Identifier:
+def for_the_arm(identifier: Identifier, config: Config) -> Identifier:
     """The same with the threshold of the experiment."""
-    identifier = identifier_of(variant, weights, config)
     return replace(identifier, search=replace(identifier.search, threshold=config["experiment"]["threshold"]))

@@ -76,9 +76,9 @@ def torque_distribution(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-def loss(frame: pd.DataFrame) -> Figure:
-    """Loss on training and test images over the iterations (Fig. 10)."""
-    curves = read_curves(frame, {"loss": ("train", "test")})["loss"]
+def _losses(frame: pd.DataFrame, names: tuple[str, ...], x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """Losses of these series on a logarithmic axis."""
+    curves = read_curves(frame, {"loss": names})["loss"]
     figure = style.new_figure(style.COLUMN, 2.3)
     axes = figure.subplots()
     for name, curve in curves.items():
@@ -86,10 +86,16 @@ def loss(frame: pd.DataFrame) -> Figure:
             raise InputError.at(f"series {name}: y", f"{curve[1].min():g}", "a loss above 0")
         plot_series(axes, name, curve)
     axes.set_yscale("log")
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    return figure, axes
+
+
+def loss(frame: pd.DataFrame) -> Figure:
+    """Loss on training and test images over the iterations (Fig. 10)."""
+    figure, axes = _losses(frame, ("train", "test"), "Training iteration (steps)", "Loss (dimensionless)")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     axes.xaxis.set_major_locator(MaxNLocator(6))
-    axes.set_xlabel("Training iteration (steps)")
-    axes.set_ylabel("Loss (dimensionless)")
     style.legend_above(figure, axes, 2)
     return figure
 
@@ -99,17 +105,9 @@ def held_out_losses(frame: pd.DataFrame) -> Figure:
 
     Columns ``panel, series, x, y``; panel loss; series as in the registry of methods; x in images, y above 0.
     """
-    curves = read_curves(frame, {"loss": ("algorithm1", "algorithm1+paper-recipe")})["loss"]
-    figure = style.new_figure(style.COLUMN, 2.3)
-    axes = figure.subplots()
-    for name, curve in curves.items():
-        if curve[1].min() <= 0:
-            raise InputError.at(f"series {name}: y", f"{curve[1].min():g}", "a loss above 0")
-        plot_series(axes, name, curve)
+    names = ("algorithm1", "algorithm1+paper-recipe")
+    figure, axes = _losses(frame, names, "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
-    axes.set_yscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.set_xlabel("Training (images)")
-    axes.set_ylabel("Held-out loss (dimensionless)")
     style.legend_above(figure, axes, 2)
     return figure
