@@ -14,9 +14,9 @@ import torch
 import yaml
 
 from repro.cnn.checkpoint import load_network
-from repro.identify.algorithm1 import search, select
-from repro.identify.prepare import prepare
-from repro.identify.residual import ResidualReader
+from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.search import search, select
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.pipeline.numeric import mean_training_torque
 from repro.settings import data_settings, network_settings, numeric_settings, search_settings, signal_settings
@@ -43,7 +43,9 @@ def main() -> None:
         for seed in range(10):
             began = time.perf_counter()
             n1 = numeric.margin
-            prepared = prepare(motion.q, rebuild_torque(y, beta), mean, signals, n1, n1 + mean.shape[-1])
+            prepared = prepare(
+                filtered(motion.q, rebuild_torque(y, beta), signals, n1, n1 + mean.shape[-1]), mean, signals
+            )
             reader = ResidualReader(network, data.image, prepared)
             select(search(reader, prepared, settings, np.random.default_rng(seed)).beta, prepared, settings)
             seconds.append(time.perf_counter() - began)

@@ -4,20 +4,19 @@ import numpy as np
 from log_example import BETA, motion
 from scipy.signal import lfilter
 
+from repro.identification.regression import Regression
 from repro.model.dynamics import regressor
-from repro.regression.prepare import FilterSettings, Regression
 
 #: Time between samples and cut-off: a period of the cut-off is ten samples.
 H, CUTOFF = 0.02, 5.0
 
 
-def regression_of(y, tau, h=H, cutoff=CUTOFF):
+def regression_of(y, tau, h=H):
     """A regression of any regressor (2, n, 9) and torque (2, n); its motion is zero, and every row counts."""
     n = y.shape[1]
     nothing, counts = np.zeros((2, n)), np.ones((2, n), dtype=bool)
-    t, settings = h * np.arange(n), FilterSettings(cutoff=cutoff)
     return Regression(
-        t=t,
+        t=h * np.arange(n),
         y=y,
         tau=tau,
         interleaved=np.stack([y, y]),
@@ -26,7 +25,6 @@ def regression_of(y, tau, h=H, cutoff=CUTOFF):
         ddq=nothing,
         moving=counts,
         h=h,
-        settings=settings,
     )
 
 

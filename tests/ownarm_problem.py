@@ -6,7 +6,10 @@ import numpy as np
 from log_example import BETA, columns, log_of, motion, recording, text
 from ownarm_log import H, exact, other_motion
 
-from repro.estimators.methods import METHODS
+from repro.identification.cutoff import Cutoff
+from repro.identification.excitation import excitation
+from repro.identification.methods.every import METHODS
+from repro.identification.parallel import FilterSettings
 from repro.logs.armfile import Arm
 from repro.logs.description import Description
 from repro.model.dynamics import inverse_dynamics
@@ -14,9 +17,6 @@ from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.judge import find, judge
 from repro.ownarm.prepared import Problem, Told, make_problem, read
 from repro.ownarm.settings import Options
-from repro.regression.cutoff import Cutoff
-from repro.regression.prepare import FilterSettings
-from repro.trust.excitation import excitation
 
 ARM = Arm(name="test arm")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]

@@ -4,9 +4,9 @@ import log_example
 import numpy as np
 from log_example import BETA
 
+from repro.identification.regression import Regression
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics, regressor
-from repro.regression.prepare import FilterSettings, Regression
 
 
 def broadband(t, top=12.0, lines=60):
@@ -53,7 +53,6 @@ def problem(y, tau, interleaved=None):
         ddq=np.zeros((2, n)),
         moving=np.ones((2, n), dtype=bool),
         h=0.02,
-        settings=FilterSettings(),
     )
 
 

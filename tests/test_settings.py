@@ -17,8 +17,8 @@ from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.unmodelled import UnmodelledSettings
 from repro.config import check_config
 from repro.errors import InputError
-from repro.identify.algorithm1 import SearchSettings
-from repro.identify.refinement import RefinementSettings
+from repro.identification.algorithm1.refinement import RefinementSettings
+from repro.identification.algorithm1.search import SearchSettings
 from repro.signals.metric import MetricSettings
 
 ROOT = Path(__file__).resolve().parent.parent

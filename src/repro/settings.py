@@ -16,8 +16,8 @@ from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.unmodelled import UnmodelledSettings
 from repro.config import merged
-from repro.identify.algorithm1 import SearchSettings
-from repro.identify.refinement import RefinementSettings
+from repro.identification.algorithm1.refinement import RefinementSettings
+from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import Array
 from repro.signals.dct import FrequencyReading
 from repro.signals.metric import MetricSettings

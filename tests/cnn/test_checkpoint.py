@@ -49,6 +49,12 @@ def test_network_comes_back_as_it_was(weights):
     assert torch.equal(saved(u, v), loaded(u, v))
 
 
+def test_a_network_that_says_it_is_another_is_refused(weights):
+    assert load_network(weights, literal.SMALL, "published")
+    with pytest.raises(InputError, match=r"cnn\.safetensors: header: found published, expected tracked"):
+        load_network(weights, literal.SMALL, "tracked")
+
+
 def test_same_network_gives_the_same_file(weights, tmp_path):
     again = tmp_path / "again" / "cnn.safetensors"
     save_network(again, literal.untrained(), {"variant": "published"})

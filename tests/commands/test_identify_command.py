@@ -19,11 +19,11 @@ from log_example import BETA, columns, recording, text
 from repro.cli import main
 from repro.cnn import schedule
 from repro.commands import identify as commands
-from repro.estimators import algorithm1
-from repro.identify.algorithm1 import SearchSettings
+from repro.identification.algorithm1 import own_network as algorithm1
+from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.filters.interface import FILTERS
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
-from repro.regression.filters import FILTERS
 
 ROOT = Path(__file__).resolve().parents[2]
 CAPTURES = ROOT / "data" / "captures"
@@ -214,7 +214,7 @@ def test_adding_a_method_is_adding_a_file(log, tmp_path):
     guide = (ROOT / "docs" / "own-arm.md").read_text(encoding="utf-8")
     example = re.search(r"^    \"\"\"Ridge regression.*?^    METHOD = [^\n]*$", guide, re.MULTILINE | re.DOTALL)[0]
     example = textwrap.dedent(example).replace("hoerl1970ridge", "gautier1992exciting")
-    (tmp_path / "repro" / "estimators" / "ridge.py").write_text(example)
+    (tmp_path / "repro" / "identification" / "methods" / "ridge.py").write_text(example)
     command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)

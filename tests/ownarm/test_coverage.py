@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from board_arms import multisine, random_arms, recorded
 
-from repro.estimators.methods import METHODS
+from repro.identification.bootstrap import bootstrap
+from repro.identification.methods.every import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.description import Description
 from repro.ownarm.prepared import Told, make_problem
 from repro.ownarm.settings import Options
 from repro.pipeline.experiment import load_config, program_from_config
 from repro.streams import Stream, stream
-from repro.trust.bootstrap import bootstrap
 
 ROOT = Path(__file__).resolve().parents[2]
 ARMS = 20

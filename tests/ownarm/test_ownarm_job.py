@@ -12,16 +12,16 @@ from log_example import BETA, columns, motion, recording, text
 from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent, tree, write_log
 
 from repro.errors import InputError
-from repro.estimators.interface import Estimate
-from repro.estimators.methods import METHODS
+from repro.identification.excitation import torque_share
+from repro.identification.methods.every import METHODS
+from repro.identification.methods.interface import Estimate
 from repro.model.parameters import NAMES
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.judge import Found
 from repro.ownarm.outputs import write_all
 from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options
-from repro.trust.excitation import torque_share
-from repro.trust.words import COMBINED, NOT_EXCITED
+from repro.ownarm.words import COMBINED, NOT_EXCITED
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -194,8 +194,8 @@ def test_a_cutoff_that_is_given_is_used(tmp_path):
     problem = made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
     assert problem.settings.cutoff == problem.cutoff.hertz == 3.5
     assert problem.cutoff.reason == "given by the user"
-    wide = [r.settings.cutoff for r in problem.as_good]
-    assert min(wide) < 3.5 < max(wide)
+    kept = [r.h for r in problem.as_good]  # eight samples a period of the cut-off
+    assert min(kept) < problem.regression.h < max(kept)
     with pytest.raises(InputError, match=r"log\.csv: rate: found 200 Hz, expected at least four times .* 60 Hz"):
         made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=60.0))
 

@@ -10,16 +10,16 @@ from log_example import BETA, log_of, motion, recording
 from ownarm_log import H, exact, exciting
 from ownarm_problem import judged, noisy, problem_of, silent, told
 
-from repro.estimators.interface import Estimate, Method, NoSolutionError
-from repro.estimators.methods import METHODS
+from repro.identification.bootstrap import Spread
+from repro.identification.methods.every import METHODS
+from repro.identification.methods.interface import Estimate, Method, NoSolutionError
+from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
 from repro.ownarm.job import solve_all
 from repro.ownarm.judge import Found, find, judge, why_not_consistent
-from repro.prediction.torque import relative_rms
-from repro.trust.bootstrap import Spread
-from repro.trust.words import COMBINED, NOT_EXCITED
+from repro.ownarm.words import COMBINED, NOT_EXCITED
 
 HELD = "held at zero: the log alone would make it negative"
 

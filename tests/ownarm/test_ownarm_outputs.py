@@ -13,10 +13,10 @@ from ownarm_problem import ARM, FILES, tree
 from PIL import Image
 
 from repro.errors import InputError
-from repro.estimators.methods import METHODS
-from repro.estimators.names import NETWORKS
 from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
+from repro.identification.methods.every import METHODS
+from repro.identification.methods.names import NETWORKS
 from repro.ownarm import outputs
 from repro.ownarm.outputs import check_folder, citations, write_all
 

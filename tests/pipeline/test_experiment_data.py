@@ -19,7 +19,7 @@ from experiment_example import (
 )
 
 from repro.exhibits import arm
-from repro.identify.prepare import prepare
+from repro.identification.algorithm1.listing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.feasibility import is_positive_definite
 from repro.model.stability import stability_constants
@@ -35,7 +35,7 @@ from repro.pipeline.experiment_data import (
     stability_table,
     validation_figure,
 )
-from repro.pipeline.experiment_runs import every_seed, filtered, least_squares_of, score_runs, tracking
+from repro.pipeline.experiment_runs import every_seed, least_squares_of, score_runs, tracking
 from repro.pipeline.recordings import read_recording
 from repro.settings import metric_settings, signal_settings
 
@@ -247,12 +247,10 @@ def test_scores_are_of_the_motion_and_the_truth_is_above_what_is_wrong(recording
 
 @pytest.mark.parametrize("motion", ["ID", "T3"])
 def test_least_squares_sees_the_signals_that_algorithm_1_sees(recordings, motion):
-    f, program = filtered(recordings[motion], SIGNALS), recordings[motion].program
-    q, tau, n = recordings[motion].q, recordings[motion].tau, program.n2 - program.n1
-    prepared = prepare(q, tau, np.ones((2, n)), SIGNALS, program.n1, program.n2)
-    for name in ("q", "dq", "ddq", "tau"):
-        np.testing.assert_array_equal(getattr(f, name), getattr(prepared, name))
-    np.testing.assert_allclose(f.regressor, prepared.y, rtol=1e-12)
+    found = recordings[motion].regression(SIGNALS)
+    canonical = prepare(found, np.ones_like(found.tau), SIGNALS).regression
+    for name in ("q", "dq", "ddq", "tau", "y"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(canonical, name))
 
 
 def test_least_squares_finds_the_arm_of_a_perfect_run(recordings):
@@ -260,11 +258,8 @@ def test_least_squares_finds_the_arm_of_a_perfect_run(recordings):
     assert (run["variant"], run["seed"]) == ("least-squares", 0)
     methods = run["arms"]["ID"]["methods"]
     assert methods["true"]["beta"] == TRUE.tolist()
-    found, error = (np.array(methods["least-squares"][key]) for key in ("beta", "standard_error"))
-    f = filtered(recordings["T3"], SIGNALS)
-    rebuilt = np.linalg.norm(f.tau - f.regressor @ found) / np.linalg.norm(f.tau)
-    assert rebuilt < 0.05
-    assert (error > 0).all()
+    found, r = np.array(methods["least-squares"]["beta"]), recordings["T3"].regression(SIGNALS)
+    assert np.linalg.norm(r.tau - r.y @ found) < 0.05 * np.linalg.norm(r.tau)
     np.testing.assert_allclose(found[3:5], TRUE[3:5], rtol=0.05)
 
 
@@ -279,7 +274,7 @@ def test_the_field_s_methods_keep_what_they_promise(recordings):
     assert found["bounded"].min() >= 0
     assert is_positive_definite(found["consistent"])
     assert found["consistent"][5:].min() >= 0
-    f = filtered(stored, signals)
-    error = {name: np.linalg.norm(f.tau - f.regressor @ beta) for name, beta in found.items()}
+    f = stored.regression(signals)
+    error = {name: np.linalg.norm(f.tau - f.y @ beta) for name, beta in found.items()}
     assert error["least-squares"] < min(error["bounded"], error["consistent"])
     assert max(error.values()) < 1.02 * error["least-squares"]

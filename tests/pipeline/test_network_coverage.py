@@ -9,10 +9,11 @@ from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identify.uncertainty import distances, unlike_beyond
+from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.uncertainty import distances, unlike_beyond
+from repro.identification.solve import solve
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
-from repro.pipeline.methods import Identifier
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.tracked import read_tracked, simulate_tracked, training_motion
@@ -43,16 +44,16 @@ def tables(config, tmp_path_factory):
         def estimate(self, guess):
             # Least squares stands for a network that knows the arm but for its error.
             p = self._prepared
-            right = np.linalg.lstsq(p.y.reshape(-1, 9), p.tau.reshape(-1), rcond=None)[0] / p.largest
+            right = solve(p.regression.y, p.regression.tau) / p.largest
             return right + 0.1 * rng.standard_normal(9) + 0.02 * rng.standard_normal(guess.shape)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stage, "ResidualReader", Reader)
         signals = signal_settings(config)
         tau_mean = mean_training_torque(signals, data_settings(config), 1)
-        identifier = Identifier("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
+        algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
         recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
-        made = stage.coverage(identifier, path, recording, tau_mean, config)
+        made = stage.coverage(algorithm1, path, recording, tau_mean, config)
     return made, path
 
 

@@ -13,10 +13,10 @@ from repro.cnn.dataset import DataSettings, SignalSettings, image_regressor
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import sample_beta
-from repro.identify.algorithm1 import SearchSettings
-from repro.identify.refinement import RefinementSettings
+from repro.identification.algorithm1.refinement import RefinementSettings
+from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.methods import Identifier
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     mean_training_torque,
@@ -135,8 +135,8 @@ def experiment(**changes):
 
 
 def identify(network, e, seed):
-    identifier = Identifier(e.variant, network, e.data.image, e.search, e.refinement)
-    return identify_arms(identifier, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
+    algorithm1 = Algorithm1(e.variant, network, e.data.image, e.search, e.refinement)
+    return identify_arms(algorithm1, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
 
 
 @pytest.fixture(scope="module")

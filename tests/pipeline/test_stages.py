@@ -13,6 +13,7 @@ from scripts_run import run_script
 from repro.errors import InputError
 from repro.exhibits import catalogue
 from repro.exhibits.make import make_exhibit
+from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import numeric_settings
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +48,8 @@ def run_all(folder):
 
 def identify(weights, mean_torque, output, config=CONFIG):
     inputs = {"weights": weights, "mean_torque": mean_torque}
-    run_script("identify_numeric", inputs, {"json": output}, output.parent, {"suffix": ""}, seeds=[1], config=config)
+    told = {"trained_as": configuration_digest(config), "seeds": [1], "config": config}
+    run_script("identify_numeric", inputs, {"json": output}, output.parent, {"suffix": ""}, **told)
 
 
 def score(identification, output):
@@ -193,6 +195,14 @@ def test_weights_of_another_network_are_refused_by_the_layer_that_differs(result
     path = results / "cnn.safetensors"
     message = refused(lambda: identify(path, results / "mean_torque.csv", results / "out.json", other), results)
     assert message.startswith(f"{path}: fc4.")
+
+
+def test_weights_of_another_training_are_refused(results):
+    other = {**CONFIG, "training": {**CONFIG["training"], "seed": 2}}
+    path = results / "cnn.safetensors"
+    message = refused(lambda: identify(path, results / "mean_torque.csv", results / "out.json", other), results)
+    digests = (configuration_digest(config) for config in (CONFIG, other))
+    assert message == "{}: header: found {}, expected {}, of the network asked for".format(path, *digests)
 
 
 def test_weights_that_are_not_finite_are_refused(results):

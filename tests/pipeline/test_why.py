@@ -1,7 +1,6 @@
 """From the ideal case to the recording: what each step holds, held against what made it."""
 
 import copy
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,12 @@ from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identify.algorithm1 import SearchSettings
-from repro.identify.least_squares import least_squares
-from repro.identify.prepare import Prepared
-from repro.identify.refinement import RefinementSettings
+from repro.identification.algorithm1.refinement import RefinementSettings
+from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.solve import solve
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.methods import Identifier
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.why import STEPS, dissect, explain, simulate_states
@@ -45,7 +43,7 @@ def steps(tau_mean):
 
 
 def error_of(prepared):
-    found = least_squares(prepared.y, prepared.tau).beta
+    found = solve(prepared.regression.y, prepared.regression.tau)
     return np.abs(found - TRUE).max()
 
 
@@ -73,9 +71,9 @@ def test_a_dead_band_is_what_the_motors_do_not_see():
 def test_every_step_has_one_cause_more(steps):
     """Least squares knows the parameters in the ideal case, but for what the filter takes from Coulomb friction."""
     assert tuple(steps) == STEPS
-    ideal, beyond, quantised, loop, recorded = steps.values()
-    assert error_of(ideal) < 5e-3
-    assert error_of(beyond) > 3 * error_of(ideal)
+    assert error_of(steps["ideal"]) < 5e-3
+    assert error_of(steps["beyond"]) > 3 * error_of(steps["ideal"])
+    ideal, beyond, quantised, loop, recorded = (step.regression for step in steps.values())
     for name in ("q", "dq", "ddq"):  # torque alone
         np.testing.assert_array_equal(getattr(beyond, name), getattr(ideal, name))
     for name in ("dq", "ddq"):  # rounding alone
@@ -92,8 +90,10 @@ def test_every_step_has_one_cause_more(steps):
 def test_the_last_step_is_the_recording_as_it_is_identified(recording, tau_mean, image_motion):
     found = dissect(tau_mean, CONFIG, image_motion)["recording"]
     expected = prepare_recording(recording, tau_mean, SIGNALS, image_motion)
-    for field in fields(Prepared):
-        np.testing.assert_allclose(getattr(found, field.name), getattr(expected, field.name), atol=1e-9)
+    for name in ("c_p", "largest", "alpha", "model", "y_sub", "pace"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), atol=1e-9)
+    for name in ("q", "dq", "ddq", "tau", "y"):
+        np.testing.assert_allclose(getattr(found.regression, name), getattr(expected.regression, name), atol=1e-9)
 
 
 def test_f_of_the_image_is_on_the_motion_that_was_sent(tau_mean, steps):
@@ -115,8 +115,8 @@ def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, tau_mean):
     monkeypatch.setattr("repro.pipeline.why.ResidualReader", Reader)
     config = CONFIG | {"why": {"seeds": [1], "guesses": 3, "near": 0.05}}
     search = SearchSettings(executions=2, inner_limit=2)
-    identifier = Identifier("published", None, ImageSettings(), search, RefinementSettings())
-    table = explain(identifier, tau_mean, [1, 2], config)
+    algorithm1 = Algorithm1("published", None, ImageSettings(), search, RefinementSettings())
+    table = explain(algorithm1, tau_mean, [1, 2], config)
     assert len(table) == 2 * len(STEPS)
     assert table["error_uniform"].max() < 1e-12
     assert table["error_near"].max() < 1e-12

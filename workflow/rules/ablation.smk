@@ -38,7 +38,7 @@ rule ablation_train:
 rule ablation_run:
     input:
         weights=lambda wildcards: f"{R}/ablation/{network_of(wildcards.reading)}.safetensors",
-        captures=captures(["ID", "T1", "T2", "T3", "T4"]),
+        captures=captures(PROGRAMS),
     output:
         f"{R}/ablation/readings/{{reading}}.json",
     log:

@@ -26,6 +26,11 @@ def network_sections(*names):
     return lambda wildcards: sections(*names, of=of_network(config, network_name(wildcards)))
 
 
+def trained_as(wildcards):
+    """What the weights of a job's network say of themselves."""
+    return configuration_digest(of_network(config, network_name(wildcards)))
+
+
 def training_sections(wildcards):
     """What one network depends on; of where it comes from, stored networks only."""
     parts = training_config(of_network(config, network_name(wildcards)))

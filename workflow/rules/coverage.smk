@@ -20,6 +20,7 @@ rule check_coverage:
         runtime=30,
     params:
         code=code("check_coverage.py"),
+        trained_as=configuration_digest(of_network(config, "tracked")),
         config=sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
             *("algorithm1", "refinement", "coverage"),

@@ -1,7 +1,7 @@
 # One rule for each table and figure of the catalogue (src/repro/exhibits/catalogue.py).
 SOURCES = {
     "ID": {"captures": captures(["ID"])},
-    "validation": {"captures": captures(["T1", "T2", "T3", "T4"])},
+    "validation": {"captures": captures(VALIDATION)},
     "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},
     "networks": {
         "identifications": identifications(SUFFIXES),

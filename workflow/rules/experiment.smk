@@ -55,6 +55,7 @@ rule identify_experiment:
     params:
         code=code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
+        trained_as=trained_as,
         config=network_sections(
             "signals", "arm", "board", "experiment", "network", "data", "image", "metric", "algorithm1", "refinement"
         ),
@@ -89,7 +90,7 @@ rule identify_least_squares:
 
 rule score_experiment:
     input:
-        captures=captures(["ID", "T1", "T2", "T3", "T4"]),
+        captures=captures(PROGRAMS),
         identifications=experiment_identifications(),
     output:
         f"{R}/validation/experiment.csv",
@@ -106,7 +107,7 @@ rule score_experiment:
         code=code("score_experiment.py"),
         config=sections("signals", "arm", "board", "experiment", "metric"),
     message:
-        "Scoring the arm's estimates on ID and T1 to T4"
+        f"Scoring the arm's estimates on ID and {SPAN}"
     script:
         "../scripts/score_experiment.py"
 
@@ -151,6 +152,7 @@ rule score_spread:
         runtime=30,
     params:
         code=code("score_spread.py"),
+        trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
         config=sections(
             "signals",
             "arm",

@@ -1,6 +1,6 @@
 rule score_paper_recipe:
     input:
-        captures=captures(["ID", "T1", "T2", "T3", "T4"]),
+        captures=captures(PROGRAMS),
         identifications=expand(
             f"{R}/identification/experiment-paper-recipe-seed{{seed}}.json",
             seed=config["experiment"]["search_seeds"],

@@ -16,6 +16,7 @@ rule explain:
         runtime=30,
     params:
         code=code("explain.py"),
+        trained_as=trained_as,
         config=network_sections(
             *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
             *("algorithm1", "refinement", "why"),

@@ -4,7 +4,7 @@ from repro.files import write_json
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import identify_recording
 from repro.pipeline.job import job
-from repro.pipeline.methods import for_the_arm, identifier_of
+from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import read_mean_torque
 from repro.pipeline.recordings import read_recordings
 from repro.settings import signal_settings
@@ -14,6 +14,6 @@ with job(snakemake.log[0], snakemake.threads):
     signals, true = signal_settings(config), true_parameters(config)
     tau_mean = read_mean_torque(snakemake.input.mean_torque, signals)
     (recording,) = read_recordings(snakemake.input.captures, config)
-    identifier = for_the_arm(identifier_of(variant, snakemake.input.weights, config), config)
+    algorithm1 = for_the_arm(algorithm1_of(variant, snakemake.input.weights, config, snakemake.params.trained_as), config)
     for seed, output in zip(snakemake.params.seeds, snakemake.output, strict=True):
-        write_json(output, identify_recording(identifier, recording, tau_mean, signals, seed, true))
+        write_json(output, identify_recording(algorithm1, recording, tau_mean, signals, seed, true))

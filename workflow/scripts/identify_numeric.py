@@ -2,7 +2,7 @@
 
 from repro.files import write_json
 from repro.pipeline.job import job
-from repro.pipeline.methods import identifier_of
+from repro.pipeline.networks import algorithm1_of
 from repro.pipeline.numeric import read_mean_torque
 from repro.pipeline.numeric_identification import identify_arms
 from repro.settings import numeric_settings, signal_settings
@@ -11,6 +11,6 @@ with job(snakemake.log[0], snakemake.threads):
     config, variant = snakemake.params.config, snakemake.wildcards.suffix.removeprefix("-") or "published"
     signals, numeric = signal_settings(config), numeric_settings(config)
     tau_mean = read_mean_torque(snakemake.input.mean_torque, signals)
-    identifier = identifier_of(variant, snakemake.input.weights, config)
+    algorithm1 = algorithm1_of(variant, snakemake.input.weights, config, snakemake.params.trained_as)
     for seed, output in zip(snakemake.params.seeds, snakemake.output, strict=True):
-        write_json(output, identify_arms(identifier, signals, numeric, tau_mean, seed))
+        write_json(output, identify_arms(algorithm1, signals, numeric, tau_mean, seed))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from repro.files import write_csv
 from repro.pipeline.job import job
-from repro.pipeline.methods import for_the_arm, identifier_of
+from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import read_mean_torque
 from repro.pipeline.specimens import score_specimens
 from repro.settings import of_network, signal_settings
@@ -12,9 +12,9 @@ from repro.settings import of_network, signal_settings
 with job(snakemake.log[0], snakemake.threads):
     config = snakemake.params.config
     tau_mean = read_mean_torque(snakemake.input.mean_torque, signal_settings(config))
-    identifiers = [
-        for_the_arm(identifier_of(name, weights, of_network(config, name)), config)
-        for name, weights in zip(("published", "tracked"), snakemake.input.weights, strict=True)
+    networks = [
+        for_the_arm(algorithm1_of(name, weights, of_network(config, name), said), config)
+        for weights, (name, said) in zip(snakemake.input.weights, snakemake.params.trained_as.items(), strict=True)
     ]
     recordings, index = Path(snakemake.input.recordings), int(snakemake.wildcards.index)
-    write_csv(snakemake.output[0], score_specimens(identifiers, recordings, index, tau_mean, config))
+    write_csv(snakemake.output[0], score_specimens(networks, recordings, index, tau_mean, config))

@@ -68,7 +68,7 @@ def _read(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
         raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
 
 
-def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
+def load_network(path: Path, settings: NetworkSettings, said: str | None = None) -> FactoredCNN:
     """Read the weights into a network for inference.
 
     Parameters
@@ -77,6 +77,8 @@ def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
         File made by `save_network`.
     settings : NetworkSettings
         Sizes.
+    said : str, optional
+        The fact that the file's header must hold.
 
     Returns
     -------
@@ -86,9 +88,9 @@ def load_network(path: Path, settings: NetworkSettings) -> FactoredCNN:
     Raises
     ------
     InputError
-        If the file is missing, damaged, or holds other sizes.
+        If the file is missing, damaged, another network's, or holds other sizes.
     """
-    weights = read_weights(path, settings)
+    weights = read_weights(path, settings, said)
     network = FactoredCNN(settings)
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)

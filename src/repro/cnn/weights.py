@@ -10,7 +10,7 @@ from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 
 
-def read_weights(path: Path, settings: NetworkSettings) -> dict[str, NDArray[np.floating]]:
+def read_weights(path: Path, settings: NetworkSettings, said: str | None = None) -> dict[str, NDArray[np.floating]]:
     """Read the weights of a network.
 
     Parameters
@@ -19,6 +19,8 @@ def read_weights(path: Path, settings: NetworkSettings) -> dict[str, NDArray[np.
         File made by `repro.cnn.checkpoint.save_network`.
     settings : NetworkSettings
         Sizes.
+    said : str, optional
+        What the file's header must say of the network.
 
     Returns
     -------
@@ -28,17 +30,20 @@ def read_weights(path: Path, settings: NetworkSettings) -> dict[str, NDArray[np.
     Raises
     ------
     InputError
-        If the file is missing, damaged, or holds other sizes or a value that is not finite.
+        If the file is missing, damaged, another network's, or holds other sizes or a value that is not finite.
     """
     try:
         with safe_open(path, framework="np") as f:
             weights: dict[str, NDArray[np.floating]] = {name: f.get_tensor(name) for name in f.keys()}  # noqa: SIM118
+            header = [*(f.metadata() or {}).values()]
     except (OSError, SafetensorError) as error:
         raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
     wanted, found = settings.weights, {name: w.shape for name, w in weights.items()}
     if wanted != found:
         wrong = sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n))[0]
         raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {wanted.get(wrong, 'none')}")
+    if said is not None and header != [said]:
+        raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{said}, of the network asked for")
     for name, weight in weights.items():
         if not np.isfinite(weight).all():
             raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")

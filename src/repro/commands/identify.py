@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from repro.commands.options import add_config, positive_integer, whole_number
 from repro.errors import InputError
-from repro.estimators.names import NETWORKS, names
+from repro.identification.methods.names import NETWORKS, names
 
 if TYPE_CHECKING:
     from repro.ownarm.judge import Found

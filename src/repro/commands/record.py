@@ -4,7 +4,7 @@ import argparse
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from repro.commands.options import add_config, positive_integer, positive_seconds
 from repro.errors import InputError
@@ -17,7 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro record``."""
     parser.add_argument("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
     parser.add_argument(
-        "--trajectory", required=True, help="ID, T1, T2, T3, T4, or a table FILE.csv with columns q1_rad, q2_rad"
+        "--trajectory",
+        required=True,
+        help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad",
     )
     parser.add_argument(
         "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written beside it"
@@ -76,7 +78,7 @@ def read_program(path: Path) -> "Program":
 
     from repro.files import read_csv
     from repro.fpga.frames import SAMPLING_PERIOD
-    from repro.signals.programs import Program, ProgramName
+    from repro.signals.programs import Program
 
     table = read_csv(path, ("q1_rad", "q2_rad"))
     columns = []
@@ -87,5 +89,4 @@ def read_program(path: Path) -> "Program":
         columns.append(column)
     if not len(table):
         raise InputError.at(str(path), "no rows", "a motion of at least one")
-    # The published motions have names that a type can list; a user's has that of its file.
-    return Program(cast("ProgramName", path.stem), np.stack(columns), 0, len(table), SAMPLING_PERIOD)
+    return Program(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)

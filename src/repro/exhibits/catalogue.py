@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from repro.signals.programs import SPAN
+
 Kind = Literal["table", "figure"]
 
 METHOD, SIGNALS, DATA, MODEL, METRIC = "Method", "Signals", "Data", "Model", "Metric"
@@ -95,7 +97,7 @@ TABLES = (
     _paper(7, "table", "Similarity on the validation trajectory", VALIDATION, "networks"),
     _paper(8, "table", "Position control of the board", EXPERIMENT, "ID", of=(*_ARM, "metric")),
     _paper(9, "table", "Parameters of the arm", EXPERIMENT, "arm"),
-    _paper(10, "table", "Similarity on the identification run and on T1 to T4", EXPERIMENT, "arm"),
+    _paper(10, "table", f"Similarity on the identification run and on {SPAN}", EXPERIMENT, "arm"),
     _ours(
         "table", "why", "Why", "From the ideal case to the recording, one cause at a time", EXPERIMENT, "study", "why"
     ),
@@ -167,10 +169,10 @@ FIGURES = (
     _paper(18, "figure", "Experimental set-up", EXPERIMENT, of=_ARM),
     _paper(19, "figure", "Torques and motion of the identification run", EXPERIMENT, "ID", "arm", of=_ARM),
     _paper(20, "figure", "Spectra of the identification run's torques", EXPERIMENT, "ID", "arm", of=_ARM),
-    _paper(21, "figure", "Paths of the tip in T1 to T4", EXPERIMENT, "validation", of=_ARM),
-    _paper(22, "figure", "Motions of T1 to T4", EXPERIMENT, "validation", of=_ARM),
-    _paper(23, "figure", "Torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
-    _paper(24, "figure", "Spectra of the torques of T1 to T4", EXPERIMENT, "validation", "arm", of=_ARM),
+    _paper(21, "figure", f"Paths of the tip in {SPAN}", EXPERIMENT, "validation", of=_ARM),
+    _paper(22, "figure", f"Motions of {SPAN}", EXPERIMENT, "validation", of=_ARM),
+    _paper(23, "figure", f"Torques of {SPAN}", EXPERIMENT, "validation", "arm", of=_ARM),
+    _paper(24, "figure", f"Spectra of the torques of {SPAN}", EXPERIMENT, "validation", "arm", of=_ARM),
     _ours(
         "figure", "why", "Why", "From the ideal case to the recording, one cause at a time", EXPERIMENT, "study", "why"
     ),

@@ -8,6 +8,7 @@ import pandas as pd
 from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made
 from repro.files import read_csv, read_json
+from repro.identification.registry import OPPONENTS
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.verdict import verdict
 from repro.pipeline.why_table import why_table
@@ -21,7 +22,6 @@ COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width"
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
 #: Methods of the verdict, and what they are set against.
 CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")
-OPPONENTS = ("least-squares", "bounded", "consistent")
 #: Methods drawn for the spread; the literal Algorithm 1 would leave the others on one line.
 DRAWN = ("algorithm1+tracked", "algorithm1+refinement", "least-squares", "bounded", "true")
 
@@ -59,7 +59,9 @@ MADE: Family = {
     ("table", "coverage"): Made(lambda i, _: read_csv(i["coverage"][0], COVERAGE), coverage.table),
     ("figure", "coverage"): Made(lambda i, _: read_csv(i["ranks"][0], RANKS), coverage.figure),
     ("table", "intervals"): Made(lambda i, _: read_csv(i["intervals"][0], INTERVALS), coverage.intervals),
-    ("table", "verdict"): Made(lambda i, _: verdict(_spread(i), CONTENDERS, OPPONENTS), experiment_tables.verdict),
+    ("table", "verdict"): Made(
+        lambda i, _: verdict(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
+    ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
     ("table", "ablation"): Made(lambda i, _: _readings(i), ablation_layout.table),
     ("figure", "ablation"): Made(

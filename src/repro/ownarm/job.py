@@ -5,9 +5,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from repro.estimators.interface import Method, NoSolutionError
-from repro.estimators.methods import METHODS
-from repro.estimators.names import NETWORKS
+from repro.identification.excitation import EXCITED, torque_share
+from repro.identification.filters.interface import FILTERS
+from repro.identification.methods.every import METHODS
+from repro.identification.methods.interface import Method, NoSolutionError
+from repro.identification.methods.names import NETWORKS
+from repro.identification.predicted_motion import position_errors
+from repro.identification.regression import Regression
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.judge import Found, find, judge
@@ -15,11 +19,7 @@ from repro.ownarm.prepared import Problem
 from repro.ownarm.recommend import against_least_squares, recommend, warnings
 from repro.ownarm.result import Curves, Excitation, MethodResult, Preparation, Result, Signals
 from repro.ownarm.settings import Options
-from repro.prediction.motion import position_errors
-from repro.regression.filters import FILTERS
-from repro.regression.prepare import Regression
 from repro.signals.dct import spectrum
-from repro.trust.excitation import EXCITED, torque_share
 
 _LOG = logging.getLogger(__name__)
 
@@ -31,7 +31,7 @@ def resolve(options: Options, report: Report) -> list[Method]:
     known = dict(METHODS)
     if set(options.methods) & set(NETWORKS):
         from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
-        from repro.estimators.algorithm1 import NetworkSearch, methods  # noqa: PLC0415
+        from repro.identification.algorithm1.own_network import NetworkSearch, methods  # noqa: PLC0415
 
         training = TrainingSettings(steps=options.steps, seed=options.seed)
         search = NetworkSearch(options.cache, training, seed=options.seed, threads=options.threads)

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from repro.estimators.interface import Estimate, Method
+from repro.identification.bootstrap import Spread, bootstrap
+from repro.identification.excitation import EXCITED, torque_share
+from repro.identification.methods.interface import Estimate, Method
+from repro.identification.regression import Regression
+from repro.identification.residuals import lag_one
+from repro.identification.scores import relative_rms, similarity
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array
 from repro.ownarm.prepared import Problem
 from repro.ownarm.result import MethodResult, Parameter, Score
-from repro.prediction.torque import relative_rms, similarity
-from repro.regression.prepare import Regression
+from repro.ownarm.words import verdict
 from repro.streams import Stream, stream
-from repro.trust.bootstrap import Spread, bootstrap
-from repro.trust.excitation import EXCITED, torque_share
-from repro.trust.residuals import lag_one
-from repro.trust.words import verdict
 
 #: Halves that methods without intervals are not run on: each would train a network of its own.
 HALVES = ("second half", "first half")
@@ -88,7 +88,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
         fit=fit,
         validation=validation,
         halves=found.halves,
-        whiteness=lag_one(r, beta),
+        whiteness=lag_one(r, beta, problem.settings.cutoff),
         notes=found.estimate.notes,
         citation=found.method.citation,
     )

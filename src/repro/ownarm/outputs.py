@@ -20,8 +20,8 @@ from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import parameters_table, scores_table
+from repro.ownarm.words import COMBINED, NOT_EXCITED
 from repro.pipeline.provenance import write_provenance
-from repro.trust.words import COMBINED, NOT_EXCITED
 
 PAGE = "report.html"
 

@@ -4,6 +4,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from repro.errors import InputError
+from repro.identification.bootstrap import AS_GOOD
+from repro.identification.cutoff import Cutoff, choose_cutoff
+from repro.identification.delay import REACH, estimate_delay
+from repro.identification.excitation import Excited, excitation
+from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.regression import Regression
+from repro.identification.standstill import without_standstill
+from repro.identification.steepness import choose_steepness
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe
 from repro.logs.description import Description
@@ -12,13 +20,6 @@ from repro.logs.reading import read_log
 from repro.logs.speed import period
 from repro.logs.uniform import uniform
 from repro.ownarm.settings import Options
-from repro.regression.cutoff import Cutoff, choose_cutoff
-from repro.regression.delay import REACH, estimate_delay
-from repro.regression.prepare import FilterSettings, Regression, prepare
-from repro.regression.standstill import without_standstill
-from repro.regression.steepness import choose_steepness
-from repro.trust.bootstrap import AS_GOOD
-from repro.trust.excitation import Excited, excitation
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
+from repro.identification.cutoff import Cutoff
 from repro.logs.description import Description
 from repro.model.parameters import Array
-from repro.regression.cutoff import Cutoff
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from typing import Any
 from repro.cnn.checkpoint import save_network
 from repro.cnn.train import train
 from repro.files import write_json
+from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
-from repro.pipeline.methods import Identifier, for_the_arm, identifier_of
 from repro.pipeline.named import Config
+from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import mean_training_torque, score_estimates
 from repro.pipeline.numeric_identification import identify_arms
 from repro.pipeline.readings import READINGS, read_as
@@ -55,12 +56,15 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
     c = {**read_as(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
     tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
-    arms, identifier = numeric_settings(c), identifier_of("published", weights, c)
-    literal = replace(identifier, refinement=replace(identifier.refinement, passes=0))
+    arms, algorithm1 = (
+        numeric_settings(c),
+        algorithm1_of("published", weights, c, name if reading.trained else reading.of),
+    )
+    literal = replace(algorithm1, refinement=replace(algorithm1.refinement, passes=0))
     runs = [identify_arms(literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
     numeric = score_estimates(runs, signals, arms, metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
-    arm = _arm_scores(for_the_arm(identifier, c), read_recordings(captures, c), tau_mean, c)
+    arm = _arm_scores(for_the_arm(algorithm1, c), read_recordings(captures, c), tau_mean, c)
     result: dict[str, Any] = {
         "id_mean": float(cells["ID"].mean()),
         "id_lowest": float(cells["ID"].min()),
@@ -71,7 +75,7 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
 
 
 def _arm_scores(
-    refined: Identifier, recordings: Sequence[Recording], tau_mean: Array, c: Config
+    refined: Algorithm1, recordings: Sequence[Recording], tau_mean: Array, c: Config
 ) -> Mapping[str, float]:
     """Mean total similarity of the literal search on ID and on T1 to T4, and on these of what it is held against.
 

@@ -8,12 +8,20 @@ import pandas as pd
 
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identify.residual import ResidualReader
-from repro.identify.uncertainty import Spread, covered, distances, misses, spread_of, stretch_factors, unlike_beyond
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.uncertainty import (
+    Spread,
+    covered,
+    distances,
+    misses,
+    spread_of,
+    stretch_factors,
+    unlike_beyond,
+)
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.methods import Identifier
 from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.tracked import Tracked, derived_motion, simulate_arms, training_motion
@@ -27,10 +35,10 @@ OWN = 3
 
 
 def read_arms(
-    identifier: Identifier, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
+    algorithm1: Algorithm1, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
 ) -> tuple[Array, Array]:
     """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque."""
-    signals, search = signal_settings(config), identifier.search
+    signals, search = signal_settings(config), algorithm1.search
     torque = control_constants(config).torque_per_count[:, np.newaxis]
     estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
     progress = Progress(f"reading {len(truth)} arms")
@@ -39,7 +47,7 @@ def read_arms(
         prepared = prepare_recording(recording, tau_mean, signals, search.image_motion)
         rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
         guess = rng.uniform(search.low, search.high, (guesses, 9))
-        estimates[k] = ResidualReader(identifier.network, identifier.image, prepared).estimate(guess)
+        estimates[k] = ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(guess)
         # In canonical time, which is the recorded one here, and in units of the largest torque.
         truth[k] = arms.parameters[k] / prepared.largest
         progress(k + 1, len(truth))
@@ -47,7 +55,7 @@ def read_arms(
 
 
 def coverage(
-    identifier: Identifier, tracked: Path, recording: Recording, tau_mean: Array, config: Config
+    algorithm1: Algorithm1, tracked: Path, recording: Recording, tau_mean: Array, config: Config
 ) -> dict[str, pd.DataFrame]:
     """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others."""
     c = config["coverage"]
@@ -55,7 +63,7 @@ def coverage(
 
     def read(which: int, effects: bool) -> tuple[Tracked, Array, Array]:
         arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects)
-        return arms, *read_arms(identifier, arms, tau_mean, guesses, config, which)
+        return arms, *read_arms(algorithm1, arms, tau_mean, guesses, config, which)
 
     _, estimates, truth = read(0, effects=True)
     known = spread_of(estimates)
@@ -72,7 +80,7 @@ def coverage(
         rows += [{**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, levels)]
         ranks += _rank_rows(name, found, right, misses(spread, right), calibration)
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
-    own = _intervals(identifier, recording, tau_mean, guesses, factors[-1], config)
+    own = _intervals(algorithm1, recording, tau_mean, guesses, factors[-1], config)
     return {
         "coverage": pd.DataFrame(rows),
         "ranks": pd.DataFrame(ranks),
@@ -81,12 +89,12 @@ def coverage(
 
 
 def _intervals(
-    identifier: Identifier, recording: Recording, tau_mean: Array, guesses: int, factor: Array, config: Config
+    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, factor: Array, config: Config
 ) -> pd.DataFrame:
-    search = identifier.search
+    search = algorithm1.search
     prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
     rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, OWN, 0)
-    found = ResidualReader(identifier.network, identifier.image, prepared).estimate(
+    found = ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(
         rng.uniform(search.low, search.high, (guesses, 9))
     )
     spread = spread_of(found)

@@ -17,7 +17,7 @@ from repro.model.parameters import Array
 from repro.pipeline.named import Config
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.limits import check_limits, permitted_program
-from repro.signals.programs import PROGRAMS, Program, ProgramName, ProgramSettings
+from repro.signals.programs import PROGRAMS, Program, ProgramSettings
 from repro.streams import Stream, stream
 
 #: Where the schema lies beside a configuration: the project's folder is the one above config/.
@@ -91,15 +91,14 @@ def check_program(config: Config, program: Program) -> None:
 
 
 def program_from_config(config: Config, name: str, seed: int | None = None, duration: float | None = None) -> Program:
-    """One of the five motions, within what the arm can do."""
-    known: dict[str, ProgramName] = {p: p for p in PROGRAMS}
-    if name not in known:
+    """One of the motions, within what the arm can do."""
+    if name not in PROGRAMS:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
     settings = program_settings(config)
     if duration is not None:
         settings = replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
-    return permitted_program(known[name], settings, rng, true_parameters(config), *limits(config))
+    return permitted_program(name, settings, rng, true_parameters(config), *limits(config))
 
 
 def download(program: Program, control: ControlConstants) -> tuple[bytes, bytes]:

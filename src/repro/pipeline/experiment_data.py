@@ -9,10 +9,11 @@ import pandas as pd
 from repro.cnn.dataset import SignalSettings
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT
+from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
-from repro.pipeline.experiment_runs import CASE, Filtered, filtered
+from repro.pipeline.experiment_runs import CASE
 from repro.pipeline.figure_data import Curve, curves
 from repro.pipeline.recordings import Recording
 from repro.pipeline.summary import median_seeds
@@ -41,9 +42,9 @@ def shown_estimates(runs: Runs, scores: pd.DataFrame) -> dict[str, Array]:
 
 
 def _torque_curves(
-    f: Filtered, estimates: Mapping[str, Array], methods: Iterable[str], h: float, prefix: str, in_frequency: bool
+    f: Regression, estimates: Mapping[str, Array], methods: Iterable[str], h: float, prefix: str, in_frequency: bool
 ) -> list[Curve]:
-    y, n = f.regressor, f.tau.shape[1]
+    y, n = f.y, f.tau.shape[1]
     series: dict[str, Array] = {"measured": f.tau}
     series |= {method: rebuild_torque(y, estimates[method]) for method in methods}
     x = np.asarray(np.arange(n) / (2 * n * h) if in_frequency else np.arange(n) * h, dtype=np.float64)
@@ -56,7 +57,7 @@ def _torque_curves(
     return parts
 
 
-def _motion_curves(recording: Recording, f: Filtered, h: float, prefix: str) -> list[Curve]:
+def _motion_curves(recording: Recording, f: Regression, h: float, prefix: str) -> list[Curve]:
     program = recording.program
     desired = program.q[:, program.n1 : program.n2]
     time = np.asarray(h * np.arange(desired.shape[1]), dtype=np.float64)
@@ -70,7 +71,7 @@ def identification_figure(
     recording: Recording, signals: SignalSettings, estimates: Mapping[str, Array], in_frequency: bool = False
 ) -> pd.DataFrame:
     """Figures 19 and 20: torque of the identification run and its rebuilding, with the motion or as spectra."""
-    f = filtered(recording, signals)
+    f = recording.regression(signals)
     parts = _torque_curves(f, estimates, SHOWN_ON_ID, signals.h, "", in_frequency)
     return curves(parts if in_frequency else parts + _motion_curves(recording, f, signals.h, ""))
 
@@ -86,7 +87,7 @@ def validation_figure(
         curve
         for recording in recordings
         for curve in _torque_curves(
-            filtered(recording, signals), estimates, SHOWN, signals.h, f"{recording.program.name} ", in_frequency
+            recording.regression(signals), estimates, SHOWN, signals.h, f"{recording.program.name} ", in_frequency
         )
     )
 
@@ -96,7 +97,7 @@ def motions_figure(recordings: Iterable[Recording], signals: SignalSettings) -> 
     return curves(
         curve
         for recording in recordings
-        for curve in _motion_curves(recording, filtered(recording, signals), signals.h, f"{recording.program.name} ")
+        for curve in _motion_curves(recording, recording.regression(signals), signals.h, f"{recording.program.name} ")
     )
 
 

@@ -11,10 +11,11 @@ from repro.cnn.dataset import DataSettings, SignalSettings
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_csv
+from repro.identification.scores import score
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.settings import NumericSettings
-from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.metric import MetricSettings
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
 from repro.streams import Stream, stream
 
@@ -66,17 +67,14 @@ def score_estimates(
 
     Columns ``case, method, seed, trajectory, joint, time, frequency, total``.
     """
-    rows = []
+    frames = []
     for run in identifications:
         for trajectory in ("ID", "validation"):
             motion = motion_of(trajectory, signals, numeric, run["seed"])
             y = regressor(motion.q, motion.dq, motion.ddq)
             for case, arm in run["arms"].items():
                 tau = rebuild_torque(y, np.array(arm["true"]))
-                for method, estimate in arm["methods"].items():
-                    s = metr2ev(tau, rebuild_torque(y, np.array(estimate["beta"])), metric)
-                    for j in (0, 1):
-                        row = (case, method, run["seed"], trajectory, j + 1, s.time[j], s.frequency[j], s.total[j])
-                        rows.append(row)
+                of_arm = score(y, tau, arm["methods"], metric)
+                frames.append(of_arm.assign(case=case, seed=run["seed"], trajectory=trajectory))
     columns = ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
-    return pd.DataFrame(rows, columns=columns)
+    return pd.concat(frames, ignore_index=True)[columns]

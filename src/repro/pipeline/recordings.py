@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from repro.cnn.dataset import SignalSettings
 from repro.errors import InputError
 from repro.fpga.capture import Capture, read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.recorded import samples
+from repro.identification.algorithm1.listing import filtered
+from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.experiment import program_from_config
 from repro.pipeline.named import Config
@@ -31,6 +34,10 @@ class Recording:
     program: Program
     q: Array
     tau: Array
+
+    def regression(self, signals: SignalSettings) -> Regression:
+        """What methods solve: lines 1 to 4 of Algorithm 1."""
+        return filtered(self.q, self.tau, signals, self.program.n1, self.program.n2)
 
 
 #: Most encoder counts by which the motion sent may differ from the configuration's: single precision costs 0.0002 on

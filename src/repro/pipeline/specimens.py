@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
-from repro.pipeline.methods import Identifier
 from repro.pipeline.named import Config
 from repro.pipeline.spread import read_spread
 from repro.progress import Progress
@@ -15,7 +15,7 @@ from repro.settings import metric_settings, signal_settings
 
 
 def score_specimens(
-    identifiers: Sequence[Identifier], recordings: Path, index: int, tau_mean: Array, config: Config
+    networks: Sequence[Algorithm1], recordings: Path, index: int, tau_mean: Array, config: Config
 ) -> pd.DataFrame:
     """Similarity of every method on every motion of every specimen, for identification duration `index`.
 
@@ -27,7 +27,7 @@ def score_specimens(
     frames = []
     for k, one in enumerate(specimens):
         recorded = one.recordings["ID"]
-        runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in identifiers]
+        runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in networks]
         runs.append({**least_squares_of(recorded, signals, one.true), "seed": one.seed})
         scores = score_runs(runs, list(one.recordings.values()), signals, metric_settings(config))
         frames.append(scores.assign(duration=duration, arm=one.arm))

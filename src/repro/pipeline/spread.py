@@ -24,12 +24,8 @@ from repro.pipeline.specimen import disturbance
 from repro.pipeline.tracked import draw_arms, tracking_error
 from repro.progress import Progress
 from repro.signals.limits import check_limits
-from repro.signals.programs import PROGRAMS, Program
+from repro.signals.programs import VALIDATION, Program
 from repro.streams import Stream, stream
-
-#: Motions that only validate.
-VALIDATION = PROGRAMS[1:]
-
 
 #: Arms drawn for each that is wanted.
 DRAWN = 8
@@ -85,7 +81,7 @@ def _may(motion: Program, beta: Array, config: Config) -> bool:
 
 
 def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
-    """The five motions of one seed and one identification duration."""
+    """The motions of one seed and one identification duration."""
     found: dict[str, Program] = {"ID": program_from_config(config, "ID", duration=duration)}
     return found | {name: program_from_config(config, name, seed) for name in VALIDATION}
 

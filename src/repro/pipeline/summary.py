@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from repro.errors import InputError
-from repro.identify.registry import METHODS
+from repro.identification.registry import METHODS
 from repro.model.parameters import NAMES, UNITS
 
 

@@ -14,19 +14,19 @@ import pandas as pd
 from repro.fpga.controller import PDController
 from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identify.algorithm1 import ImageMotion, search, select
-from repro.identify.prepare import Prepared, assemble
-from repro.identify.residual import ResidualReader
+from repro.identification.algorithm1.listing import Prepared, derivatives, prepare, regression_of
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.search import ImageMotion, search, select
 from repro.model.dynamics import LAMBDA, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
-from repro.pipeline.methods import Identifier
 from repro.pipeline.named import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings
-from repro.signals.dct import dct2dev, dct2low
+from repro.signals.dct import dct2low
 from repro.signals.metric import metr2ev
 from repro.streams import Stream, stream
 
@@ -93,11 +93,7 @@ def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[
     proper = slice(program.n1, program.n2)
     h, c_f, reading = signals.h, signals.c_f, signals.reading
 
-    def derived(q: Array) -> tuple[Array, Array, Array]:
-        dq = dct2dev(q, h, c_f, reading)
-        return q, dq, dct2dev(dq, h, c_f, reading)
-
-    sent = derived(program.q)
+    sent = derivatives(program.q, signals)
     eq1 = rebuild_torque(regressor(*sent), beta)
     more = eq1 + beyond(sent[0], sent[1], config)
     torque = control.torque_per_count[:, np.newaxis]
@@ -109,7 +105,7 @@ def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[
         "beyond": (sent, more),
         "quantised": ((rounded, sent[1], sent[2]), counted),
         "loop": (exact, recording.tau),
-        "recording": (derived(recording.q), recording.tau),
+        "recording": (derivatives(recording.q, signals), recording.tau),
     }
 
     def cut(motion: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
@@ -117,31 +113,32 @@ def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[
         return first, second, third
 
     shown = cut(sent) if image_motion == "desired" else None
-    return {
-        name: assemble(cut(motion), dct2low(tau, h, c_f, reading)[:, proper], tau_mean, signals, shown=shown)
-        for name, (motion, tau) in ((step, steps[step]) for step in STEPS)
+    cut_steps = {
+        step: regression_of(cut(motion), dct2low(tau, h, c_f, reading)[:, proper], signals)
+        for step, (motion, tau) in steps.items()
     }
+    return {step: prepare(cut_steps[step], tau_mean, signals, shown=shown) for step in STEPS}
 
 
-def explain(identifier: Identifier, tau_mean: Array, seeds: Sequence[int], config: Config) -> pd.DataFrame:
+def explain(algorithm1: Algorithm1, tau_mean: Array, seeds: Sequence[int], config: Config) -> pd.DataFrame:
     """Similarity and the estimate's error of one network at each step."""
     metric, why, true = metric_settings(config), config["why"], true_parameters(config)
-    prepared = dissect(tau_mean, config, identifier.search.image_motion)
-    progress = Progress(f"why, network {identifier.variant}")
+    prepared = dissect(tau_mean, config, algorithm1.search.image_motion)
+    progress = Progress(f"why, network {algorithm1.variant}")
     rows: list[dict[str, Any]] = []
     for step, signals in prepared.items():
         right = true / signals.largest
         for seed in seeds:
-            reader = ResidualReader(identifier.network, identifier.image, signals)
-            found = search(reader, signals, identifier.search, stream(seed, Stream.EXPERIMENT_SEARCH))
-            rebuilt = rebuild_torque(signals.y, select(found.beta, signals, identifier.search).beta)
-            total = metr2ev(signals.tau, rebuilt, metric).total
+            reader = ResidualReader(algorithm1.network, algorithm1.image, signals)
+            found = search(reader, signals, algorithm1.search, stream(seed, Stream.EXPERIMENT_SEARCH))
+            rebuilt = rebuild_torque(signals.regression.y, select(found.beta, signals, algorithm1.search).beta)
+            total = metr2ev(signals.regression.tau, rebuilt, metric).total
             rng = stream(seed, Stream.WHY)
-            uniform = rng.uniform(identifier.search.low, identifier.search.high, (why["guesses"], len(right)))
-            near = np.maximum(right + why["near"] * rng.standard_normal(uniform.shape), identifier.search.low)
+            uniform = rng.uniform(algorithm1.search.low, algorithm1.search.high, (why["guesses"], len(right)))
+            near = np.maximum(right + why["near"] * rng.standard_normal(uniform.shape), algorithm1.search.low)
             errors = (float(np.sqrt(np.mean((reader.estimate(g) - right) ** 2))) for g in (uniform, near))
             names = ("total1", "total2", "error_uniform", "error_near")
             values = dict(zip(names, (*map(float, total), *errors), strict=True))
-            rows.append({"network": identifier.variant, "step": step, "seed": seed, **values})
+            rows.append({"network": algorithm1.variant, "step": step, "seed": seed, **values})
             progress(len(rows), len(prepared) * len(seeds))
     return pd.DataFrame(rows)

@@ -10,6 +10,7 @@ from repro.errors import InputError
 from repro.render import style
 from repro.render.ablation_table import DEFAULT, grouped
 from repro.render.contract import check_names, check_range, check_table
+from repro.signals.programs import SPAN
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
 _PANELS = {
@@ -19,9 +20,9 @@ _PANELS = {
     },
     "Simulated arm, Algorithm 1": {
         "arm_id": ("ID", "joint1"),
-        "arm_validation": ("Mean over T1 to T4", "joint2"),
+        "arm_validation": (f"Mean over {SPAN}", "joint2"),
     },
-    "Simulated arm, mean over T1 to T4": {
+    f"Simulated arm, mean over {SPAN}": {
         "arm_refined": ("Algorithm 1 + refinement", "algorithm1+refinement"),
         "arm_least_squares": ("Least squares", "least-squares"),
         "arm_true": ("True parameters", "true"),

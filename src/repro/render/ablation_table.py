@@ -5,6 +5,7 @@ import pandas as pd
 from repro.errors import InputError
 from repro.render.contract import check_range, check_table
 from repro.render.markup import Table, Text, number, plain
+from repro.signals.programs import SPAN
 
 #: Question under which the reading stands that every other one is compared with.
 DEFAULT = "default"
@@ -39,13 +40,13 @@ def table(frame: pd.DataFrame) -> Table:
             rows.append([*cells, *(number(100.0 * row[name], 2) for name in shares)])
         blocks.append((plain(f"{question[:1].upper()}{question[1:]}" if question == DEFAULT else question), rows))
     caption = plain(
-        "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median of "
-        "the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the "
-        "eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over T1 to "
-        "T4 (arm val.), medians of the seeds; the same mean for the refined Algorithm 1 (refined), least squares (LS) "
-        "and the true parameters (true). The networks are trained with a reduced budget (steps), so the numbers do not "
-        "compare with Tables 6 and 7; a reading that needs no network of its own has the default's. Held-out losses "
-        "under different labels or images do not compare."
+        "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median "
+        "of the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the"
+        " eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over "
+        f"{SPAN} (arm val.), medians of the seeds; the same mean for the refined Algorithm 1 (refined), least "
+        "squares (LS) and the true parameters (true). The networks are trained with a reduced budget (steps), so "
+        "the numbers do not compare with Tables 6 and 7; a reading that needs no network of its own has the "
+        "default's. Held-out losses under different labels or images do not compare."
     )
     names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
     loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")

@@ -11,9 +11,10 @@ from repro.render import style
 from repro.render.contract import check_table, read_curves
 from repro.render.lines import JOINTS, MOTION, TIME, plot_panel
 from repro.render.torques import page, spectrum_panels, torque_panels
+from repro.signals.programs import VALIDATION
 
 #: Motions on which the identified parameters are validated (Section VI).
-CASES = ("T1", "T2", "T3", "T4")
+CASES = tuple(VALIDATION)
 
 #: Series of each panel of a motion, the desired position below the one reached.
 _TRACKED = {"position": ("desired1", "desired2", *JOINTS), "velocity": JOINTS, "acceleration": JOINTS}

@@ -6,8 +6,7 @@ from repro.errors import InputError
 from repro.render.contract import check_names, check_range, check_table, flags
 from repro.render.markup import Table, Text, formula, number, plain, scientific, unit
 from repro.render.result_tables import heading_of, methods_of, one_row
-
-_MOTIONS = ("ID", "T1", "T2", "T3", "T4")
+from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
 
 def with_unit(name: Text, si: str) -> Text:
@@ -111,7 +110,7 @@ def verdict(frame: pd.DataFrame) -> Table:
     differences = ("difference_median", "difference_low", "difference_high")
     numbers = ("joint", "duration", "arms", "runs", "wins", "win_share", *differences)
     table = check_table(frame, ("motion", "method", "opponent"), numbers)
-    check_names(table["motion"], _MOTIONS, "motion")
+    check_names(table["motion"], PROGRAMS, "motion")
     check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
     check_range(table, ("arms", "runs"), 1.0, float("inf"), "at least 1 run")
     check_range(table, ("wins",), 0.0, float(table["runs"].max()), "no more wins than runs")
@@ -127,7 +126,7 @@ def verdict(frame: pd.DataFrame) -> Table:
         blocks.append((plain("Against:") + Text(" ", " ") + heading_of(opponent), rows))
     arms, runs = int(table["arms"].max()), int(table["runs"].max())
     caption = plain(
-        f"Algorithm 1 and the field's methods on T1 to T4, {runs} specimens of {arms} simulated arms. A comparison is "
+        f"Algorithm 1 and the field's methods on {SPAN}, {runs} specimens of {arms} simulated arms. A comparison is "
         "one motion and joint: a method is better where the whole 95 % interval of the median difference of the totals "
         "lies above 0, worse where it lies below; arms are resampled first, then specimens. The last two columns are "
         "the share of runs won and the median over the comparisons of the difference, in points of a percent. Every "
@@ -140,10 +139,10 @@ def verdict(frame: pd.DataFrame) -> Table:
 def validation_rows(table: pd.DataFrame, key: dict[str, object]) -> pd.DataFrame:
     """Comparisons on T1 to T4 with these values."""
     rows = table[(table[list(key)] == pd.Series(key)).all(axis=1) & (table["motion"] != "ID")]
-    expected = 2 * (len(_MOTIONS) - 1)
+    expected = 2 * len(VALIDATION)
     if len(rows) != expected or rows.duplicated(["motion", "joint"]).any():
         place = ", ".join(f"{name} {value}" for name, value in key.items())
-        raise InputError.at(place, f"{len(rows)} rows on T1 to T4", f"{expected}: each motion and joint once")
+        raise InputError.at(place, f"{len(rows)} rows on {SPAN}", f"{expected}: each motion and joint once")
     return rows
 
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from repro.identification.cutoff import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Result, Signals
-from repro.regression.cutoff import Cutoff
 from repro.render import style
 from repro.render.lines import JOINTS, TIME, TORQUE
 

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import pandas as pd
 
 from repro.errors import InputError
-from repro.identify.registry import METHODS
+from repro.identification.registry import METHODS
 from repro.render.contract import check_names, check_range, check_table
 from repro.render.markup import Table, Text, formula, number, plain, unit
+from repro.signals.programs import PROGRAMS, SPAN
 
 
 def methods_of(table: pd.DataFrame) -> list[str]:
@@ -111,11 +112,11 @@ def validation(frame: pd.DataFrame) -> Table:
 def experiment(frame: pd.DataFrame) -> Table:
     """Similarity on the identification and validation motions of the simulated arm (Table 10)."""
     what = "on the identification motion and the validation motions, simulated experiment"
-    return _similarities(frame, ("ID", "T1", "T2", "T3", "T4"), "Table 10", "tab:table10", what)
+    return _similarities(frame, PROGRAMS, "Table 10", "tab:table10", what)
 
 
 def paper_recipe(frame: pd.DataFrame) -> Table:
     """Similarity with the paper's own training beside ours; cases N1 to N4, ID, T1 to T4 (as for `similarity`)."""
-    cases = ("N1", "N2", "N3", "N4", "ID", "T1", "T2", "T3", "T4")
-    what = "with a network trained by the paper's own schedule and with ours; ID and T1 to T4 of the simulated arm"
+    cases = ("N1", "N2", "N3", "N4", *PROGRAMS)
+    what = f"with a network trained by the paper's own schedule and with ours; ID and {SPAN} of the simulated arm"
     return _similarities(frame, cases, "The paper's training", "tab:paper_recipe", what)

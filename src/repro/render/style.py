@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
 from repro.files import write_whole
-from repro.identify import registry
+from repro.identification import registry
 from repro.render import markup
 
 #: Widths of one IEEE column and of the full page, inches.

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.identify.registry import METHODS
+from repro.identification.registry import METHODS
 from repro.render import style
 from repro.render.contract import check_range, check_table
 from repro.render.markup import Table, number, plain

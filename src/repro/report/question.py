@@ -7,11 +7,10 @@ import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_csv
-from repro.identify.registry import METHODS
+from repro.identification.registry import METHODS
 from repro.render.contract import check_table
 from repro.report.inputs import ReportInputs
-
-MOTIONS = ("T1", "T2", "T3", "T4")
+from repro.signals.programs import SPAN, VALIDATION
 
 #: The paper's method as listed, and the opponent that the paper chose.
 _PUBLISHED, _OPPONENT = "algorithm1", "least-squares"
@@ -58,9 +57,9 @@ def answer(inputs: ReportInputs) -> Answer | None:
         table = check_table(read_csv(path), ("motion", "method", "opponent"), numbers)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    table = table[table["motion"].isin(MOTIONS)]
+    table = table[table["motion"].isin(list(VALIDATION))]
     if not ((table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)).any():
-        found = f"no {_PUBLISHED!r} against {_OPPONENT!r} on T1 to T4"
+        found = f"no {_PUBLISHED!r} against {_OPPONENT!r} on {SPAN}"
         raise InputError.at(f"{path}: method", found, f"rows of {_PUBLISHED}")
     known = [name for name in METHODS if name in set(table["method"])]
     others = [name for name in dict.fromkeys(table["method"]) if name not in METHODS]

@@ -5,7 +5,7 @@ import numpy as np
 from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.signals.programs import Program, ProgramName, ProgramSettings, program
+from repro.signals.programs import VALIDATION, Program, ProgramSettings, program
 
 #: What the arm can do (Section III, V-C): full PWM of each joint, N m, and joint speed, rad/s.
 TORQUE_LIMIT = (2.7192, 2.7314)
@@ -71,7 +71,7 @@ def check_limits(
 
 
 def permitted_program(
-    name: ProgramName,
+    name: str,
     settings: ProgramSettings,
     rng: np.random.Generator,
     beta: Array,
@@ -79,18 +79,18 @@ def permitted_program(
     speed_limit: float = SPEED_LIMIT,
     draws: int = 100,
 ) -> Program:
-    """Program that keeps the limits; T1 is drawn again until it does.
+    """Program that keeps the limits; a random one is drawn again until it does.
 
     About 6 of 10 draws of T1 keep the torque limit on an arm with I1 = 0.12 kg m^2; Section VI demands that all do.
 
     Parameters
     ----------
-    name : {"ID", "T1", "T2", "T3", "T4"}
+    name : str
         Which motion.
     settings : ProgramSettings
         Lengths, filter and geometry.
     rng : numpy.random.Generator
-        Source of T1's random numbers.
+        Source of random numbers.
     beta : array of shape (9,)
         Nominal parameters of the arm, SI units.
     torque_limit : tuple of float
@@ -98,7 +98,7 @@ def permitted_program(
     speed_limit : float
         Of each joint, rad/s.
     draws : int
-        How often T1 may be drawn.
+        How often a random one may be drawn.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def permitted_program(
     """
     if draws < 1:
         raise ValueError(f"draws: must be at least 1, got {draws}.")
-    for _ in range(draws - 1 if name == "T1" else 0):
+    for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = program(name, settings, rng)
         speed, torque = peaks(desired, beta)
         if (speed <= speed_limit).all() and (torque <= np.asarray(torque_limit)).all():

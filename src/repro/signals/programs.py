@@ -1,7 +1,7 @@
-"""Desired positions as the board plays them: the identification run of Eq. 10 and T1-T4."""
+"""Desired positions as the board plays them: the identification run of Eq. 10 and the motions that validate."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, get_args
 
 import numpy as np
 
@@ -10,11 +10,8 @@ from repro.model.parameters import Array
 from repro.signals.dct import FrequencyReading
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.quintic import quintic
-from repro.signals.trajectories import identification_trajectory
+from repro.signals.trajectories import Motion, identification_trajectory
 from repro.signals.validation_motions import circle_motion, profile_motion, random_motion, sinusoidal_motion
-
-ProgramName = Literal["ID", "T1", "T2", "T3", "T4"]
-PROGRAMS: tuple[ProgramName, ...] = get_args(ProgramName)
 
 #: Samples that the board's memory holds.
 MEMORY_SAMPLES = 8192
@@ -26,8 +23,8 @@ class Program:
 
     Attributes
     ----------
-    name : {"ID", "T1", "T2", "T3", "T4"}
-        Which motion.
+    name : str
+        Key of `MOTIONS`, or of a user's own.
     q : array of shape (2, N)
         Desired position at each sampling instant, rad; the arm hangs at rest before the first.
     n1, n2 : int
@@ -43,7 +40,7 @@ class Program:
         If `q` is not a finite ``(2, N)`` or n1 and n2 do not lie in it in this order.
     """
 
-    name: ProgramName
+    name: str
     q: Array
     n1: int
     n2: int
@@ -163,17 +160,54 @@ def identification_program(
     return Program("ID", q, n1, q.shape[1] - margin, h)
 
 
-def program(name: ProgramName, settings: ProgramSettings, rng: np.random.Generator) -> Program:
-    """Desired positions of one of the five recordings.
+Make = Callable[[ProgramSettings, np.random.Generator], Motion]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """How a validation motion is made.
+
+    Attributes
+    ----------
+    make : callable
+        ``make(settings, rng)`` gives the motion.
+    random : bool
+        Whether it is drawn, and so may be drawn again.
+    published : bool
+        Whether the paper has it.
+    """
+
+    make: Make
+    random: bool = False
+    published: bool = True
+
+
+#: Motions that only validate, in the order of tables and figures.
+VALIDATION: dict[str, Entry] = {
+    "T1": Entry(
+        lambda s, rng: random_motion(rng, s.c_f, s.t1_reading, s.t1_limit, s.validation_samples, s.h), random=True
+    ),
+    "T2": Entry(lambda s, _: circle_motion(s.geometry, samples=s.validation_samples, h=s.h)),
+    "T3": Entry(lambda s, _: profile_motion(s.validation_samples, s.h)),
+    "T4": Entry(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
+}
+#: The motion of Eq. 10, which parameters are identified from, then those.
+PROGRAMS = ("ID", *VALIDATION)
+#: The validation motions in words.
+SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
+
+
+def program(name: str, settings: ProgramSettings, rng: np.random.Generator) -> Program:
+    """Desired positions of one of the recordings.
 
     Parameters
     ----------
-    name : {"ID", "T1", "T2", "T3", "T4"}
-        Which motion.
+    name : str
+        One of `PROGRAMS`.
     settings : ProgramSettings
         Lengths, filter and geometry.
     rng : numpy.random.Generator
-        Source of T1's random numbers; the others draw none.
+        Source of random numbers of a motion that is drawn.
 
     Returns
     -------
@@ -188,16 +222,9 @@ def program(name: ProgramName, settings: ProgramSettings, rng: np.random.Generat
         If the name is unknown or a setting is not valid.
     """
     s = settings
+    if name not in PROGRAMS:
+        raise ValueError(f"name: must be one of {PROGRAMS}, got {name!r}.")
     if name == "ID":
         return identification_program(s.duration, s.h, s.margin, s.lead_in)
-    if name == "T1":
-        motion = random_motion(rng, s.c_f, s.t1_reading, s.t1_limit, s.validation_samples, s.h)
-    elif name == "T2":
-        motion = circle_motion(s.geometry, samples=s.validation_samples, h=s.h)
-    elif name == "T3":
-        motion = profile_motion(s.validation_samples, s.h)
-    elif name == "T4":
-        motion = sinusoidal_motion(s.validation_samples, s.h)
-    else:
-        raise ValueError(f"name: must be one of {PROGRAMS}, got {name!r}.")
+    motion = VALIDATION[name].make(s, rng)
     return Program(name, motion.q, 0, motion.q.shape[1], s.h)

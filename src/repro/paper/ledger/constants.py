@@ -23,7 +23,7 @@ from repro.model.dynamics import LAMBDA
 from repro.model.lyapunov import LyapunovSettings
 from repro.model.parameters import NAMES, Array
 from repro.paper.claims import Ours
-from repro.signals.programs import PROGRAMS
+from repro.signals.programs import VALIDATION
 from repro.signals.trajectories import identification_trajectory, random_trajectory
 from repro.signals.validation_motions import start_and_end_window
 
@@ -81,8 +81,8 @@ def _network() -> dict[str, Ours]:
         "section4b/pool": fixed((n.image_size - n.kernels[0] + 1) / n.pooled[0], "cnn.architecture"),
         "section4b/loss-terms": fixed(outputs, "cnn.network"),
         "section4b/loss-divisor": fixed(2 * outputs, "cnn.network", "half the mean square"),
-        "algorithm1/guesses": fixed(len(NAMES), "identify.algorithm1"),
-        "algorithm1/joint-weight": fixed(1 / 2, "identify.algorithm1", "the mean of both joints"),
+        "algorithm1/guesses": fixed(len(NAMES), "identification.algorithm1"),
+        "algorithm1/joint-weight": fixed(1 / 2, "identification.algorithm1", "the mean of both joints"),
     }
 
 
@@ -155,10 +155,11 @@ def _others() -> dict[str, Ours]:
     random = inspect.signature(random_trajectory).parameters
     # Far from one end, the window 1 - exp(-a t^2) shows the coefficient a of the other.
     start, end = (-np.log(1.0 - start_and_end_window(np.array([0.0, t, 100.0]))[1]) for t in (1.0, 99.0))
-    proof = LyapunovSettings()
+    proof, motions = LyapunovSettings(), VALIDATION.values()
+    published, drawn = sum(m.published for m in motions), sum(m.random for m in motions)
     return {
         "section4a/steepness": fixed(LAMBDA, "model.dynamics"),
-        "section5/validation-trajectories": fixed(len(PROGRAMS) - 1, "signals.programs", "T1 to T4"),
+        "section5/validation-trajectories": fixed(published, "signals.programs", "T1 to T4"),
         "section5b/random-low": fixed(random["low"].default, "signals.trajectories"),
         "section5b/random-high": fixed(random["high"].default, "signals.trajectories"),
         "section4a/time-low": fixed(identification_trajectory().time[0], "signals.trajectories"),
@@ -167,5 +168,5 @@ def _others() -> dict[str, Ours]:
         "appendix/rho": fixed(proof.rho, "model.lyapunov"),
         "appendix/epsilon": fixed(proof.epsilon, "model.lyapunov"),
         "appendix/gamma": fixed(proof.gamma, "model.lyapunov"),
-        "section1a/random-trajectories": fixed(1, "signals.programs", "T1"),
+        "section1a/random-trajectories": fixed(drawn, "signals.programs", "T1"),
     }

@@ -1,0 +1,75 @@
+"""Algorithm 1, its refinement and the refinement's control on one arm's signals."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.cnn.factored import FactoredCNN
+from repro.cnn.image import ImageSettings
+from repro.identification.algorithm1.listing import Prepared
+from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.search import SearchSettings, Selected, search, select
+from repro.identification.methods.interface import Estimate
+
+
+@dataclass(frozen=True)
+class Algorithm1:
+    """A trained network with the settings it is used with.
+
+    Attributes
+    ----------
+    variant : str
+        Network's name, which methods carry behind theirs unless it is the published one.
+    network : FactoredCNN
+        Trained network.
+    image : ImageSettings
+        Divisors of Eq. 9 that it was trained with.
+    search : SearchSettings
+        Constants of Algorithm 1.
+    refinement : RefinementSettings
+        Budget of the refinement; with no passes there is none.
+    """
+
+    variant: str
+    network: FactoredCNN
+    image: ImageSettings
+    search: SearchSettings
+    refinement: RefinementSettings
+
+    def run(
+        self, prepared: Prepared, search_rng: np.random.Generator, refine_rng: np.random.Generator
+    ) -> tuple[dict[str, Estimate], int]:
+        """Run the search, and where it has passes the refinement and its control.
+
+        Parameters
+        ----------
+        prepared : Prepared
+            Signals after line 12.
+        search_rng, refine_rng : numpy.random.Generator
+            Sources of the guesses of line 17 and of the refinement's.
+
+        Returns
+        -------
+        dict of Estimate
+            By method; details are the similarity of line 30 and the images read so far.
+        int
+            Executions that met the threshold.
+        """
+        reader = ResidualReader(self.network, self.image, prepared)
+        found = search(reader, prepared, self.search, search_rng)
+        suffix = "" if self.variant == "published" else f"+{self.variant}"
+        results = {f"algorithm1{suffix}": _estimate(select(found.beta, prepared, self.search), reader.images)}
+        met = int((found.similarity >= self.search.threshold).sum())
+        if not self.refinement.passes:
+            return results, met
+        candidates = restart(reader, found.beta, self.search, self.refinement, refine_rng)
+        for method, feed_back in (("local-search", False), ("refinement", True)):  # the control reads no further image
+            best = refine(reader, candidates, prepared, self.search, self.refinement, refine_rng, feed_back)
+            chosen = select(best, prepared, self.search)
+            results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
+        return results, met
+
+
+def _estimate(selected: Selected, images: int) -> Estimate:
+    return Estimate(selected.beta, details={"similarity": selected.similarity, "images": images})

@@ -1,0 +1,49 @@
+"""How much later than recorded the torque acts: where Eq. 1 fits best.
+
+A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
+squared errors of ordinary least squares is close to a parabola about the true delay.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.solve import solve
+from repro.logs.log import Log
+
+#: Delays looked at, s.
+REACH = 0.02
+POINTS = 11
+
+
+def estimate_delay(log: Log, settings: FilterSettings) -> float:
+    """Delay of the torque.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled.
+    settings : FilterSettings
+        Filter; its own delay is not used.
+
+    Returns
+    -------
+    float
+        s; at most `REACH` to either side.
+    """
+    plain = prepare(log, replace(settings, delay=0.0))
+    t = plain.t
+    late = np.linspace(-REACH, REACH, POINTS)
+    inside = slice(*np.searchsorted(t, [t[0] + REACH, t[-1] - REACH]))
+    y = plain.y[:, inside]
+    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
+    curve_of = CubicSpline(fine.t, fine.tau, axis=-1)
+    tau = np.stack([curve_of(t[inside] - d) for d in late])
+    error = np.array([np.sum((x - y @ solve(y, x)) ** 2) for x in tau])
+    best = int(np.clip(error.argmin(), 1, POINTS - 2))
+    curve, slope, _ = np.polyfit(late[best - 1 : best + 2] - late[best], error[best - 1 : best + 2], 2)
+    if curve <= 0.0:
+        return float(late[error.argmin()])
+    return float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH))

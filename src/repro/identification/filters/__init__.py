@@ -1,0 +1,1 @@
+"""Zero-phase filters that differentiate: one a file."""

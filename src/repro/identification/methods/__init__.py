@@ -1,0 +1,1 @@
+"""Least squares of a regression: one method a file."""

@@ -1,0 +1,135 @@
+"""A log made into a linear regression, tau = Y beta, with torque and regressor through one filter.
+
+The position is smoothed and differentiated with a wide filter, so that Eq. 1's sines and signs see the motion as it
+was; then each column of the regressor and the torque go through the narrow one ("parallel filtering"), which
+keeps their relation exactly because it is linear. The torque also goes through the wide filter, as the motion did.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import prev_fast_len
+from scipy.interpolate import CubicSpline
+
+from repro.identification.filters.interface import FILTERS
+from repro.identification.regression import Regression
+from repro.logs.log import Log
+from repro.logs.speed import period
+from repro.model.dynamics import LAMBDA, regressor
+from repro.model.parameters import Array
+
+#: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
+LONG = 4096
+
+
+@dataclass(frozen=True)
+class FilterSettings:
+    """How a log is filtered.
+
+    Attributes
+    ----------
+    name : str
+        Key of `repro.identification.filters.interface.FILTERS`.
+    cutoff : float
+        Half-power frequency of torque and regressor, Hz.
+    width : float
+        Half-power frequency of the motion's own filter over `cutoff`.
+    delay : float
+        The torque acts this much later than it was recorded, s.
+    friction_steepness : float
+        lambda of Eq. 1, s/rad.
+    cut : float
+        Length left out at each end, s.
+    samples_per_cycle : float
+        Samples kept in a period of the cut-off: the rest repeat what these say.
+    """
+
+    name: str = "dct"
+    cutoff: float = 5.0
+    width: float = 4.0
+    delay: float = 0.0
+    friction_steepness: float = LAMBDA
+    cut: float = 0.3
+    samples_per_cycle: float = 8.0
+
+
+def motion(q: Array, h: float, settings: FilterSettings) -> tuple[Array, Array, Array]:
+    """Smoothed position and its derivatives.
+
+    Parameters
+    ----------
+    q : array of shape (2, N)
+        Position, rad.
+    h : float
+        Sampling period, s.
+    settings : FilterSettings
+        Filter.
+
+    Returns
+    -------
+    q, dq, ddq : arrays of shape (2, N)
+        rad, rad/s, rad/s^2.
+    """
+    smooth = FILTERS[settings.name].apply
+    wide = min(settings.width * settings.cutoff, 0.45 / h)
+    return smooth(q, h, wide, 0), smooth(q, h, wide, 1), smooth(q, h, wide, 2)
+
+
+def filtered_regressor(moved: tuple[Array, Array, Array], h: float, settings: FilterSettings) -> Array:
+    """Regressor of a motion through the narrow filter, shape (2, N, 9)."""
+    columns = np.moveaxis(regressor(*moved, settings.friction_steepness), -1, 0)
+    return np.moveaxis(FILTERS[settings.name].apply(columns, h, settings.cutoff, 0), 0, -1)
+
+
+def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
+    """Torque through both filters and moved by the delay, shape (2, N)."""
+    smooth = FILTERS[settings.name].apply
+    tau = smooth(smooth(tau, h, min(settings.width * settings.cutoff, 0.45 / h), 0), h, settings.cutoff, 0)
+    if settings.delay == 0.0:
+        return tau
+    t = h * np.arange(tau.shape[-1])
+    moved: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
+    return moved
+
+
+def prepare(log: Log, settings: FilterSettings) -> Regression:
+    """Filter, cut and thin out.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled. Of a long one the last few samples, at most 1 in 50, may be left out.
+    settings : FilterSettings
+        Filters, delay, cut.
+
+    Returns
+    -------
+    Regression
+        Ready for any method.
+
+    Raises
+    ------
+    ValueError
+        If nothing is left between the cuts.
+    """
+    h = period(log)
+    n = log.t.size
+    if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
+        n = prev_fast_len(n)
+    time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]
+    margin = max(round(settings.cut / h), 1)
+    step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
+    keep = np.arange(margin, n - margin, step)
+    if keep.size < 2:
+        raise ValueError(f"log: {n} samples leave nothing between cuts of {margin} at both ends.")
+    moved = motion(recorded, h, settings)
+    y = filtered_regressor(moved, h, settings)
+    halves = []
+    for first in (0, 1):
+        there = slice(first, None, 2)
+        half = filtered_regressor(motion(recorded[:, there], 2 * h, settings), 2 * h, settings)
+        halves.append(CubicSpline(time[there], half, axis=1)(time[keep]))
+    tau = filtered_torque(torque, h, settings)
+    q, dq, ddq = (x[:, keep] for x in moved)
+    counts = np.ones(q.shape, dtype=np.bool_)
+    return Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, counts, step * h, np.stack(halves))

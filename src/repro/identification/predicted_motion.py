@@ -1,0 +1,108 @@
+"""Error of the position that the recorded torque makes the model move to.
+
+An arm without its controller, above all one that hangs and swings, forgets where it started within seconds, whatever
+the parameters; so the model starts anew from the recorded state at the beginning of each window, and the error
+is that within windows.
+"""
+
+import numpy as np
+
+from repro.identification.parallel import FilterSettings, motion
+from repro.logs.log import Log
+from repro.logs.speed import period
+from repro.model.dynamics import acceleration
+from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import Array
+
+#: Length of a window, s.
+WINDOW = 0.5
+#: Windows looked at, evenly spread over the log.
+MOST_WINDOWS = 40
+#: Longest step of the integration, s, and its largest product with the fastest decay of friction.
+STEP = 2.5e-3
+STABLE = 1.0
+#: Steps that a sample is divided into at most: M(q) that asks for more is nearly singular.
+MOST_PARTS = 40
+
+
+def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
+    """RMS error of the re-simulated position for several parameter sets.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled.
+    settings : FilterSettings
+        Filter of the states that windows begin from, delay of the torque and lambda of Eq. 1.
+    betas : array of shape (m, 9)
+        Parameter sets.
+
+    Returns
+    -------
+    list of (float, float) or None
+        RMS over the windows of each joint, rad; None where M(q) is not positive definite or nearly singular, or the
+        model runs away. Negative friction is simulated as it is.
+    """
+    h = period(log)
+    parts = np.array([_parts(b, h, settings.friction_steepness) for b in betas])
+    able = parts <= MOST_PARTS
+    errors: list[tuple[float, float] | None] = [None] * len(betas)
+    if able.any():
+        found = _simulate(log, settings, betas[able], int(parts[able].max()))
+        for k, error in zip(np.flatnonzero(able), found, strict=True):
+            if np.isfinite(error).all():
+                errors[k] = (float(error[0]), float(error[1]))
+    return errors
+
+
+def _parts(beta: Array, h: float, steepness: float) -> float:
+    """Steps that a sample is divided into, by the fastest decay of friction; infinity if M(q) is not definite."""
+    if not is_positive_definite(np.concatenate([beta[:5], np.maximum(beta[5:], 0.0)])):
+        return np.inf
+    i1, i2, i3 = beta[:3]
+    smallest = min(i3 - 0.25 * i2**2 / (i1 - i3), i1 - i3 - 0.25 * i2**2 / i3)  # of a joint with the other free
+    decay = float(np.max(np.abs(beta[5:7]) + steepness * np.abs(beta[7:9]))) / smallest
+    return float(np.ceil(h * max(1.0 / STEP, decay / STABLE)))
+
+
+def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> Array:
+    """RMS position error, shape (m, 2), all windows and parameter sets side by side."""
+    h = period(log)
+    margin = max(round(settings.cut / h), 1)
+    q, dq, _ = motion(log.q, h, settings)
+    length = max(round(WINDOW / h), 1)
+    starts = np.arange(margin, log.t.size - margin - length, length)
+    if not starts.size:
+        return np.full((len(betas), 2), np.nan)
+    starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MOST_WINDOWS)).astype(int)]
+    parameters = betas[:, None, :]
+    shape = (len(betas), starts.size, 2)
+    x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
+    grid = log.t[0] + h * np.arange(log.t.size)
+    squares = np.zeros((len(betas), 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(length):
+            # The torque in the middle of the step: a drive that holds each sample has a delay of half a period.
+            at = grid[starts + k] + 0.5 * h - settings.delay
+            held = np.broadcast_to(np.stack([np.interp(at, grid, joint) for joint in log.tau], -1), shape)
+            for _ in range(parts):
+                x, v = _step(x, v, held, parameters, h / parts, settings.friction_steepness)
+            if not (np.isfinite(x).all() and np.isfinite(v).all()):
+                run_away = ~(np.isfinite(x).all((1, 2)) & np.isfinite(v).all((1, 2)))
+                squares[run_away] = np.nan
+                x[run_away], v[run_away] = 0.0, 0.0
+            squares += np.sum((x - q[:, starts + k + 1].T) ** 2, axis=1)
+    error: Array = np.sqrt(squares / (length * starts.size))
+    return error
+
+
+def _step(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
+    """One step of the classical Runge-Kutta method of order 4."""
+    a1 = acceleration(x, v, tau, beta, steepness)
+    v2 = v + 0.5 * h * a1
+    a2 = acceleration(x + 0.5 * h * v, v2, tau, beta, steepness)
+    v3 = v + 0.5 * h * a2
+    a3 = acceleration(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    v4 = v + h * a3
+    a4 = acceleration(x + h * v3, v4, tau, beta, steepness)
+    return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)

@@ -1,0 +1,105 @@
+"""The methods of the paper's tables: names, titles, looks and order, in one place.
+
+What a method computes stands with the method; everything that lists, orders, labels or draws methods takes this.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Entry:
+    """How a method appears.
+
+    Attributes
+    ----------
+    title : str
+        In tables.
+    solver : str or None
+        Name in `repro.identification.methods` of the method that gives it, where it is least squares.
+    label : str
+        In legends.
+    stroke, mark : mapping
+        Of curves and points, as matplotlib names them.
+    """
+
+    title: str
+    label: str
+    stroke: Mapping[str, Any]
+    mark: Mapping[str, Any]
+    solver: str | None = None
+
+
+def _look(
+    color: str, dashes: tuple[float, ...], width: float, marker: str, size: float, *, hollow: bool = False
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Stroke and mark of one colour."""
+    mark: dict[str, Any] = {
+        "marker": marker,
+        "markersize": size,
+        "markeredgewidth": {"x": 0.9, "+": 0.8}.get(marker, 0.0),
+    }
+    if hollow:
+        mark |= {"fillstyle": "none", "markeredgewidth": 0.7}
+    return {"color": color, "linestyle": (0, dashes) if dashes else "-", "linewidth": width}, mark
+
+
+_DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
+
+#: By name, in the order of tables and legends; the first is the paper's as listed.
+METHODS: dict[str, Entry] = {
+    "algorithm1": Entry("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
+    "algorithm1+tracked": Entry(
+        "Algorithm 1, trained on tracked motions (extension)",
+        "Algorithm 1, tracked motions",
+        *_look("#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
+    ),
+    "algorithm1+refinement": Entry(
+        "Algorithm 1 + refinement (extension)",
+        "Algorithm 1 + refinement",
+        *_look("#004a78", (), 0.9, "D", 3.2, hollow=True),
+    ),
+    "algorithm1+local-search": Entry(
+        "Algorithm 1 + the refinement's selection without the network (control)",
+        "Algorithm 1 + selection alone",
+        *_look("#a6761d", _SHORT, 1.0, "v", 3.4),
+    ),
+    "algorithm1+scale-aware": Entry(
+        "Algorithm 1 + scale-aware image (extension)",
+        "Algorithm 1, scale-aware",
+        *_look("#7fc8a0", _DASH_DOT, 1.1, "s", 3.0),
+    ),
+    "algorithm1+refinement+scale-aware": Entry(
+        "Algorithm 1 + refinement + scale-aware image (extension)",
+        "Algorithm 1 + refinement, scale-aware",
+        *_look("#0b5d3b", (), 0.9, "s", 3.4, hollow=True),
+    ),
+    "algorithm1+local-search+scale-aware": Entry(
+        "Algorithm 1 + scale-aware image, selection without the network (control)",
+        "Algorithm 1 + selection alone, scale-aware",
+        *_look("#c6a0c8", _SHORT, 1.0, "^", 3.4),
+    ),
+    "algorithm1+paper-recipe": Entry(
+        "Algorithm 1, the paper's own training",
+        "Algorithm 1, the paper's training",
+        *_look("#666666", _DASH_DOT, 1.1, "h", 3.4),
+    ),
+    "least-squares": Entry("Least squares", "Least squares", *_look("#d1490a", (3.5, 2.5), 1.1, "x", 3.4), "ordinary"),
+    "bounded": Entry(
+        "Least squares, no parameter below zero (line 22's constraint)",
+        "Least squares, bounded",
+        *_look("#e7a03c", (3.5, 2.5), 1.1, "<", 3.4),
+        "bounded",
+    ),
+    "consistent": Entry(
+        "Least squares, positive-definite inertia",
+        "Least squares, consistent",
+        *_look("#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
+        "consistent",
+    ),
+    "true": Entry("True parameters", "True parameters", *_look("0.0", (1.0, 2.0), 1.1, "+", 4.0)),
+}
+
+#: What Algorithm 1 is held against, with the method that solves it.
+OPPONENTS: dict[str, str] = {name: entry.solver for name, entry in METHODS.items() if entry.solver}

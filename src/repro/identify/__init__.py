@@ -1,1 +1,0 @@
-"""Algorithm 1, its refinement, and the numeric experiment that tests both."""

@@ -1,0 +1,21 @@
+"""Algorithm 1 with a trained network, as the configuration asks for it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from repro.cnn.checkpoint import load_network
+from repro.identification.algorithm1.run import Algorithm1
+from repro.pipeline.named import Config
+from repro.settings import data_settings, network_settings, refinement_settings, search_settings
+
+
+def algorithm1_of(variant: str, weights: str, config: Config, said: str) -> Algorithm1:
+    """A trained network, whose weights must say `said` of themselves, with the settings of its configuration."""
+    network = load_network(Path(weights), network_settings(config), said)
+    image, search = data_settings(config).image, search_settings(config)
+    return Algorithm1(variant, network, image, search, refinement_settings(config))
+
+
+def for_the_arm(algorithm1: Algorithm1, config: Config) -> Algorithm1:
+    """The same with the threshold of the experiment."""
+    return replace(algorithm1, search=replace(algorithm1.search, threshold=config["experiment"]["threshold"]))

@@ -1,0 +1,277 @@
+"""Refinement: estimates fed back as guesses (ours, not the paper's)."""
+
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from strategies import seeds
+
+from repro.cnn.dataset import SignalSettings
+from repro.cnn.image import ImageSettings
+from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.search import SearchSettings, select
+from repro.model.dynamics import inverse_dynamics
+from repro.model.feasibility import CHECKS
+from repro.signals.metric import TorqueScorer
+from repro.signals.trajectories import identification_trajectory
+
+SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS["N4"])
+PREPARED = prepare(filtered(MOTION.q, TAU, SIGNALS), np.ones_like(TAU), SIGNALS)
+TRUTH = literal.ARMS["N4"] / PREPARED.largest
+SEARCH = SearchSettings()
+
+
+class Reader:
+    """Reader that moves each guess towards the truth by a share of the way."""
+
+    def __init__(self, share=0.5, move=None):
+        self.images = 0
+        self.guesses = []
+        self._move = move or (lambda guess: guess + share * (TRUTH - guess))
+
+    def estimate(self, guess):
+        self.images += len(guess)
+        self.guesses.append(guess)
+        return self._move(guess)
+
+
+def start(n=5, seed=0):
+    return np.random.default_rng(seed).uniform(0.05, 2.0, (n, 9))
+
+
+def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, feed_back=True, **moves):
+    settings = RefinementSettings(restarts, keep, passes, **moves)
+    rng = np.random.default_rng(seed)
+    candidates = restart(reader, beta_m, search, settings, rng)
+    return refine(reader, candidates, PREPARED, search, settings, rng, feed_back)
+
+
+def similarity(beta):
+    return TorqueScorer(PREPARED.regression.tau / PREPARED.largest, PREPARED.regression.y)(beta).total.mean(-1)
+
+
+def near(n, seed=0, size=0.3):
+    """Candidates about the truth."""
+    return TRUTH * np.random.default_rng(seed).uniform(1 - size, 1 + size, (n, 9))
+
+
+def literal_pass(best, reader, rng, keep, reach, jitter, low, feed_back):
+    """One pass, candidate by candidate; the truth's check is that all nine are positive."""
+    n = len(best)
+    a, b = rng.integers(n, size=(2, n))
+    length = rng.uniform(0.0, reach, (n, 1))
+    noise = rng.standard_normal((n, 9))
+    guesses = [[max(best[i][k] + length[i, 0] * (best[a[i]][k] - best[b[i]][k]) + jitter * noise[i][k], low)
+                for k in range(9)] for i in range(n)]  # fmt: skip
+    pool = [*best, *np.array(guesses)]
+    if feed_back:
+        pool += [*reader.estimate(np.array(guesses))]
+    pool = [beta for beta in pool if min(beta) > 0]
+    return sorted(pool, key=lambda beta: -similarity(beta[None])[0])[:keep]
+
+
+@pytest.mark.parametrize("feed_back", [True, False])
+@pytest.mark.parametrize(("keep", "read"), [(4, 4), (30, 4), (4, 2)])
+def test_passes_are_those_of_the_literal_listing(keep, read, feed_back):
+    reader, rng = Reader(0.1), np.random.default_rng(5)
+    fresh = reader.estimate(rng.uniform(SEARCH.low, SEARCH.high, (7, 9)))
+    best = sorted([*near(6), *fresh], key=lambda beta: -similarity(beta[None])[0])[:keep]
+    for k in range(4):
+        best = literal_pass(best, reader, rng, keep, 0.6, 1e-3, SEARCH.low, feed_back and k < read)
+    moves = {"reach": 0.6, "jitter": 1e-3, "read_passes": read}
+    found = refined(Reader(0.1), near(6), passes=4, keep=keep, seed=5, feed_back=feed_back, **moves)
+    np.testing.assert_allclose(found, best, rtol=1e-9)
+
+
+@pytest.mark.parametrize("passes", [1, 2, 3])
+def test_contracting_network_converges_to_the_truth(passes):
+    beta_m = near(5)
+    found = refined(Reader(0.5), beta_m, restarts=0, passes=passes, reach=1e-9, jitter=0.0)
+    assert np.abs(found - TRUTH).max(1).min() < 1e-6 + np.abs(beta_m - TRUTH).max() / 2**passes
+
+
+def test_selection_alone_finds_a_badly_conditioned_arm():
+    """Some parameters hardly change the torque: moves of one size for all nine do not get there."""
+    arm = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+    tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, arm)
+    prepared = prepare(filtered(MOTION.q, tau, SIGNALS), np.ones_like(tau), SIGNALS)
+    before, after = [], []
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        beta_m = rng.uniform(1e-3, 1.0, (2000, 9))
+        found = refine(Reader(), beta_m, prepared, SEARCH, RefinementSettings(restarts=0), rng, feed_back=False)
+        before.append(select(beta_m, prepared, SEARCH).similarity)
+        after.append(select(found, prepared, SEARCH).similarity)
+    assert max(before) < 0.8
+    # The filter rounds the torque's steps, so the arm itself does not reach 1.
+    assert np.median(after) > select(arm[None] / prepared.largest, prepared, SEARCH).similarity - 1e-3
+
+
+def test_moves_shrink_as_the_set_closes_in():
+    """Between equal candidates there is no difference: what moves them is the jitter."""
+    reader = Reader(0.0)
+    refined(reader, np.tile(TRUTH, (4000, 1)) + 1.0, restarts=0, passes=1, keep=4000, jitter=0.01)
+    moved = reader.guesses[1] - TRUTH - 1.0
+    assert moved.std() == pytest.approx(0.01, rel=0.02)
+    assert abs(moved.mean()) < 1e-3
+
+
+def test_moves_keep_the_correlation_of_the_set():
+    """Candidates on a line are moved along it alone."""
+    direction = np.linspace(-1.0, 1.0, 9)
+    along = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 1))
+    reader = Reader(0.0)
+    refined(reader, TRUTH + 1.0 + along * direction, restarts=0, passes=1, keep=500, jitter=0.0, reach=0.8)
+    moved = reader.guesses[1] - TRUTH - 1.0
+    length = moved @ direction / (direction @ direction)
+    np.testing.assert_allclose(moved, length[:, None] * direction, atol=1e-12)
+    assert 0.3 < np.abs(length).max() < 0.3 + 0.8 * 0.6
+
+
+def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_alone():
+    truth_reader, wrong_reader = Reader(1.0), Reader(move=lambda guess: np.full_like(guess, 2.9))
+    found = refined(truth_reader, near(5, size=0.9), restarts=0, passes=1, keep=1)
+    assert similarity(found)[0] >= similarity(TRUTH[None])[0] - 1e-12
+    wrong, control = (refined(wrong_reader, near(5), restarts=0, passes=5, keep=9, feed_back=f) for f in (True, False))
+    assert not (wrong == 2.9).any()
+    # Readings that are never among the best leave no trace: guesses come from the same numbers.
+    np.testing.assert_array_equal(wrong, control)
+    assert wrong_reader.images == 5 + 4 * 9
+
+
+def test_the_most_similar_come_back_best_first():
+    found = refined(Reader(0.5), start(), keep=6)
+    assert found.shape == (6, 9)
+    assert (np.diff(similarity(found)) <= 1e-12).all()
+
+
+def test_all_candidates_are_kept_while_there_are_few():
+    reader = Reader(0.5)
+    found = refined(reader, start(), restarts=2, passes=2, keep=1000)
+    assert found.shape == (3 * 3 * 7, 9)  # each pass adds a guess and a reading for every candidate
+    assert [len(guess) for guess in reader.guesses] == [2, 7, 21]
+
+
+def test_one_candidate_is_moved_by_the_jitter_alone():
+    reader = Reader(0.0)
+    found = refined(reader, TRUTH[None] + 1.0, restarts=0, passes=1, jitter=1e-3)
+    assert found.shape == (3, 9)
+    assert 0 < np.abs(reader.guesses[1] - TRUTH - 1.0).max() < 1e-2
+    still = refined(Reader(0.0), TRUTH[None], restarts=0, passes=2, keep=1, jitter=0.0)
+    np.testing.assert_array_equal(still, TRUTH[None])
+
+
+def test_drift_after_a_good_pass_costs_nothing():
+    """A network that is right once and wrong afterwards: the good pass must still be among the candidates."""
+    answers = iter([np.tile(TRUTH, (5, 1)), start(10, 1), start(10, 2)])
+    reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
+    found = refined(reader, start(), restarts=0, keep=10)
+    assert select(found, PREPARED, SEARCH).similarity >= select(TRUTH[None], PREPARED, SEARCH).similarity - 1e-12
+
+
+@settings(max_examples=25)
+@given(seeds)
+def test_similarity_never_falls(seed):
+    rng = np.random.default_rng(seed)
+    beta_m = TRUTH * rng.uniform(0.6, 1.5, (4, 9))
+    wander = Reader(move=lambda guess: guess + rng.normal(scale=0.1, size=guess.shape))
+    before = select(beta_m, PREPARED, SEARCH).similarity
+    assert select(refined(wander, beta_m), PREPARED, SEARCH).similarity >= before - 1e-12
+
+
+@pytest.mark.parametrize("feed_back", [True, False])
+def test_similarity_rises_with_a_network_that_helps_and_without(feed_back):
+    before = select(near(12), PREPARED, SEARCH).similarity
+    found = refined(Reader(0.5), near(12), restarts=0, passes=10, feed_back=feed_back)
+    assert select(found, PREPARED, SEARCH).similarity > before + 0.01
+
+
+@pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
+@pytest.mark.parametrize("feed_back", [True, False])
+def test_infeasible_candidates_are_not_kept(feasibility, feed_back):
+    possible = CHECKS[feasibility]
+    beta_m = near(40, size=0.9)
+    beta_m = beta_m[possible(beta_m)]
+    reader = Reader(move=lambda guess: guess - [0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    search = replace(SEARCH, feasibility=feasibility)
+    found = refined(reader, beta_m, restarts=0, passes=4, keep=10_000, search=search, feed_back=feed_back, jitter=0.05)
+    assert possible(found).all()
+    # There is room for all, so only the impossible are missing; a guess is never below `low`.
+    every = len(beta_m) * (3 if feed_back else 2) ** 4
+    assert len(beta_m) < len(found) <= every
+    assert (len(found) == every) == (feasibility == "positive" and not feed_back)
+
+
+def test_fresh_estimates_that_are_infeasible_are_not_kept():
+    found = refined(Reader(move=lambda guess: -np.ones_like(guess)), near(5), passes=1, reach=1e-12, jitter=0.0)
+    assert found.shape == (10, 9)  # each candidate and its guess, no reading
+    np.testing.assert_allclose(np.sort(found, 0), np.sort(np.repeat(near(5), 2, 0), 0), atol=1e-9)
+
+
+def test_where_every_estimate_is_impossible_the_refinement_starts_from_the_nearest_possible_ones():
+    """A network that reads one parameter of a small arm a little below zero, whatever the guess."""
+    low = TRUTH.copy()
+    low[1] = -0.01
+    reader = Reader(move=lambda guess: np.tile(low, (len(guess), 1)) + 0.01 * guess * (low > 0))
+    best = refined(reader, np.empty((0, 9)), passes=60)
+    assert len(best)
+    assert (best > 0).all()
+    assert similarity(best).max() > 0.8
+
+
+def test_guesses_stay_in_the_range_seen_in_training():
+    reader = Reader(0.0)
+    refined(reader, start(), search=replace(SEARCH, low=0.01), jitter=1.0)
+    for guess in reader.guesses:
+        assert guess.min() >= 0.01
+    assert reader.guesses[-1].min() == 0.01
+
+
+def test_fresh_guesses_fill_the_range_of_line_17():
+    reader = Reader()
+    refined(reader, start(), restarts=500, search=replace(SEARCH, low=0.2, high=0.7))
+    fresh = reader.guesses[0]
+    assert fresh.shape == (500, 9)
+    assert 0.2 <= fresh.min() < 0.21
+    assert 0.69 < fresh.max() <= 0.7
+
+
+def test_no_candidates_to_start_from():
+    found = refined(Reader(1.0), np.empty((0, 9)), restarts=3, passes=2, keep=4)
+    np.testing.assert_allclose(found[0], TRUTH, atol=1e-3)
+    assert refined(Reader(), np.empty((0, 9)), restarts=0).shape == (0, 9)
+
+
+def test_real_network_is_read_through_and_the_generator_alone_decides():
+    network = literal.untrained(gain=2.0)
+    first, again, other = (
+        refined(ResidualReader(network, ImageSettings(), PREPARED), start(), seed=seed) for seed in (0, 0, 1)
+    )
+    np.testing.assert_array_equal(first, again)
+    assert first.shape != other.shape or not np.array_equal(first, other)
+    assert (first > 0).all()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"restarts": -1},
+        {"keep": 0},
+        {"passes": -1},
+        {"read_passes": -1},
+        {"reach": 0.0},
+        {"reach": np.inf},
+        {"reach": np.nan},
+        {"jitter": -1e-9},
+        {"jitter": np.nan},
+    ],
+)
+def test_wrong_budgets_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        RefinementSettings(**wrong)

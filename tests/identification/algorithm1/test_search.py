@@ -1,0 +1,226 @@
+"""Algorithm 1: the batched search against the listing run line by line, and what it does with perfect estimates."""
+
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pytest
+
+from repro.cnn.dataset import SignalSettings
+from repro.cnn.image import ImageSettings
+from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.search import SearchSettings, search, select
+from repro.model.dynamics import inverse_dynamics
+from repro.signals.dct import dct2dev
+from repro.signals.metric import MetricSettings
+from repro.signals.trajectories import identification_trajectory
+
+SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
+MARGIN = 25
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h, MARGIN)
+N = MOTION.q.shape[1]
+CUT = (MARGIN, N - MARGIN)
+MEAN = np.random.default_rng(0).normal(size=(2, CUT[1] - CUT[0])) + 2.0
+N1 = literal.ARMS["N1"]
+TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, N1)
+
+# Guesses near the level of the answer and residuals of about 0.1: with random weights every branch is taken.
+NETWORK = literal.untrained(gain=2.0)
+SEARCH = SearchSettings(executions=12, inner_limit=6, threshold=0.45, high=0.5)
+
+
+def make(tau=TAU, tau_mean=MEAN, signals=SIGNALS):
+    return prepare(filtered(MOTION.q, tau, signals, *CUT), tau_mean, signals)
+
+
+def run(prepared, settings=SEARCH, seed=3, network=NETWORK):
+    reader = ResidualReader(network, ImageSettings(), prepared)
+    return search(reader, prepared, settings, np.random.default_rng(seed))
+
+
+class Stub:
+    """Reader that answers with a function of the guesses, and keeps them."""
+
+    def __init__(self, answer):
+        self.images = 0
+        self.guesses = []
+        self._answer = answer
+
+    def estimate(self, guess):
+        self.images += len(guess)
+        self.guesses.append(guess)
+        return self._answer(guess)
+
+
+def constant(*rows):
+    """Stub that answers with the given estimates in turn, whatever the guesses."""
+    return Stub(lambda guess: np.stack([rows[k % len(rows)] for k in range(len(guess))]))
+
+
+def exact_signals():
+    """Signals that Eq. 1 explains without error: no filter, torque from the very derivatives that line 1 takes."""
+    signals = replace(SIGNALS, c_f=0.0)
+    dq = dct2dev(MOTION.q, SIGNALS.h, 0.0)
+    return signals, (MOTION.q, dq, dct2dev(dq, SIGNALS.h, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("seed", "normalise", "settings"),
+    [(3, False, SEARCH), (4, True, SEARCH), (5, False, replace(SEARCH, metric=MetricSettings(exponent=0.5)))],
+    ids=["published", "normalised motion", "other metric"],
+)
+def test_batched_search_is_the_listing(seed, normalise, settings):
+    signals = replace(SIGNALS, normalise_motion=normalise)
+    prepared = make(signals=signals)
+    found = run(prepared, settings, seed)
+    chosen = select(found.beta, prepared, settings)
+    streams = np.random.default_rng(seed).spawn(settings.executions)
+    beta_m, execution, n_e, images, beta_o, similarity = literal.algorithm1(
+        literal.plain_twin(NETWORK), MOTION.q, TAU, MEAN, signals, CUT, settings, streams
+    )
+    # Every branch was taken, none by a hair.
+    ended = {k for k, n in zip(execution, n_e, strict=True) if n >= SEARCH.threshold}
+    assert len(beta_m) >= 20
+    assert images >= len(beta_m) + 15
+    assert 5 <= len(ended) <= SEARCH.executions - 3
+    assert np.abs(np.array(n_e) - SEARCH.threshold).min() > 1e-3
+    # The listing finishes one execution before it starts the next; rounds of one guess each come in another order.
+    order = np.argsort(found.execution, kind="stable")
+    np.testing.assert_array_equal(found.execution[order], execution)
+    np.testing.assert_allclose(found.beta[order], beta_m, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(found.similarity[order], n_e, rtol=0, atol=1e-4)
+    assert found.images == images
+    np.testing.assert_allclose(chosen.beta, beta_o, rtol=1e-4)
+    assert chosen.similarity == pytest.approx(similarity, abs=1e-4)
+
+
+def test_generator_alone_decides():
+    first, again, other = run(make()), run(make()), run(make(), seed=5)
+    np.testing.assert_array_equal(first.beta, again.beta)
+    assert not np.array_equal(first.beta[:3], other.beta[:3])
+
+
+def test_more_executions_leave_the_first_ones_as_they_were():
+    few, many = run(make()), run(make(), replace(SEARCH, executions=20))
+    kept = many.execution < SEARCH.executions
+    np.testing.assert_allclose(many.beta[kept], few.beta, rtol=0, atol=1e-5)
+    assert (many.execution.max(), few.execution.max()) == (19, 11)
+
+
+def test_threshold_ends_an_execution():
+    """The right answer in the second round ends those that got it; the others go on to the limit."""
+    prepared = make()
+    right, poor = N1 / prepared.largest, np.full(9, 0.01)
+    rounds = iter([[poor] * 3, [poor, right, poor], [poor] * 2, [poor] * 2])
+    reader = Stub(lambda guess: np.array(next(rounds)))
+    settings = SearchSettings(executions=3, inner_limit=4)
+    found = search(reader, prepared, settings, np.random.default_rng(0))
+    assert [len(g) for g in reader.guesses] == [3, 3, 2, 2]
+    np.testing.assert_array_equal(np.bincount(found.execution), [4, 2, 4])
+    assert found.images == 10
+    assert (found.similarity > settings.threshold).sum() == 1
+    np.testing.assert_allclose(found.beta[found.similarity.argmax()], right)
+
+
+@pytest.mark.parametrize("limit", [1, 5])
+def test_inner_limit_ends_an_execution(limit):
+    found = search(constant(np.full(9, 0.01)), make(), SearchSettings(4, limit), np.random.default_rng(0))
+    np.testing.assert_array_equal(np.bincount(found.execution), [limit] * 4)
+    assert found.images == 4 * limit
+
+
+def test_search_stops_when_every_execution_is_done():
+    prepared = make()
+    reader = constant(N1 / prepared.largest)
+    found = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(0))
+    assert found.images == reader.images == 7
+    assert len(reader.guesses) == 1
+    again = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(1))
+    assert (again.images, reader.images) == (7, 14)
+
+
+def test_guesses_come_from_the_range_of_line_17():
+    reader = constant(np.full(9, 0.01))
+    settings = SearchSettings(200, 3, low=0.2, high=0.7)
+    search(reader, make(), settings, np.random.default_rng(0))
+    guesses = np.concatenate(reader.guesses)
+    assert guesses.shape == (600, 9)
+    assert 0.2 <= guesses.min() < 0.21
+    assert 0.69 < guesses.max() <= 0.7
+    assert len(np.unique(guesses)) == guesses.size
+
+
+@pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
+def test_infeasible_estimates_are_never_kept(feasibility):
+    """The best fit has a negative parameter, or an inertia matrix that is not positive definite: it must lose."""
+    beta = N1.copy()
+    if feasibility == "positive":
+        beta[1] = -0.1
+    else:
+        beta[0] = 0.5 * beta[2]
+    prepared = make(inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, beta))
+    best, allowed = beta / prepared.largest, N1 / prepared.largest
+    settings = SearchSettings(6, 5, feasibility=feasibility)
+    found = search(constant(best, allowed), prepared, settings, np.random.default_rng(0))
+    assert found.images >= 6
+    np.testing.assert_array_equal(found.beta, np.broadcast_to(allowed, found.beta.shape))
+    assert set(found.execution) <= set(range(6))
+    chosen = select(found.beta, prepared, settings)
+    np.testing.assert_allclose(chosen.beta / chosen.beta[0], N1 / N1[0], rtol=1e-12)
+
+
+def test_no_possible_estimate_gives_zeros():
+    prepared = make()
+    found = search(constant(-N1), prepared, SearchSettings(5, 4), np.random.default_rng(0))
+    assert found.beta.shape == (0, 9)
+    assert found.execution.shape == found.similarity.shape == (0,)
+    assert found.images == 20
+    chosen = select(found.beta, prepared, SearchSettings())
+    np.testing.assert_array_equal(chosen.beta, np.zeros(9))
+    assert chosen.similarity == 0.0
+
+
+@pytest.mark.parametrize("arm", literal.ARMS)
+@pytest.mark.parametrize("strength", [1.0, 0.03, 40.0])
+def test_perfect_network_recovers_the_parameters(arm, strength):
+    signals, motion = exact_signals()
+    truth = strength * literal.ARMS[arm]
+    prepared = make(inverse_dynamics(*motion, truth), signals=signals)
+    found = search(constant(truth / prepared.largest), prepared, SearchSettings(5, 3), np.random.default_rng(0))
+    chosen = select(found.beta, prepared, SearchSettings())
+    np.testing.assert_allclose(chosen.beta, truth, rtol=1e-10)
+    assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
+
+
+def test_last_line_restores_the_level_of_an_estimate_of_the_right_shape():
+    signals, motion = exact_signals()
+    prepared = make(inverse_dynamics(*motion, N1), signals=signals)
+    for factor in (0.2, 1.0, 5.0):
+        chosen = select(factor * N1[None] / prepared.largest, prepared, SearchSettings())
+        np.testing.assert_allclose(chosen.beta, N1, rtol=1e-10)
+
+
+def test_torque_stronger_by_a_factor_gives_parameters_larger_by_it():
+    weak, strong = make(), make(7.0 * TAU)
+    first, second = run(weak), run(strong)
+    np.testing.assert_allclose(first.beta, second.beta, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(
+        select(second.beta, strong, SEARCH).beta, 7.0 * select(first.beta, weak, SEARCH).beta, rtol=1e-4
+    )
+
+
+def test_selection_takes_the_most_similar_on_the_full_rate_signals():
+    prepared = make()
+    right = N1 / prepared.largest
+    beta_m = np.stack([1.3 * right, right * ([1.2] + [1.0] * 8), right * 1.02, 0.5 * right])
+    chosen = select(beta_m, prepared, SearchSettings())
+    np.testing.assert_allclose(chosen.beta / chosen.beta[0], N1 / N1[0], rtol=1e-12)
+    one_by_one = [select(b[None], prepared, SearchSettings()).similarity for b in beta_m]
+    assert chosen.similarity == pytest.approx(max(one_by_one), rel=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [{"executions": 0}, {"inner_limit": -1}, {"feasibility": "maybe"}])
+def test_wrong_settings_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        SearchSettings(**wrong)

@@ -1,0 +1,172 @@
+"""Standard errors, against textbook formulas and the spread over simulated data."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from log_example import BETA, motion
+from ownarm_log import H, autoregressive, exact, exciting
+
+from repro.identification.bootstrap import block_length, bootstrap, correlation_time, redraw
+from repro.identification.methods import ordinary
+from repro.identification.methods.interface import Estimate
+from repro.model.parameters import NAMES
+
+N = 1500
+T = H * np.arange(N)
+PLACE = {name: k for k, name in enumerate(NAMES)}
+
+
+def rows_of(r):
+    return r.y.reshape(-1, 9)
+
+
+# Bootstrap
+
+
+def textbook(r):
+    """Standard errors of ordinary least squares for white residuals of one size."""
+    a, tau = rows_of(r), r.tau.reshape(-1)
+    beta, energy = np.linalg.lstsq(a, tau, rcond=None)[:2]
+    return beta, np.sqrt(np.diag(np.linalg.inv(a.T @ a)) * energy[0] / (tau.size - 9))
+
+
+def ordinary_spread(r, seed, replicates=200, method=ordinary.METHOD, as_good=()):
+    return bootstrap(method, r, method.estimate(r), as_good, np.random.default_rng(seed), replicates)
+
+
+def test_on_white_noise_standard_errors_are_those_of_the_textbook():
+    clean = exciting(N)
+    r = replace(clean, tau=clean.tau + 0.1 * np.random.default_rng(1).normal(size=(2, N)))
+    beta, expected = textbook(r)
+    spread = ordinary_spread(r, 2, 1000)
+    assert spread.standard_error == pytest.approx(expected, rel=0.15)
+    assert 0.5 * (spread.low + spread.high) == pytest.approx(beta, rel=1e-6, abs=1e-9)
+
+
+def test_on_correlated_noise_they_are_those_of_many_simulated_logs():
+    n, rho, rng = 3000, 0.95, np.random.default_rng(9)
+    clean = exciting(n)
+    solver = np.linalg.pinv(rows_of(clean))
+    simulated = np.std([solver @ autoregressive(rho, n, rng, 0.1).reshape(-1) for _ in range(600)], axis=0)
+    logs = [replace(clean, tau=clean.tau + autoregressive(rho, n, rng, 0.1)) for _ in range(6)]
+    claimed = np.mean([ordinary_spread(r, k).standard_error for k, r in enumerate(logs)], axis=0)
+    white = np.mean([textbook(r)[1] for r in logs], axis=0)
+    assert claimed == pytest.approx(simulated, rel=0.3)
+    assert (claimed > 2.0 * white).all()
+    assert (claimed[[PLACE["g1"], PLACE["g2"]]] > 3.5 * white[[PLACE["g1"], PLACE["g2"]]]).all()
+
+
+def test_intervals_reach_as_far_as_students_t():
+    # Residuals correlated throughout make the longest blocks: twenty, 19 degrees of freedom, 2.093 in every table.
+    r = exciting(N)
+    drifting = replace(r, tau=r.tau + 0.1 * np.sin(2 * np.pi * T / T[-1]))
+    assert block_length(drifting.tau - drifting.y @ ordinary.estimate(drifting).beta, H) == N // 20
+    spread = ordinary_spread(drifting, 3)
+    assert (spread.high - spread.low) / (2 * spread.standard_error) == pytest.approx([2.093] * 9, abs=1e-3)
+
+
+@pytest.mark.parametrize("rho", [0.5, 0.9, 0.95])
+def test_correlation_time_of_an_autoregression_is_its_theory(rho):
+    # The sum of rho^k from lag 0 on; (1 + rho) / (1 - rho) / 2, which takes half of lag 0, is half a sample less.
+    times = []
+    for seed in range(6):
+        error = autoregressive(rho, 30_000, np.random.default_rng(seed))
+        error[0] = 3.0 * np.random.default_rng(seed + 50).normal(size=30_000)  # the longer of both counts
+        times.append(correlation_time(error + np.array([[5.0], [-2.0]]), 0.01) / 0.01)
+    assert np.mean(times) == pytest.approx(1.0 / (1.0 - rho), rel=0.1)
+    assert np.mean(times) == pytest.approx(0.5 * (1.0 + rho) / (1.0 - rho) + 0.5, rel=0.1)
+
+
+def test_correlation_time_of_white_noise_is_a_sample_and_of_nothing_too():
+    white = np.random.default_rng(4).normal(size=(2, 50_000))
+    assert correlation_time(white, 0.02) == pytest.approx(0.02, rel=0.05)
+    assert correlation_time(np.zeros((2, 100)), 0.02) == 0.02
+    assert correlation_time(np.full((2, 100), 3.0), 0.02) == pytest.approx(0.02)
+
+
+@given(st.integers(2, 400), st.floats(0.0, 0.999), st.integers(0, 99))
+def test_blocks_are_at_least_a_sample_and_twenty_fit(n, rho, seed):
+    length = block_length(autoregressive(rho, n, np.random.default_rng(seed)), H)
+    assert isinstance(length, int)
+    assert 1 <= length <= max(n // 20, 1)
+
+
+def test_blocks_span_five_correlation_times():
+    error = autoregressive(0.9, 20_000, np.random.default_rng(6))
+    length = block_length(error, H)
+    assert length == pytest.approx(5 * correlation_time(error, H) / H, abs=0.5)
+    assert block_length(error, 10 * H) == length  # in samples, whatever their period
+
+
+@given(st.data())
+def test_redrawn_samples_are_whole_stretches_of_the_log(data):
+    n = data.draw(st.integers(1, 300))
+    length = data.draw(st.integers(1, n))
+    rows = redraw(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
+    assert rows.shape == (n,)
+    assert rows.min() >= 0
+    assert rows.max() < n
+    inside = np.arange(1, n) % length != 0
+    assert (np.diff(rows)[inside] == 1).all()
+
+
+def test_stretches_begin_anywhere():
+    rng = np.random.default_rng(7)
+    starts = {int(redraw(10, 4, rng)[0]) for _ in range(300)}
+    assert starts == set(range(7))
+
+
+def test_the_same_seed_gives_the_same_numbers_and_another_one_others():
+    r = exciting(400)
+    r = replace(r, tau=r.tau + 0.1 * np.random.default_rng(8).normal(size=r.tau.shape))
+    first, again, other = (ordinary_spread(r, seed) for seed in (5, 5, 6))
+    for name in ("standard_error", "low", "high"):
+        assert (getattr(first, name) == getattr(again, name)).all()
+        assert (getattr(first, name) != getattr(other, name)).all()
+
+
+def test_regressor_and_torque_are_redrawn_together():
+    # A log that Eq. 1 fits exactly has no error however it is redrawn.
+    spread = ordinary_spread(exciting(400), 5)
+    assert spread.standard_error == pytest.approx(np.zeros(9), abs=1e-9)
+
+
+def test_other_filters_add_the_mean_square_of_what_they_change():
+    rng = np.random.default_rng(10)
+    r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(4))
+    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=others)
+    beta = ordinary.estimate(r).beta
+    moved = [np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] - beta for o in others]
+    added = together.standard_error**2 - alone.standard_error**2
+    assert added == pytest.approx(np.mean(np.square(moved), axis=0), rel=1e-6)
+    assert (together.high - together.low > alone.high - alone.low).all()
+
+
+def test_a_method_that_is_biased_on_purpose_adds_its_bias():
+    r = exact(motion(T[:400]), noise=0.1 * np.random.default_rng(11).normal(size=(2, 400)))
+    bias = np.linspace(-0.4, 0.4, 9)
+    biased = replace(
+        ordinary.METHOD, estimate=lambda x: Estimate(ordinary.estimate(x).beta + bias), unbiased=ordinary.METHOD
+    )
+    without = ordinary_spread(r, 1, method=replace(biased, unbiased=None))
+    with_bias = ordinary_spread(r, 1, method=biased)
+    assert with_bias.standard_error**2 - without.standard_error**2 == pytest.approx(bias**2, rel=1e-6, abs=1e-9)
+
+
+def test_what_a_method_chose_is_kept_in_every_replicate():
+    r, seen = exciting(400), []
+
+    def refit(regression, choice):
+        seen.append(choice)
+        return ordinary.estimate(regression).beta
+
+    chooser = replace(ordinary.METHOD, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
+    told = []
+    bootstrap(
+        chooser, r, chooser.estimate(r), (r, r), np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
+    )
+    assert seen == [0.7] * 17
+    assert told == [(k, 15) for k in range(1, 16)]

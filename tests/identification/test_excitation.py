@@ -1,0 +1,273 @@
+"""What a motion tells, against NumPy's linear algebra and combinations derived by hand."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_example import BETA, motion
+from ownarm_log import H, exact, exciting, regression_of
+
+from repro.identification.excitation import excitation, torque_share
+from repro.model.parameters import NAMES
+
+N = 1500
+T = H * np.arange(N)
+PLACE = {name: k for k, name in enumerate(NAMES)}
+
+
+def rows_of(r):
+    return r.y.reshape(-1, 9)
+
+
+def unit_length(r):
+    """Columns of unit length of the parameters that the motion moves, and their places."""
+    length = np.linalg.norm(rows_of(r), axis=0)
+    moved = np.flatnonzero(length > 0)
+    return rows_of(r)[:, moved] / length[moved], moved
+
+
+def with_joint_fixed(joint, at):
+    q, dq, ddq = motion(T)
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    return exact((q, dq, ddq))
+
+
+def slowed(factor, t=T):
+    """The same path at another pace."""
+    q, dq, ddq = motion(factor * t)
+    return q, factor * dq, factor**2 * ddq
+
+
+def combinations(words):
+    """Coefficients of parsed combinations such as ``I1 + 0.31 I3 - 2 g1``, a row each."""
+    found = np.zeros((len(words), 9))
+    for row, text in zip(found, words, strict=True):
+        assert re.fullmatch(r"[Igbk][123]( [+-] [0-9.e+-]+ [Igbk][123])*", text), text
+        first, *rest = re.split(r" (?=[+-] )", text)
+        row[PLACE[first]] = 1.0
+        for part in rest:
+            sign, size, name = part.split()
+            assert row[PLACE[name]] == 0.0
+            row[PLACE[name]] = float(sign + size)
+    return found
+
+
+# Excitation
+
+
+@pytest.mark.parametrize("pace", [1.0, 0.3, 2.0])
+def test_rank_and_condition_are_those_of_the_columns_of_unit_length(pace):
+    r = exact(slowed(pace))
+    told = excitation(r)
+    a, moved = unit_length(r)
+    assert moved.size == 9
+    assert told.rank == np.linalg.matrix_rank(a) == 9
+    assert told.condition == pytest.approx(np.linalg.cond(a), rel=1e-9)
+    assert told.base_parameters == NAMES
+
+
+def test_condition_does_not_depend_on_units():
+    r = exciting(N)
+    scaled = regression_of(r.y * 10.0 ** np.arange(-4, 5), r.tau)
+    assert excitation(scaled).condition == pytest.approx(excitation(r).condition, rel=1e-9)
+    assert excitation(scaled).friction_correlation == pytest.approx(excitation(r).friction_correlation, rel=1e-9)
+
+
+@pytest.mark.parametrize(("joint", "at"), [(0, 0.0), (0, 0.5), (1, 0.0), (1, 0.7), (1, np.pi / 2)])
+def test_base_parameters_in_words_are_what_the_motion_determines(joint, at):
+    r = with_joint_fixed(joint, at)
+    told = excitation(r)
+    a, _ = unit_length(r)
+    c = combinations(told.base_parameters)
+    assert told.rank == np.linalg.matrix_rank(a, tol=1e-4) == len(c) < 9
+    assert np.linalg.matrix_rank(c) == told.rank
+    # What the combinations do not see moves no torque ...
+    basis = np.linalg.svd(c)[2]
+    hidden, seen = basis[told.rank :], basis[: told.rank]
+    assert hidden.shape == (9 - told.rank, 9)
+    assert np.abs(hidden @ rows_of(r).T).max() < 3e-3 * np.abs(seen @ rows_of(r).T).max()
+    # ... and whatever moves a torque is seen: no direction of the seen ones is lost.
+    assert np.linalg.matrix_rank(rows_of(r) @ seen.T, tol=1e-4 * np.linalg.norm(rows_of(r))) == told.rank
+    # Two parameter sets that agree in the combinations give the same torque, two that do not give another.
+    rng = np.random.default_rng(3)
+    other = BETA + rng.normal(size=9 - told.rank) @ hidden
+    assert c @ other == pytest.approx(c @ BETA, abs=1e-9)
+    assert r.y @ other == pytest.approx(r.y @ BETA, abs=3e-3 * np.abs(r.tau).max())
+    assert np.abs(r.y @ (BETA + 0.3 * seen[-1]) - r.tau).max() > 0.01
+
+
+def test_a_straight_arm_shows_sums_of_inertias_only():
+    # q2 = 0: tau1 = (I1 + I2) ddq1 + (g1 + g2) sin q1 + friction, tau2 = (I2/2 + I3) ddq1 + g2 sin q1, by Eq. 1.
+    told = excitation(with_joint_fixed(1, 0.0))
+    c = combinations(told.base_parameters)
+    assert told.rank == 6
+    for known in (
+        {"I1": 1, "I2": 1},
+        {"I2": 0.5, "I3": 1},
+        {"g1": 1, "g2": 1},
+        {"g2": 1},
+        {"b1": 1},
+        {"k1": 1},
+    ):
+        row = np.array([known.get(name, 0.0) for name in NAMES])
+        assert np.linalg.matrix_rank(np.vstack([c, row]), tol=1e-2) == 6, known
+    for alone in ("I1", "I2", "I3", "b2", "k2"):
+        row = np.eye(9)[PLACE[alone]]
+        assert np.linalg.matrix_rank(np.vstack([c, row]), tol=1e-2) == 7, alone
+
+
+@settings(max_examples=40)
+@given(st.floats(0.3, 1.2), st.floats(-1.5, 1.5), st.sampled_from([0, 1]))
+def test_base_parameters_at_any_fixed_place(pace, at, joint):
+    q, dq, ddq = slowed(pace)
+    at = round(at, 2)  # at a billionth of a radian gravity is rounding
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    r = exact((q, dq, ddq))
+    told = excitation(r)
+    c = combinations(told.base_parameters)
+    hidden = np.linalg.svd(c)[2][told.rank :]
+    a, _ = unit_length(r)
+    assert told.rank == len(c) == np.linalg.matrix_rank(a, tol=1e-4 * np.linalg.norm(a, 2))
+    assert np.abs(r.y @ hidden.T).max() < 0.01 * np.abs(r.y).max()
+
+
+@pytest.mark.parametrize(
+    ("joint", "at", "alone"),
+    [
+        (1, 0.0, {"g1", "g2", "b1", "k1"}),
+        (1, 0.7, {"I1", "I2", "I3", "g1", "g2", "b1", "k1"}),
+        (0, 0.0, {"I2", "I3", "g2", "b2", "k2"}),
+        (0, 0.5, {"I2", "I3", "g1", "g2", "b2", "k2"}),
+        (None, 0.0, set(NAMES)),
+    ],
+)
+def test_a_parameter_is_determined_where_no_other_can_stand_in_for_it(joint, at, alone):
+    r = exciting(N) if joint is None else with_joint_fixed(joint, at)
+    told = excitation(r)
+    assert {name for name, by_itself in zip(NAMES, told.determined, strict=True) if by_itself} == alone
+    a = rows_of(r)
+    for k, name in enumerate(NAMES):
+        others = np.delete(a, k, axis=1)
+        left = a[:, k] - others @ np.linalg.lstsq(others, a[:, k], rcond=1e-8)[0]
+        assert (np.linalg.norm(left) > 1e-3 * np.linalg.norm(a[:, k])) == (name in alone)
+        assert (name in told.base_parameters) == (name in alone)
+
+
+def test_no_motion_at_all_tells_nothing():
+    told = excitation(regression_of(np.zeros((2, 50, 9)), np.ones((2, 50))))
+    assert told.rank == 0
+    assert told.condition == np.inf
+    assert told.friction_correlation == (0.0, 0.0)
+    assert told.determined == (False,) * 9
+    assert told.base_parameters == ()
+
+
+def test_base_parameters_leave_out_what_moves_no_torque_and_not_what_has_a_small_number():
+    """Columns in units that make a coefficient of a millionth half of the torque, and one of a thousand nothing."""
+    rng = np.random.default_rng(4)
+    y = rng.normal(size=(2, 300, 9))
+    y[..., 4] = 1e-6 * (y[..., 3] + y[..., 0])  # g2 in combination with g1 and I1, its torque a millionth
+    y[..., 8] = 1e-4 * y[..., 6] + 1e-7 * y[..., 5]  # k2 with b2, and with b1 too little to be seen
+    told = excitation(regression_of(y, np.ones((2, 300))))
+    c = combinations(told.base_parameters)
+    assert told.rank == len(c) == 7
+    assert told.determined == tuple(name in {"I2", "I3", "b1", "k1"} for name in NAMES)
+    seen = np.zeros((2, 9))
+    seen[0, [3, 4]] = 1.0, 1e-6
+    seen[1, [0, 4]] = 1.0, 1e-6
+    friction = np.zeros((1, 9))
+    friction[0, [6, 8]] = 1.0, 1e-4
+    for row in (*seen, *friction):
+        assert np.linalg.matrix_rank(scaled_to_torque(np.vstack([c, row]), y), tol=1e-2) == 7
+    assert "b1" in told.base_parameters
+
+
+def scaled_to_torque(combination, y):
+    """Rows of coefficients in units of the torque that each parameter moves, of length one."""
+    rows = combination / np.linalg.norm(y, axis=(0, 1))
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def test_friction_correlation_is_that_of_the_least_squares_covariance():
+    for pace in (0.1, 1.0, 2.0):
+        r = exact(slowed(pace))
+        covariance = np.linalg.inv(rows_of(r).T @ rows_of(r))
+        size = np.sqrt(np.diag(covariance))
+        expected = covariance / np.outer(size, size)
+        assert excitation(r).friction_correlation == pytest.approx((expected[5, 7], expected[6, 8]), rel=1e-7)
+
+
+def test_slow_motion_does_not_tell_viscous_from_coulomb_friction_but_slow_and_fast_does():
+    slow, fast = slowed(0.01), slowed(1.0)
+    pieces = [np.concatenate(pair, axis=-1) for pair in zip(slowed(0.1), slowed(3.0, T[: N // 5]), strict=True)]
+    of_slow, of_fast, of_both = (np.abs(excitation(exact(m)).friction_correlation) for m in (slow, fast, pieces))
+    assert (of_slow > 0.99).all()
+    assert (of_both < 0.65).all()
+    assert (of_both < of_fast).all()
+
+
+@pytest.mark.parametrize("pace", [0.01, 0.001, 1e-4])
+def test_of_collinear_friction_more_of_one_is_less_of_the_other(pace):
+    """Below the tanh's knee viscous and Coulomb torque are one signal, and their estimates trade against each other."""
+    assert max(excitation(exact(slowed(pace))).friction_correlation) < -0.9
+
+
+@given(st.floats(0.01, 100.0))
+def test_exactly_collinear_friction_has_a_correlation_of_minus_one(ratio):
+    r = exciting(300)
+    y = r.y.copy()
+    y[..., 7:9] = ratio * y[..., 5:7]
+    told = excitation(regression_of(y, r.tau))
+    assert told.friction_correlation == pytest.approx((-1.0, -1.0), abs=1e-3)
+    y[..., 7:9] *= -1.0
+    assert excitation(regression_of(y, r.tau)).friction_correlation == pytest.approx((1.0, 1.0), abs=1e-3)
+    assert told.determined == (True,) * 5 + (False,) * 4
+
+
+def test_friction_of_a_fixed_joint_has_no_correlation():
+    assert excitation(with_joint_fixed(1, 0.3)).friction_correlation[1] == 0.0
+    assert excitation(with_joint_fixed(0, 0.3)).friction_correlation[0] == 0.0
+
+
+def test_torque_share_by_hand():
+    y, tau = np.zeros((2, 2, 9)), np.array([[3.0, 4.0], [0.0, 2.0]])
+    y[0, :, 0] = 1.0, 1.0  # I1 moves 2 N m in joint 1, whose RMS torque is sqrt(12.5)
+    y[1, :, 4] = 0.0, 1.0  # g2 moves sqrt(0.5) N m in joint 2, whose RMS torque is sqrt(2), and less in joint 1
+    y[0, :, 4] = 0.1, 0.1
+    share = torque_share(regression_of(y, tau), np.array([2.0, 5.0, 5.0, 5.0, 1.0, 5.0, 5.0, 5.0, 5.0]))
+    assert share == pytest.approx([2.0 / np.sqrt(12.5), 0, 0, 0, 0.5, 0, 0, 0, 0], abs=1e-12)
+
+
+@given(st.lists(st.floats(-5.0, 5.0), min_size=9, max_size=9), st.floats(1e-3, 1e3))
+def test_torque_shares_have_the_limits_of_rms(beta, unit):
+    beta = np.array(beta)
+    r = exciting(200)
+    tau = r.y @ beta
+    share = torque_share(replace(r, tau=tau), beta)
+    assert (share >= 0.0).all()
+    assert (share[beta == 0.0] == 0.0).all()
+    if np.abs(tau).max() > 1e-6:
+        # RMS of a sum is at most the sum of RMS, and sign or unit of the torque is no matter.
+        assert share.sum() >= 1.0 - 1e-9
+        scaled = torque_share(replace(r, tau=-unit * tau), unit * beta)
+        assert scaled == pytest.approx(share, rel=1e-9)
+
+
+def test_a_parameter_alone_moves_all_torque_and_an_unmoved_one_none():
+    r = exciting(N)
+    for k in range(9):
+        alone = BETA[k] * np.eye(9)[k]
+        share = torque_share(replace(r, tau=r.y @ alone), BETA)
+        assert share[k] == pytest.approx(1.0, rel=1e-12)
+    fixed = with_joint_fixed(1, 0.4)
+    still = torque_share(fixed, BETA)
+    assert (still[[PLACE["b2"], PLACE["k2"]]] == 0.0).all()
+    assert (np.delete(still, [PLACE["b2"], PLACE["k2"]]) > 0.0).all()
+
+
+def test_without_torque_no_parameter_has_a_share():
+    r = exciting(N)
+    assert (torque_share(replace(r, tau=np.zeros_like(r.tau)), BETA) == 0.0).all()
