@@ -17,11 +17,12 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce quick test smoke setup setup-test lock clean check-python
+.PHONY: help reproduce quick check test smoke setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
 	@echo "make test       set up $(VENV) with the test tools and run every check"
+	@echo "make check      linters, types and the quick tests: under a minute, before a commit"
 	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
@@ -37,6 +38,12 @@ quick: setup
 
 smoke: setup
 	$(SNAKEMAKE) --cores $(CORES) --configfile config/smoke.yaml
+
+check: setup-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow"
 
 test: setup-test
 	$(BIN)/ruff check .

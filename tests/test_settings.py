@@ -21,6 +21,8 @@ from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.signals.metric import MetricSettings
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 
 #: A value of its own for every key, so that no two can be mixed up and no default can stand in.

@@ -16,7 +16,10 @@ from test_report_page import WIDTHS, find_axe
 from repro.ownarm.figures import figures_of
 from repro.ownarm.page import FILES, render_page
 
-pytestmark = pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)"),
+]
 
 
 @pytest.fixture(scope="module")

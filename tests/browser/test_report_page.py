@@ -28,7 +28,10 @@ def find_axe():
     return Path(package.submodule_search_locations[0]) / "axe.min.js" if package else None
 
 
-pytestmark = pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)"),
+]
 
 
 @pytest.fixture(scope="module")

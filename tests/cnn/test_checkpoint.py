@@ -11,6 +11,8 @@ from repro.cnn.checkpoint import Progress, load_checkpoint, load_network, save_c
 from repro.cnn.weights import read_weights
 from repro.errors import InputError
 
+pytestmark = pytest.mark.slow
+
 OTHER_SIZES = NetworkSettings(image_size=44, maps=4, hidden=(16, 7))
 
 

@@ -21,6 +21,8 @@ from repro.cnn.train import evaluate, train
 from repro.errors import InputError
 from repro.signals.trajectories import identification_trajectory
 
+pytestmark = pytest.mark.slow
+
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
 MOTION = sample_motion(identification_trajectory(SIGNALS.duration, SIGNALS.h), SIGNALS)
 DATA = DataSettings()

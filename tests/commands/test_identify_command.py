@@ -25,6 +25,8 @@ from repro.identification.filters.interface import FILTERS
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 CAPTURES = ROOT / "data" / "captures"
 WRITTEN = {

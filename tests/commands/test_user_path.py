@@ -4,10 +4,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from repro.fpga.capture import read_capture
 from repro.fpga.recorded import samples, verify_control
 from repro.pipeline.acquire import simulate_capture
 from repro.pipeline.experiment import load_config, program_from_config
+
+pytestmark = pytest.mark.slow
 
 CONFIG = Path(__file__).resolve().parents[2] / "config" / "config.yaml"
 

@@ -280,6 +280,7 @@ def test_a_program_that_is_not_what_the_sidecar_says_is_refused(stored, program,
     assert str(caught.value).startswith(f"{stored.with_suffix('.program')}: ")
 
 
+@pytest.mark.slow
 @settings(max_examples=1000)
 @given(
     seed=st.integers(0, 2**32 - 1),

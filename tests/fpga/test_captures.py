@@ -21,6 +21,8 @@ from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import disturbance
 from repro.settings import metric_settings
 
+pytestmark = pytest.mark.slow
+
 CONFIG = full_config()
 
 

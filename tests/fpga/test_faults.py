@@ -8,6 +8,8 @@ from strategies import seeds
 
 from repro.fpga.faults import Fault, FaultInjector, FaultSettings
 
+pytestmark = pytest.mark.slow
+
 CLEAN = np.random.default_rng(0).bytes(20_000)
 ROUGH = FaultSettings(drop=0.01, flip=0.02, insert=0.03, stall=0.005, stall_s=0.25, stall_bytes=3)
 

@@ -17,6 +17,8 @@ from repro.model.dynamics import forward_dynamics
 from repro.model.parameters import Array
 from repro.signals.programs import identification_program
 
+pytestmark = pytest.mark.slow
+
 H = 2.5e-3
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
 OTHER = np.array([0.9, 0.2, 0.15, 2.0, 0.6, 0.1, 0.05, 0.2, 0.1])

@@ -21,6 +21,8 @@ from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import BoardServer
 
+pytestmark = pytest.mark.slow
+
 DESIRED, FRAMES = frames_of(200)
 BETA = (0.12, 0.0026, 0.0213, 0.95, 0.078, 0.08, 0.013, 0.4538, 0.12)
 

@@ -46,6 +46,7 @@ def test_on_white_noise_standard_errors_are_those_of_the_textbook():
     assert 0.5 * (spread.low + spread.high) == pytest.approx(beta, rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_on_correlated_noise_they_are_those_of_many_simulated_logs():
     n, rho, rng = 3000, 0.95, np.random.default_rng(9)
     clean = exciting(n)

@@ -15,6 +15,8 @@ from repro.ownarm.settings import Options
 from repro.pipeline.experiment import load_config, program_from_config
 from repro.streams import Stream, stream
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 ARMS = 20
 

@@ -23,6 +23,8 @@ from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options
 from repro.ownarm.words import COMBINED, NOT_EXCITED
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 
 

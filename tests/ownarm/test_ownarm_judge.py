@@ -21,6 +21,8 @@ from repro.ownarm.job import solve_all
 from repro.ownarm.judge import Found, find, judge, why_not_consistent
 from repro.ownarm.words import COMBINED, NOT_EXCITED
 
+pytestmark = pytest.mark.slow
+
 HELD = "held at zero: the log alone would make it negative"
 
 

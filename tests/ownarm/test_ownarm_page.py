@@ -26,6 +26,8 @@ from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_tab
 from repro.render import ownarm, style
 from repro.render.ownarm_parameters import parameters as parameters_figure
 
+pytestmark = pytest.mark.slow
+
 VOID = {"meta", "link", "img", "br", "mspace", "rect"}
 TIMES = style.TIMES
 HOSTILE = '<script>alert(1)</script>&".csv'

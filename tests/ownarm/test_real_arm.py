@@ -10,7 +10,7 @@ from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options
 
-pytestmark = needs_real_data
+pytestmark = [pytest.mark.slow, needs_real_data]
 
 #: I1, I2, I3, g1, g2 that the arm's owners published.
 OWNERS = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090])

@@ -218,6 +218,7 @@ def test_a_changed_number_changes_the_finding(published, numbers, id_, field, ex
     assert getattr(after, field) == (expected if isinstance(expected, str) else pytest.approx(expected))
 
 
+@pytest.mark.slow
 def test_no_number_that_a_finding_names_is_idle(published):
     before = findings(published)
     assert findings(changed(published)) == before

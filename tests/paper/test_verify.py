@@ -20,6 +20,8 @@ from repro.paper.ledger.sums import PUBLISHED_NAME
 from repro.paper.ledger.verification import CLAIMS, PAGE, SOURCES, write_ledger
 from repro.pipeline.experiment import load_config
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):

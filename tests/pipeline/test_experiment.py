@@ -28,6 +28,8 @@ from repro.pipeline.provenance import recorded_fingerprint
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import board_from_config, disturbance
 
+pytestmark = pytest.mark.slow
+
 CONFIG = full_config()
 SHORT = short_config()
 ONE_LINE = re.compile(r"[^\n]+: found [^\n]+, expected [^\n]+")

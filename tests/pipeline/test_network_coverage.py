@@ -19,6 +19,8 @@ from repro.pipeline.recordings import read_recording
 from repro.pipeline.tracked import read_tracked, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
+pytestmark = pytest.mark.slow
+
 CONFIG = of_network(full_config(), "tracked")
 
 

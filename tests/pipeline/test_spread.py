@@ -18,6 +18,8 @@ from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import read_spread, simulate_spread
 from repro.pipeline.verdict import verdict
 
+pytestmark = pytest.mark.slow
+
 MOTIONS = ["ID", "T1", "T2", "T3", "T4"]
 
 

@@ -22,6 +22,8 @@ from repro.pipeline.why import STEPS, dissect, explain, simulate_states
 from repro.pipeline.why_table import why_table
 from repro.settings import data_settings, signal_settings
 
+pytestmark = pytest.mark.slow
+
 CONFIG = full_config()
 SIGNALS = signal_settings(CONFIG)
 TRUE = true_parameters(CONFIG)

@@ -15,6 +15,8 @@ from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 WORKFLOW = ROOT / "workflow"
 FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional]

@@ -37,6 +37,8 @@ from repro.errors import InputError
 from repro.exhibits.make import draw, lay_out
 from repro.render import style
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(params=list(FIGURES))
 def figure(request: pytest.FixtureRequest) -> Iterator[Figure]:

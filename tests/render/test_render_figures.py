@@ -68,6 +68,7 @@ def test_a_chosen_candidate_is_shown_whatever_its_rank() -> None:
     assert names[1][-1] == "frequency candidate 17"
 
 
+@pytest.mark.slow
 def test_long_lines_stay_light(tmp_path: Path) -> None:
     t = np.arange(3770) * 2.5e-3
     frame = long_table(case_panels("N1", "N2"), t, lambda i: np.sin(t + i))

@@ -95,6 +95,7 @@ def test_words_stay_within_their_box(name: str) -> None:
     assert held == boxes.keys()
 
 
+@pytest.mark.slow
 def test_no_label_of_an_arrow_lies_on_a_line(name: str) -> None:
     layout = LAYOUTS[name]
     figure = made(name, FRAMES[name]())

@@ -19,6 +19,8 @@ from repro.model.dynamics import mass_matrix, regressor
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import NAMES
 
+pytestmark = pytest.mark.slow
+
 
 def beta_of(name, regression):
     return METHODS[name].estimate(regression).beta

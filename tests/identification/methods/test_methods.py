@@ -88,6 +88,7 @@ AT_REST = [(0, 0.0, SECOND), (0, 0.3, [ALONE["g1"], *SECOND]), (0, 0.7, [ALONE["
 AT_REST += [(1, 0.0, STRAIGHT), (1, 0.3, BENT), (1, 0.7, BENT)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("filter_name", sorted(FILTERS))
 @pytest.mark.parametrize(("joint", "at", "known"), AT_REST)
 def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):

@@ -1,0 +1,37 @@
+"""What the project says of itself agrees: its two citation files, and the names that its pages send readers to."""
+
+import json
+import pydoc
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+import repro
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def test_both_citation_files_say_the_same():
+    cff = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    meta = json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8"))
+    assert meta["name"] == cff["title"]
+    assert meta["description"] == cff["abstract"]
+    assert meta["license"].rsplit("/", 1)[1] == cff["license"]
+    assert meta["keywords"] == cff["keywords"]
+    assert [author["name"] for author in meta["author"]] == [author["name"] for author in cff["authors"]]
+    assert meta["version"] == repro.__version__
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_names_of_the_package_are_there(page):
+    names = set(re.findall(r"`(repro(?:\.\w+)+)`", page.read_text(encoding="utf-8")))
+    assert not [name for name in names if pydoc.locate(name) is None]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_within_the_project_lead_somewhere(page):
+    targets = re.findall(r"\]\((?!https?:|#)([^)#]+)", page.read_text(encoding="utf-8"))
+    assert not [target for target in targets if not (page.parent / target).exists()]
