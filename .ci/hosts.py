@@ -19,7 +19,7 @@ NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests of what must hold on any processor; those under a whole emulated processor are the ones it can run in a minute.
 PORTABLE = (
     *("capture", "captures", "compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint"),
-    *("least_squares", "metric", "programs", "reference", "spread", "stored_networks", "upgrade", "verify"),
+    *("metric", "ordinary", "programs", "reference", "spread", "stored_networks", "upgrade", "verify"),
 )
 FEW = ("compare", "contract", "fingerprint", "upgrade")
 
