@@ -55,6 +55,7 @@ def refresh_reference() -> None:
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():
         if not (REFERENCE / name).exists():
+            (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
             (REFERENCE / name).write_bytes(content)
     for name in ASKED_FOR:
         if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
