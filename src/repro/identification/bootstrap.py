@@ -9,13 +9,15 @@ that, not noise, is what limits it. A method that is biased on purpose adds its 
    1217-1241, 1989. doi:10.1214/aos/1176347265
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import t as student
 
+from repro.identification.alternatives import Alternative
+from repro.identification.correlation import correlation_time
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
@@ -24,8 +26,10 @@ REPLICATES = 200
 #: Blocks span so many correlation times, and a log holds at least so many blocks.
 CORRELATION_TIMES = 5.0
 FEWEST_BLOCKS = 20
-#: Factors on cut-off and width of the filters that would have been as good a choice.
-AS_GOOD = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
+#: Parts of a log that are left out in turn.
+PARTS = 6
+#: Ratio of the variances by parts and by blocks that chance reaches in one log of twenty.
+BY_CHANCE = 2.2
 
 
 @dataclass(frozen=True)
@@ -45,34 +49,6 @@ class Spread:
     high: Array
 
 
-def correlation_time(error: Array, h: float) -> float:
-    """Time over which residuals stay correlated: the sum of the autocorrelation up to its first zero.
-
-    Parameters
-    ----------
-    error : array of shape (2, n)
-        Residuals.
-    h : float
-        Time between samples, s.
-
-    Returns
-    -------
-    float
-        s, the longer of both joints.
-    """
-    n = error.shape[-1]
-    centred = error - error.mean(-1, keepdims=True)
-    power = np.abs(np.fft.rfft(centred, 2 * n, axis=-1)) ** 2
-    correlation = np.fft.irfft(power, axis=-1)[:, :n]
-    times = []
-    for joint in correlation:
-        if joint[0] <= 0.0:
-            continue
-        end = int(np.argmax(joint <= 0.0)) or n
-        times.append(float(joint[:end].sum() / joint[0]) * h)
-    return max(times, default=h)
-
-
 def block_length(error: Array, h: float) -> int:
     """Samples in a block, from the residuals of a fit, shape (2, n)."""
     n = error.shape[-1]
@@ -87,11 +63,28 @@ def redraw(n: int, length: int, rng: np.random.Generator) -> np.ndarray[tuple[in
     return rows
 
 
+def jackknife(method: Method, regression: Regression, first: Estimate) -> Array:
+    """Variance of a method by leaving out a part of the log at a time, shape (9,).
+
+    What changes slowly, or in one part alone, moves this and no bootstrap of short blocks.
+    """
+    n = regression.t.size
+    place = np.arange(n) * PARTS // n
+    found = []
+    for part in range(PARTS):
+        with suppress(NoSolutionError):
+            found.append(method.repeat(regression.take(np.flatnonzero(place != part)), first))
+    if len(found) < 2:
+        return np.zeros(len(first.beta))
+    variance: Array = (len(found) - 1) * np.var(found, axis=0)
+    return variance
+
+
 def bootstrap(
     method: Method,
     regression: Regression,
     first: Estimate,
-    as_good: Sequence[Regression],
+    as_good: Mapping[str, Alternative],
     rng: np.random.Generator,
     replicates: int = REPLICATES,
     report: Callable[[int, int], None] = lambda *_: None,
@@ -106,8 +99,8 @@ def bootstrap(
         Its regression.
     first : Estimate
         What it found.
-    as_good : sequence of Regression
-        The same log through other filters.
+    as_good : mapping of Alternative
+        The same log with something chosen otherwise, by what, see `repro.identification.alternatives`.
     rng : numpy.random.Generator
         Draws the blocks.
     replicates : int
@@ -136,8 +129,11 @@ def bootstrap(
     if len(drawn) < max(replicates // 2, 2):
         raise NoSolutionError("most replicates of the bootstrap have no solution")
     variance = np.var(drawn, axis=0, ddof=1)
-    if as_good:
-        variance += np.mean([(method.repeat(other, first) - beta) ** 2 for other in as_good], axis=0)
+    slow = jackknife(method, regression, first)
+    variance = np.where(slow > BY_CHANCE * variance, slow, variance)
+    for other in as_good.values():
+        moved = [method.repeat(regression, first) - beta for regression in other.regressions]
+        variance += other.weight * np.mean(np.square(moved), axis=0)
     if method.unbiased is not None:
         variance += (method.unbiased.estimate(regression).beta - beta) ** 2
     error = np.sqrt(variance)

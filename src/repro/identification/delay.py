@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from repro.identification.correlation import correlation_time
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.solve import solve
 from repro.logs.log import Log
@@ -18,7 +19,7 @@ REACH = 0.02
 POINTS = 11
 
 
-def estimate_delay(log: Log, settings: FilterSettings) -> float:
+def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     """Delay of the torque.
 
     Parameters
@@ -30,8 +31,8 @@ def estimate_delay(log: Log, settings: FilterSettings) -> float:
 
     Returns
     -------
-    float
-        s; at most `REACH` to either side.
+    tuple of 2 floats
+        Delay, at most `REACH` to either side, and its standard error, s.
     """
     plain = prepare(log, replace(settings, delay=0.0))
     t = plain.t
@@ -41,9 +42,13 @@ def estimate_delay(log: Log, settings: FilterSettings) -> float:
     fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
     curve_of = CubicSpline(fine.t, fine.tau, axis=-1)
     tau = np.stack([curve_of(t[inside] - d) for d in late])
-    error = np.array([np.sum((x - y @ solve(y, x)) ** 2) for x in tau])
+    left = np.stack([x - y @ solve(y, x) for x in tau])
+    error = np.sum(left**2, axis=(1, 2))
     best = int(np.clip(error.argmin(), 1, POINTS - 2))
     curve, slope, _ = np.polyfit(late[best - 1 : best + 2] - late[best], error[best - 1 : best + 2], 2)
     if curve <= 0.0:
-        return float(late[error.argmin()])
-    return float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH))
+        return float(late[error.argmin()]), REACH
+    # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
+    independent = left[best].size * plain.h / correlation_time(left[best], plain.h)
+    spread = float(np.sqrt(error.min() / independent / curve))
+    return float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH)), min(spread, REACH)

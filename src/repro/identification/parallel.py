@@ -8,6 +8,7 @@ keeps their relation exactly because it is linear. The torque also goes through 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 
@@ -75,10 +76,14 @@ def motion(q: Array, h: float, settings: FilterSettings) -> tuple[Array, Array, 
     return smooth(q, h, wide, 0), smooth(q, h, wide, 1), smooth(q, h, wide, 2)
 
 
+def narrow(columns: Array, h: float, settings: FilterSettings) -> Array:
+    """Columns of shape (2, N, k) through the narrow filter."""
+    return np.moveaxis(FILTERS[settings.name].apply(np.moveaxis(columns, -1, 0), h, settings.cutoff, 0), 0, -1)
+
+
 def filtered_regressor(moved: tuple[Array, Array, Array], h: float, settings: FilterSettings) -> Array:
     """Regressor of a motion through the narrow filter, shape (2, N, 9)."""
-    columns = np.moveaxis(regressor(*moved, settings.friction_steepness), -1, 0)
-    return np.moveaxis(FILTERS[settings.name].apply(columns, h, settings.cutoff, 0), 0, -1)
+    return narrow(regressor(*moved, settings.friction_steepness), h, settings)
 
 
 def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
@@ -90,6 +95,25 @@ def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
     t = h * np.arange(tau.shape[-1])
     moved: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
     return moved
+
+
+def kept(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
+    """Samples of a log that are filtered, the first so many, and the numbers of those that are kept of them.
+
+    Raises
+    ------
+    ValueError
+        If nothing is left between the cuts.
+    """
+    h, n = period(log), log.t.size
+    if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
+        n = prev_fast_len(n)
+    margin = max(round(settings.cut / h), 1)
+    step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
+    keep = np.arange(margin, n - margin, step)
+    if keep.size < 2:
+        raise ValueError(f"log: {n} samples leave nothing between cuts of {margin} at both ends.")
+    return n, keep
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:
@@ -113,15 +137,8 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
         If nothing is left between the cuts.
     """
     h = period(log)
-    n = log.t.size
-    if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
-        n = prev_fast_len(n)
+    n, keep = kept(log, settings)
     time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]
-    margin = max(round(settings.cut / h), 1)
-    step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
-    keep = np.arange(margin, n - margin, step)
-    if keep.size < 2:
-        raise ValueError(f"log: {n} samples leave nothing between cuts of {margin} at both ends.")
     moved = motion(recorded, h, settings)
     y = filtered_regressor(moved, h, settings)
     halves = []
@@ -132,4 +149,6 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     counts = np.ones(q.shape, dtype=np.bool_)
-    return Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, counts, step * h, np.stack(halves))
+    return Regression(
+        time[keep], y[:, keep], tau[:, keep], q, dq, ddq, counts, (keep[1] - keep[0]) * h, np.stack(halves)
+    )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from repro.errors import InputError
-from repro.identification.bootstrap import AS_GOOD
+from repro.identification.alternatives import Alternative, alternatives
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
@@ -50,8 +50,8 @@ class Problem:
         Made of it, all samples: what methods are judged on.
     moving : Regression
         The same without standstill: what methods are fitted to.
-    as_good : tuple of Regression
-        As `moving`, by filters that would have been as good a choice.
+    as_good : dict of Alternative
+        As `moving`, by what could have been chosen otherwise.
     others : tuple of (Told, Regression)
         Logs to predict.
     settings : FilterSettings
@@ -67,7 +67,7 @@ class Problem:
     fitted: Told
     regression: Regression
     moving: Regression
-    as_good: tuple[Regression, ...]
+    as_good: dict[str, Alternative]
     others: tuple[tuple[Told, Regression], ...]
     settings: FilterSettings
     cutoff: Cutoff
@@ -102,19 +102,23 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
             )
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
+    late = 0.0
     if arm.delay is None:
-        settings = replace(settings, delay=estimate_delay(log, settings))
-    as_good = tuple(
-        without_standstill(
-            prepare(log, replace(settings, cutoff=settings.cutoff * cut, width=settings.width * width / cut))
-        )
-        for cut, width in AS_GOOD
-    )
+        delay, late = estimate_delay(log, settings)
+        settings = replace(settings, delay=delay)
     predicted = tuple((told, prepare(told.log, settings)) for told in others)
     regression = prepare(log, settings)
     moving = without_standstill(regression)
     return Problem(
-        fitted, regression, moving, as_good, predicted, settings, chosen, excitation(moving), arm.delay is None
+        fitted,
+        regression,
+        moving,
+        alternatives(log, settings, late),
+        predicted,
+        settings,
+        chosen,
+        excitation(moving),
+        arm.delay is None,
     )
 
 
