@@ -39,7 +39,7 @@ def problem_of(regression, others=(), moving=None, delay_was_found=True, **setti
         fitted=told(log_of(recording(np.arange(0.0, 20.0, 0.005)))),
         regression=regression,
         moving=moving,
-        as_good=(),
+        as_good={},
         others=tuple(others),
         settings=FilterSettings(**settings),
         cutoff=Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0),

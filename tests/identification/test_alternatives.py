@@ -1,4 +1,4 @@
-"""Regressions that would have been as good: projections against joint least squares, and how far a log asks for them."""
+"""Regressions that would have been as good: projections against joint least squares, and what a log asks for."""
 
 import numpy as np
 import pytest

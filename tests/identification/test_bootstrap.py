@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from log_example import BETA, motion
 from ownarm_log import H, autoregressive, exact, exciting
 
-from repro.identification.bootstrap import block_length, bootstrap, correlation_time, redraw
+from repro.identification.alternatives import Alternative
+from repro.identification.bootstrap import PARTS, block_length, bootstrap, correlation_time, redraw
 from repro.identification.methods import ordinary
 from repro.identification.methods.interface import Estimate
 from repro.model.parameters import NAMES
@@ -33,8 +34,8 @@ def textbook(r):
     return beta, np.sqrt(np.diag(np.linalg.inv(a.T @ a)) * energy[0] / (tau.size - 9))
 
 
-def ordinary_spread(r, seed, replicates=200, method=ordinary.METHOD, as_good=()):
-    return bootstrap(method, r, method.estimate(r), as_good, np.random.default_rng(seed), replicates)
+def ordinary_spread(r, seed, replicates=200, method=ordinary.METHOD, as_good=None):
+    return bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
 
 
 def test_on_white_noise_standard_errors_are_those_of_the_textbook():
@@ -138,7 +139,7 @@ def test_regressor_and_torque_are_redrawn_together():
 def test_other_filters_add_the_mean_square_of_what_they_change():
     rng = np.random.default_rng(10)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(4))
-    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=others)
+    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good={"filters": Alternative(tuple(others))})
     beta = ordinary.estimate(r).beta
     moved = [np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] - beta for o in others]
     added = together.standard_error**2 - alone.standard_error**2
@@ -166,8 +167,9 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
 
     chooser = replace(ordinary.METHOD, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
     told = []
+    as_good = {"filters": Alternative((r, r))}
     bootstrap(
-        chooser, r, chooser.estimate(r), (r, r), np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
+        chooser, r, chooser.estimate(r), as_good, np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
     )
-    assert seen == [0.7] * 17
+    assert seen == [0.7] * (15 + PARTS + 2)
     assert told == [(k, 15) for k in range(1, 16)]

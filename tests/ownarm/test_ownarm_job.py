@@ -196,7 +196,7 @@ def test_a_cutoff_that_is_given_is_used(tmp_path):
     problem = made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
     assert problem.settings.cutoff == problem.cutoff.hertz == 3.5
     assert problem.cutoff.reason == "given by the user"
-    kept = [r.h for r in problem.as_good]  # eight samples a period of the cut-off
+    kept = [r.h for r in problem.as_good["filters"].regressions]  # eight samples a period of the cut-off
     assert min(kept) < problem.regression.h < max(kept)
     with pytest.raises(InputError, match=r"log\.csv: rate: found 200 Hz, expected at least four times .* 60 Hz"):
         made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=60.0))
@@ -241,20 +241,25 @@ def test_an_arm_with_a_joint_at_rest_is_told_what_its_log_can_tell(tmp_path):
     names = tuple(sorted(set(METHODS) - {"parsimonious"}))  # whose penalty takes seconds to choose
     problem, result, _ = identify(tmp_path, names, moved=stretched)
     e = result.excitation
-    assert (e.rank, len(e.base_parameters)) == (6, 6)
-    assert {"g1", "g2", "b1", "k1"} < set(e.base_parameters)
+    assert e.rank == 4
+    # Which of two equal columns stands first is a matter of rounding.
+    assert {frozenset(words.split(" + 1 ")) for words in e.base_parameters} == {
+        frozenset(names) for names in (("I1", "I2"), ("g1", "g2"), ("b1",), ("k1",))
+    }
     assert {"b2", "k2"} <= set(e.unexcited)
     assert not {"g1", "b1", "k1"} & set(e.unexcited)
-    assert any("6 combinations" in line for line in result.warnings)
-    assert problem.moving.moving[1].all()  # of a joint that never moves all samples count
+    assert any("4 combinations" in line for line in result.warnings)
+    assert not problem.regression.moving[1].any()  # what holds a joint that never moves is not known
     for m in result.methods:
         p = dict(zip(NAMES, m.parameters, strict=True))
-        assert {p[name].verdict for name in ("I1", "I2", "I3")} == {COMBINED}
-        assert {p[name].verdict for name in ("b2", "k2")} == {NOT_EXCITED}
+        assert {p[name].verdict for name in ("I1", "I2", "g1", "g2")} == {COMBINED}
+        assert {p[name].verdict for name in ("I3", "b2", "k2")} == {NOT_EXCITED}
         assert {(p[name].estimate, p[name].low, p[name].high) for name in ("b2", "k2")} == {(0.0, None, None)}
-        for name in ("g1", "g2", "b1", "k1"):
+        for name in ("b1", "k1"):
             assert p[name].estimate == pytest.approx(BETA[NAMES.index(name)], rel=0.02), (m.method, name)
-        assert p["I1"].estimate + p["I2"].estimate == pytest.approx(BETA[0] + BETA[1], rel=0.01), m.method
+        for one, other in (("I1", "I2"), ("g1", "g2")):
+            whole = sum(BETA[NAMES.index(name)] for name in (one, other))
+            assert p[one].estimate + p[other].estimate == pytest.approx(whole, rel=0.01), m.method
         assert max(m.fit.relative_rms) < 0.01
 
 

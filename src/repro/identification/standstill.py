@@ -7,6 +7,7 @@ joint says nothing about that joint's row of Eq. 1; the other row counts as befo
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.identification.regression import Regression
 
@@ -15,6 +16,26 @@ STILL = 0.02
 #: Share of the time that a joint must move for its standstill to be left out: of a joint that hardly moves there
 #: would be nothing left.
 MOVES = 0.2
+#: Share below which it does not move at all.
+RESTS = 0.01
+
+
+def _only(regression: Regression, rows: NDArray[np.bool_]) -> Regression:
+    """The regression with all rows but these zero on both sides."""
+    kept = rows[..., None]
+    return replace(
+        regression,
+        y=regression.y * kept,
+        tau=regression.tau * rows,
+        interleaved=None if regression.interleaved is None else regression.interleaved * kept,
+        moving=rows,
+    )
+
+
+def without_rest(regression: Regression) -> Regression:
+    """Take out the rows of joints that never move: what holds them is not known of any sample."""
+    moves = (np.abs(regression.dq) >= STILL).mean(-1, keepdims=True) >= RESTS
+    return _only(regression, np.broadcast_to(moves, regression.dq.shape))
 
 
 def without_standstill(regression: Regression) -> Regression:
@@ -32,12 +53,5 @@ def without_standstill(regression: Regression) -> Regression:
         `Regression.moving`.
     """
     moving = np.abs(regression.dq) >= STILL
-    moving |= moving.mean(-1, keepdims=True) < MOVES
-    rows = moving[..., None]
-    return replace(
-        regression,
-        y=regression.y * rows,
-        tau=regression.tau * moving,
-        interleaved=None if regression.interleaved is None else regression.interleaved * rows,
-        moving=moving,
-    )
+    share = moving.mean(-1, keepdims=True)
+    return _only(regression, np.where(share < RESTS, False, moving | (share < MOVES)))

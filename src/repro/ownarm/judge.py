@@ -18,6 +18,8 @@ from repro.ownarm.result import MethodResult, Parameter, Score
 from repro.ownarm.words import verdict
 from repro.streams import Stream, stream
 
+#: Parameters that may be negative: they depend on where masses and the zero position are.
+EITHER_SIGN = ("I2", "g1", "g2")
 #: Halves that methods without intervals are not run on: each would train a network of its own.
 HALVES = ("second half", "first half")
 
@@ -120,6 +122,14 @@ def _parameters(found: Found, share: Array, determined: tuple[bool, ...]) -> tup
             if spread is None or held or not determined[k]
             else (float(spread.standard_error[k]), float(spread.low[k]), float(spread.high[k]))
         )
-        words = verdict(float(beta[k]), low, high, bool(share[k] > EXCITED), held, determined[k])
+        words = verdict(
+            float(beta[k]),
+            low,
+            high,
+            bool(share[k] > EXCITED),
+            held,
+            determined[k],
+            name in EITHER_SIGN or beta[k] > 0.0,
+        )
         rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, words))
     return tuple(rows)

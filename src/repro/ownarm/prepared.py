@@ -10,7 +10,7 @@ from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression
-from repro.identification.standstill import without_standstill
+from repro.identification.standstill import without_rest, without_standstill
 from repro.identification.steepness import choose_steepness
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe
@@ -47,7 +47,7 @@ class Problem:
     fitted : Told
         The log to fit.
     regression : Regression
-        Made of it, all samples: what methods are judged on.
+        Made of it, all samples but of joints that never move: what methods are judged on.
     moving : Regression
         The same without standstill: what methods are fitted to.
     as_good : dict of Alternative
@@ -107,7 +107,7 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
         delay, late = estimate_delay(log, settings)
         settings = replace(settings, delay=delay)
     predicted = tuple((told, prepare(told.log, settings)) for told in others)
-    regression = prepare(log, settings)
+    regression = without_rest(prepare(log, settings))
     moving = without_standstill(regression)
     return Problem(
         fitted,

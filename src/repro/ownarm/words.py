@@ -7,11 +7,18 @@ KNOWN = 0.5
 
 
 NOT_EXCITED = "not excited by this motion"
+IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
 COMBINED = "determined in a combination only, see the base parameters"
 
 
 def verdict(
-    estimate: float, low: float | None, high: float | None, excited: bool, held: bool, determined: bool = True
+    estimate: float,
+    low: float | None,
+    high: float | None,
+    excited: bool,
+    held: bool,
+    determined: bool = True,
+    possible: bool = True,
 ) -> str:
     """What a roboticist may say about a parameter.
 
@@ -27,6 +34,8 @@ def verdict(
         Whether a condition of the method holds it at its bound.
     determined : bool
         Whether the motion determines it by itself.
+    possible : bool
+        Whether an arm can have such a value.
 
     Returns
     -------
@@ -42,9 +51,8 @@ def verdict(
     if low <= 0.0 <= high:
         return "not told from zero" if excited else NOT_EXCITED
     share = 0.5 * (high - low) / abs(estimate)
-    if share <= KNOWN:
-        return f"known to {_percent(share)} %"
-    return "sign known, size only roughly"
+    known = f"known to {_percent(share)} %" if share <= KNOWN else "sign known, size only roughly"
+    return known if possible else IMPOSSIBLE
 
 
 def _percent(share: float) -> str:
