@@ -58,7 +58,6 @@ def test_no_arm_is_one_that_is_tested(tmp_path, motions):
     """By hash of what was recorded, and by parameters."""
     config = copy.deepcopy(CONFIG)
     config["spread"] = {"arms": 2, "seeds": [1, 2], "durations_s": [CONFIG["signals"]["duration_s"]]}
-    config["experiment"] |= {"validation_samples": 2400, "random_range_rad": 0.1}  # these do not count here
     simulate_spread(config, tmp_path / "spread.safetensors")
     tested = [*load_file(tmp_path / "spread.safetensors")["ID0/position"]]
     tested.append(read_capture(Path(CONFIG["experiment"]["captures"]) / "ID.bin").position)

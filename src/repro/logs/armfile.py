@@ -39,6 +39,10 @@ class Arm:
         Encoder counts in a turn of each joint.
     torque_constant : tuple of 2 floats or None
         Torque at each joint, N m, for 1 A or for 1 count of PWM.
+    torque_offset : tuple of 2 floats
+        Torque recorded where none acts, N m.
+    torque_scale : tuple of 2 floats
+        Torque recorded, beyond the offset, over the one that acts.
     sign : tuple of 2 floats
         1, or -1 where position, velocity and torque of a joint count the other way than in Eq. 1.
     torque_sign : tuple of 2 floats
@@ -66,6 +70,8 @@ class Arm:
     units: Mapping[str, str] = field(default_factory=dict)
     counts_per_turn: Pair | None = None
     torque_constant: Pair | None = None
+    torque_offset: Pair = (0.0, 0.0)
+    torque_scale: Pair = (1.0, 1.0)
     sign: Pair = (1.0, 1.0)
     torque_sign: Pair = (1.0, 1.0)
     zero: Pair = (0.0, 0.0)

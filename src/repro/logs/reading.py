@@ -91,7 +91,8 @@ def _to_eq1(log: Log, arm: Arm) -> Log:
     sign = np.array(arm.sign)[:, np.newaxis]
     q, wraps = _unwrapped(log.q)
     q = sign * (q - np.array(arm.zero)[:, np.newaxis])
-    tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * log.tau
+    offset, scale = (np.array(pair)[:, np.newaxis] for pair in (arm.torque_offset, arm.torque_scale))
+    tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * (log.tau - offset) / scale
     dq = None if log.dq is None else sign * log.dq
     notes = list(log.notes)
     for joint, count in enumerate(wraps, 1):

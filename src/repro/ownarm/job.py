@@ -14,6 +14,7 @@ from repro.identification.predicted_motion import position_errors
 from repro.identification.regression import Regression
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
+from repro.ownarm import setup
 from repro.ownarm.judge import Found, find, judge
 from repro.ownarm.prepared import Problem
 from repro.ownarm.recommend import against_least_squares, recommend, warnings
@@ -68,7 +69,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
     methods = against_least_squares(methods, NETWORKS)
     recommended, reason = recommend(methods)
     best = betas[[m.method for m in methods].index(recommended)]
-    told = _excitation(problem, best)
+    told, set_up = _excitation(problem, best), setup.told(problem.faults, arm)
     s, r = problem.settings, problem.regression
     result = Result(
         arm=arm.name,
@@ -89,7 +90,8 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         methods=methods,
         recommended=recommended,
         reason=reason,
-        warnings=warnings(problem, methods, recommended, told),
+        warnings=(*set_up, *warnings(problem, methods, recommended, told)),
+        setup=problem.faults,
     )
     return result, _curves(problem, methods, betas)
 

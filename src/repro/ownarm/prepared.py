@@ -4,12 +4,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from repro.errors import InputError
-from repro.identification.alternatives import Alternative, alternatives
+from repro.identification.alternatives import Alternative, alternatives, without
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression
+from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults
+from repro.identification.solve import solve
 from repro.identification.standstill import without_rest, without_standstill
 from repro.identification.steepness import choose_steepness
 from repro.logs.armfile import Arm
@@ -62,6 +64,8 @@ class Problem:
         What the motion tells about the parameters.
     delay_was_found : bool
         Whether the delay was looked for in the log.
+    faults : tuple of Fault
+        What the set-up gets wrong: the logs here are put right.
     """
 
     fitted: Told
@@ -73,6 +77,7 @@ class Problem:
     cutoff: Cutoff
     excited: Excited
     delay_was_found: bool
+    faults: tuple[Fault, ...] = ()
 
 
 def read(path: Path, arm: Arm) -> Told:
@@ -84,9 +89,8 @@ def read(path: Path, arm: Arm) -> Told:
     return Told(log, replace(description, notes=description.notes + fresh))
 
 
-def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options) -> Problem:
-    """Choose cut-off, delay and lambda where they are not given, and filter all logs alike."""
-    log = fitted.log
+def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutoff, float]:
+    """Cut-off, lambda and delay where they are not given, and the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
     if arm.friction_steepness is not None:
         settings = replace(settings, friction_steepness=arm.friction_steepness)
@@ -94,31 +98,53 @@ def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Opti
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
     settings = replace(settings, cutoff=chosen.hertz)
-    for told in (fitted, *others):
-        rate = 1.0 / period(told.log)
-        if chosen.hertz > 0.25 * rate:
-            raise InputError.at(
-                f"{told.log.name}: rate", f"{rate:.4g} Hz", f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
-            )
+    rate = 1.0 / period(log)
+    if chosen.hertz > 0.25 * rate:
+        expected = f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
+        raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
-    late = 0.0
-    if arm.delay is None:
-        delay, late = estimate_delay(log, settings)
-        settings = replace(settings, delay=delay)
+    if arm.delay is not None:
+        return settings, chosen, 0.0
+    delay, late = estimate_delay(log, settings)
+    return replace(settings, delay=delay), chosen, late
+
+
+def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options) -> Problem:
+    """Put right what the set-up gets wrong, choose what is not given, and filter all logs alike."""
+    settings, chosen, late = _choose(fitted.log, arm, options)
+    faults: tuple[Fault, ...] = ()
+    for _ in range(2):  # the delay is found better on a log that is put right, and faults with the right delay
+        faults = find_faults(fitted.log, settings)
+        values = {fault.name: fault.value for fault in faults}
+        if not faults:
+            break
+        settings, chosen, late = _choose(corrected(fitted.log, values), arm, options)
+    fitted, *rest = (replace(told, log=corrected(told.log, values)) for told in (fitted, *others))
+    others = tuple(rest)
+    for told in others:
+        rate = 1.0 / period(told.log)
+        if chosen.hertz > 0.25 * rate:
+            expected = f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
+            raise InputError.at(f"{told.log.name}: rate", f"{rate:.4g} Hz", expected)
     predicted = tuple((told, prepare(told.log, settings)) for told in others)
-    regression = without_rest(prepare(log, settings))
+    regression = without_rest(prepare(fitted.log, settings))
     moving = without_standstill(regression)
+    as_good = alternatives(fitted.log, settings, late)
+    if faults:
+        columns = columns_of_faults(fitted.log, settings, solve(moving.y, moving.tau), faults)
+        as_good["set-up"] = Alternative((without(moving, columns),))
     return Problem(
         fitted,
         regression,
         moving,
-        alternatives(log, settings, late),
+        as_good,
         predicted,
         settings,
         chosen,
         excitation(moving),
         arm.delay is None,
+        faults,
     )
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from repro.identification.cutoff import Cutoff
+from repro.identification.setup import Fault
 from repro.logs.description import Description
 from repro.model.parameters import Array
 
@@ -187,6 +188,8 @@ class Result:
         why, one line.
     warnings : tuple of str
         About the result as a whole.
+    setup : tuple of Fault
+        What the set-up gets wrong and was put right before the fit.
     """
 
     arm: str
@@ -199,6 +202,7 @@ class Result:
     recommended: str
     reason: str
     warnings: tuple[str, ...] = ()
+    setup: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True)

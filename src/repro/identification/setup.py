@@ -1,0 +1,205 @@
+"""What the set-up gets wrong, found in the log: zero positions, offsets of the torques, scale of one to the other.
+
+A zero that is off turns gravity, an offset of the torque is always there, and a torque constant of one joint that is
+wrong shows because both joints share I2, I3 and g2. Each is a column beside the nine. Of all sets of them that one is
+taken that predicts parts of the log from the rest best, where each fault must take `ENOUGH` of the squared error. The
+values follow by Gauss-Newton on the log corrected by them.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from repro.identification.alternatives import bias, columns_of, zero_position
+from repro.identification.correlation import correlation_time
+from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.regression import Regression
+from repro.identification.solve import solve
+from repro.identification.standstill import without_standstill
+from repro.logs.log import Log
+from repro.model.dynamics import regressor
+from repro.model.parameters import Array
+
+#: What may be wrong, in the order of the columns: zero of a joint (rad), offset of its torque (N m), and the recorded
+#: torque of joint 2 over the one that Eq. 1 shares with joint 1.
+FAULTS = ("zero1", "zero2", "offset1", "offset2", "scale2")
+#: Share of the squared error of parts not fitted that a fault must take.
+ENOUGH = 0.2
+#: Standard errors that it must be away from none.
+SURE = 4.0
+#: Zero beyond which this is no small fault but another reading of the log, see `repro.logs.readings`, rad.
+FAR = 0.25
+#: Parts of the log that are predicted in turn, and iterations.
+PARTS, ITERATIONS = 6, 4
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that the set-up gets wrong.
+
+    Attributes
+    ----------
+    name : str
+        Of `FAULTS`.
+    value, error : float
+        How much, and its standard error: rad to add to the recorded position, N m to take from the recorded torque, or
+        the factor that the recorded torque is too large by.
+    before, after : float
+        Relative RMS error of the rebuilt torque, mean of both joints, with all faults put right but this, and with all.
+    """
+
+    name: str
+    value: float
+    error: float
+    before: float
+    after: float
+
+
+def corrected(log: Log, found: Mapping[str, float]) -> Log:
+    """The log with what the set-up got wrong put right.
+
+    Parameters
+    ----------
+    log : Log
+        As recorded.
+    found : mapping of str to float
+        Values by fault; what is left out is right.
+
+    Returns
+    -------
+    Log
+        With other positions and torques.
+    """
+    if not found:
+        return log
+    zero, offset = (np.array([[found.get(f"{what}{j}", 0.0)] for j in (1, 2)]) for what in ("zero", "offset"))
+    scale = np.array([[1.0], [found.get("scale2", 1.0)]])
+    return replace(log, q=log.q + zero, tau=(log.tau - offset) / scale)
+
+
+def _columns(log: Log, settings: FilterSettings, beta: Array) -> Array:
+    """What the torque changes by with each fault, shape (2, n, 5)."""
+
+    def made(moved: tuple[Array, Array, Array], beta: Array, steepness: float) -> Array:
+        scaled = np.zeros((2, moved[0].shape[-1], 1))
+        scaled[1, :, 0] = (regressor(*moved, steepness) @ beta)[1]
+        return np.concatenate([zero_position(moved, beta, steepness), bias(moved, beta, steepness), scaled], axis=-1)
+
+    return columns_of(made, log, settings, beta)
+
+
+def _rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
+    """Regressor with further columns as rows, joints weighted by their residual, and the torque."""
+    left = regression.tau - regression.y @ solve(regression.y, regression.tau)
+    size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.moving.sum(-1, keepdims=True), 1))
+    weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+    shown = columns * regression.moving[..., np.newaxis]
+    a = np.concatenate([regression.y, shown], axis=-1) * weight[..., np.newaxis]
+    return a, regression.tau * weight
+
+
+def _fitted(a: Array, b: Array) -> Array:
+    flat = a.reshape(-1, a.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    solution: Array = np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
+    return solution
+
+
+def _unseen(a: Array, b: Array) -> float:
+    """Squared error of parts of the log, each predicted from the rest."""
+    n = b.shape[1]
+    part = np.arange(n) * PARTS // n
+    error = 0.0
+    for k in range(PARTS):
+        there = part == k
+        error += float(np.sum((b[:, there] - a[:, there] @ _fitted(a[:, ~there], b[:, ~there])) ** 2))
+    return error
+
+
+def _by_parts(a: Array, b: Array) -> Array:
+    """Standard errors by leaving out a part of the log at a time."""
+    part = np.arange(b.shape[1]) * PARTS // b.shape[1]
+    found = [_fitted(a[:, part != k], b[:, part != k]) for k in range(PARTS)]
+    error: Array = np.sqrt((PARTS - 1) * np.var(found, axis=0))
+    return error
+
+
+def _relative(regression: Regression) -> float:
+    """Relative RMS error of least squares, mean of the joints that have torque."""
+    left = np.linalg.norm(regression.tau - regression.y @ solve(regression.y, regression.tau), axis=-1)
+    whole = np.linalg.norm(regression.tau, axis=-1)
+    return float(np.mean((left / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
+
+
+def _prepared(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
+    """Regression of a log without standstill, and the columns of all faults."""
+    r = without_standstill(prepare(log, settings))
+    return r, _columns(log, settings, solve(r.y, r.tau))
+
+
+def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Values of these faults with their standard errors, by Gauss-Newton."""
+    found = {name: 1.0 if name == "scale2" else 0.0 for name in names}
+    chosen = [FAULTS.index(name) for name in names]
+    errors = dict.fromkeys(names, np.inf)
+    for _ in range(ITERATIONS):
+        r, columns = _prepared(corrected(log, found), settings)
+        a, b = _rows(r, columns[..., chosen])
+        x, flat = _fitted(a, b), a.reshape(-1, a.shape[-1])
+        left = b - a @ x
+        independent = left.size * r.h / correlation_time(left, r.h)
+        spread = np.sqrt(np.diag(np.linalg.pinv(flat.T @ flat)) * np.sum(left**2) / max(independent, 1.0))
+        spread = np.maximum(spread, _by_parts(a, b))
+        for name, step, error in zip(names, x[9:], spread[9:], strict=True):
+            size = found[name] if name == "scale2" else 1.0
+            found[name] += size * float(step)
+            errors[name] = size * float(error)
+    return {name: (found[name], errors[name]) for name in names}
+
+
+def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
+    """Faults of the set-up that a log asks for.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled.
+    settings : FilterSettings
+        Filter, delay and lambda.
+
+    Returns
+    -------
+    tuple of Fault
+        In the order of `FAULTS`; empty for a log without fault.
+    """
+    r, columns = _prepared(log, settings)
+    able = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)]
+    sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
+    error = [_unseen(*_rows(r, columns[..., list(chosen)])) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
+    names = [FAULTS[k] for k in sets[int(np.argmin(error))]]
+    values: dict[str, tuple[float, float]] = {}
+    while names:
+        values = _settle(log, settings, names)
+        sure = [name for name in names if abs(values[name][0] - (name == "scale2")) > SURE * values[name][1]]
+        if sure == names:
+            break
+        names = sure
+
+    def left(wrong: Sequence[str]) -> float:
+        """Relative error with all put right but these."""
+        right = {name: values[name][0] for name in names if name not in wrong}
+        return _relative(without_standstill(prepare(corrected(log, right), settings)))
+
+    with_all = left([])
+    found = tuple(Fault(name, *values[name], left([name]), with_all) for name in names)
+    # Gauss-Newton may end elsewhere than at a smaller error, or far away.
+    near = all(abs(fault.value) <= FAR for fault in found if fault.name.startswith("zero"))
+    return found if near and all(fault.after < fault.before for fault in found) else ()
+
+
+def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:
+    """Columns of the faults that were found, on the log corrected by them, shape (2, n, k)."""
+    return _columns(log, settings, beta)[..., [FAULTS.index(fault.name) for fault in found]]

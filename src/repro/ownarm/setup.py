@@ -1,0 +1,55 @@
+"""What the set-up gets wrong, in words and as lines of the arm file."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from repro.identification.setup import Fault
+from repro.logs.armfile import Arm
+
+
+def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+    """Lines of the arm file that put a log right, all faults together."""
+    found = {fault.name: fault.value for fault in faults}
+    sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
+    turn = np.array([found.get("zero1", 0.0), found.get("zero2", 0.0)])
+    if arm.second_joint_absolute:  # what is added to joint 1 is taken from joint 2 afterwards
+        turn[1] += turn[0]
+    offset = np.array([found.get("offset1", 0.0), found.get("offset2", 0.0)])
+    values = {
+        "zero": np.array(arm.zero) - sign * turn,
+        "torque_offset": np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale),
+        "torque_scale": np.array(arm.torque_scale) * [1.0, found.get("scale2", 1.0)],
+    }
+    wanted = {"zero": "zero", "offset": "torque_offset", "scale": "torque_scale"}
+    keys = [key for kind, key in wanted.items() if any(name.startswith(kind) for name in found)]
+    return tuple(f"{key}: [{values[key][0]:.4g}, {values[key][1]:.4g}]" for key in keys)
+
+
+def told(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+    """One line for each fault, and one with what to write into the arm file."""
+    lines = []
+    for fault in faults:
+        joint = fault.name[-1]
+        what = {
+            "zero": f"the zero of joint {joint} is {_degrees(-fault.value)} +- {_degrees(2 * fault.error)} degrees off",
+            "offset": f"the torque of joint {joint} has an offset of {fault.value:.3g} +- {2 * fault.error:.2g} N m",
+            "scale": (
+                f"the torque of joint {joint} is {fault.value:.3g} +- {2 * fault.error:.2g} times what joint 1 says: "
+                "one of the torque constants is wrong"
+            ),
+        }[fault.name[:-1]]
+        lines.append(
+            f"{what}; with it the torque error falls from {_percent(fault.before)} to {_percent(fault.after)} %"
+        )
+    if lines:
+        lines.append(f"this is put right here; for good, write into the arm file: {'; '.join(arm_lines(faults, arm))}")
+    return tuple(lines)
+
+
+def _degrees(radians: float) -> str:
+    return f"{np.degrees(radians):.2g}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f}"

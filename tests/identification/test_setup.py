@@ -1,0 +1,76 @@
+"""Faults of the set-up put into logs of a known arm: each is found, with its size, and a log without one has none."""
+
+import numpy as np
+import pytest
+from log_example import BETA, motion
+from regression_example import log_from
+
+from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.setup import FAULTS, corrected, find_faults
+from repro.identification.solve import solve
+from repro.logs.log import Log
+
+SETTINGS = FilterSettings()
+CLEAN = log_from(motion, seconds=20.0)
+
+
+def noisy(seed, log=CLEAN, size=0.03):
+    rng = np.random.default_rng(seed)
+    return Log(log.name, log.t, log.q, log.tau + size * rng.normal(size=log.tau.shape))
+
+
+def spoilt(log, **faults):
+    """A log that `corrected` with these faults puts right."""
+    zero = np.array([[faults.get("zero1", 0.0)], [faults.get("zero2", 0.0)]])
+    offset = np.array([[faults.get("offset1", 0.0)], [faults.get("offset2", 0.0)]])
+    scale = np.array([[1.0], [faults.get("scale2", 1.0)]])
+    return Log(log.name, log.t, log.q - zero, scale * log.tau + offset)
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        {"zero1": 0.05},
+        {"zero2": -0.1},
+        {"zero1": 0.17, "zero2": -0.05},
+        {"offset1": 0.2},
+        {"offset2": -0.1},
+        {"scale2": 0.5},
+        {"scale2": 2.0},
+        {"zero1": -0.06, "offset2": 0.15},
+        {"scale2": 1.4, "zero2": 0.08},
+    ],
+    ids="-".join,
+)
+def test_faults_are_found_with_their_size(faults):
+    log = spoilt(noisy(1), **faults)
+    found = {fault.name: fault for fault in find_faults(log, SETTINGS)}
+    assert set(found) == set(faults)
+    for name, value in faults.items():
+        away = value - (name == "scale2")
+        assert found[name].value - (name == "scale2") == pytest.approx(away, rel=0.1, abs=0.004)
+        assert found[name].after < 0.9 * found[name].before
+    r = prepare(corrected(log, {name: fault.value for name, fault in found.items()}), SETTINGS)
+    np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
+
+
+def test_a_log_without_a_fault_has_none():
+    assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_correcting_undoes_what_spoils(name):
+    value = 1.3 if name == "scale2" else 0.07
+    back = corrected(spoilt(CLEAN, **{name: value}), {name: value})
+    np.testing.assert_allclose(back.q, CLEAN.q, atol=1e-15)
+    np.testing.assert_allclose(back.tau, CLEAN.tau, atol=1e-14)
+
+
+def test_nothing_found_changes_nothing():
+    assert corrected(CLEAN, {}) is CLEAN
+
+
+def test_a_joint_that_never_moves_has_no_fault_of_its_own():
+    log = noisy(2)
+    still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)
+    assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_faults(still, SETTINGS))

@@ -1,0 +1,50 @@
+"""What is said of a fault of the set-up, and that the lines for the arm file put the log right."""
+
+import numpy as np
+import pytest
+import yaml
+
+from repro.identification.setup import Fault, corrected
+from repro.logs.armfile import Arm, read_arm
+from repro.logs.log import Log
+from repro.logs.reading import _to_eq1
+from repro.ownarm.setup import arm_lines, told
+
+FAULTS = (
+    Fault("zero1", 0.05, 0.002, 0.09, 0.05),
+    Fault("zero2", -0.1, 0.002, 0.09, 0.05),
+    Fault("offset1", 0.2, 0.01, 0.08, 0.05),
+    Fault("scale2", 1.5, 0.01, 0.08, 0.05),
+)
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize("sign", [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
+def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
+    rng = np.random.default_rng(0)
+    raw = Log("log.csv", np.arange(50) / 100, 0.3 * rng.normal(size=(2, 50)), rng.normal(size=(2, 50)))
+    common = {"sign": list(sign), "torque_sign": [-1, 1], "second_joint_absolute": absolute, "zero": [0.1, -0.2]}
+    file = tmp_path / "arm.yaml"
+
+    def read(keys):
+        file.write_text(yaml.safe_dump(keys))
+        return _to_eq1(raw, read_arm(file))
+
+    as_it_is = read(common)
+    arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
+    lines = yaml.safe_load("\n".join(arm_lines(FAULTS, arm)))
+    assert set(lines) == {"zero", "torque_offset", "torque_scale"}
+    right, expected = read(common | lines), corrected(as_it_is, {fault.name: fault.value for fault in FAULTS})
+    np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
+    np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
+
+
+def test_each_fault_is_said_with_its_size_and_what_it_brings():
+    lines = told(FAULTS, Arm())
+    assert lines[0] == (
+        "the zero of joint 1 is -2.9 +- 0.23 degrees off; with it the torque error falls from 9.0 to 5.0 %"
+    )
+    assert "offset of 0.2 +- 0.02 N m" in lines[2]
+    assert "1.5 +- 0.02 times" in lines[3]
+    assert "zero: [-0.05, 0.1]; torque_offset: [0.2, 0]; torque_scale: [1, 1.5]" in lines[-1]
+    assert told((), Arm()) == ()
