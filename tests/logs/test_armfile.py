@@ -24,6 +24,8 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         "units": {"time": "ms", "position": "counts", "velocity": "rpm", "torque": "A"},
         "counts_per_turn": [8400, 4096.5],
         "torque_constant": [0.6, -0.5],
+        "torque_offset": [0.1, -0.2],
+        "torque_scale": [1, 2],
         "sign": [1, -1],
         "torque_sign": [-1, 1],
         "zero": [0, -1.5708],

@@ -14,7 +14,7 @@ from repro.identification.methods.names import NETWORKS, names
 if TYPE_CHECKING:
     from repro.ownarm.judge import Found
     from repro.ownarm.prepared import Told
-    from repro.ownarm.result import Result
+    from repro.ownarm.result import Result, Score
 
 _LOG = logging.getLogger(__name__)
 
@@ -173,16 +173,22 @@ def _check_cache(cache: Path) -> None:
         ) from error
 
 
+def _errors(score: "Score") -> str:
+    """Torque error of both joints, and that of the re-simulated position where there is one."""
+    torque = "/".join(f"{100 * error:.1f}" for error in score.relative_rms)
+    return torque if score.position_rms is None else "{} ({:.2g}/{:.2g} rad)".format(torque, *score.position_rms)
+
+
 def summary(result: "Result") -> str:
     """What to know without opening the report."""
     best = next(m for m in result.methods if m.method == result.recommended)
     lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     for p in best.parameters:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
-    lines.append("torque error, relative RMS of joint 1 / joint 2 in %:")
+    lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
         parts = [("fit", m.fit), *((s.log, s) for s in (*m.halves, *m.validation))]
-        errors = ", ".join(f"{name} {100 * s.relative_rms[0]:.1f}/{100 * s.relative_rms[1]:.1f}" for name, s in parts)
+        errors = ", ".join(f"{name} {_errors(s)}" for name, s in parts)
         mark = "*" if m.method == result.recommended else " "
         lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
     lines += [f"WARNING: {warning}" for warning in result.warnings]

@@ -40,8 +40,8 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
     Returns
     -------
     list of (float, float) or None
-        RMS over the windows of each joint, rad; None where M(q) is not positive definite or nearly singular, or the
-        model runs away. Negative friction is simulated as it is.
+        Median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
+        nearly singular, or the model runs away in half of the windows. Negative friction is simulated as it is.
     """
     h = period(log)
     parts = np.array([_parts(b, h, settings.friction_steepness) for b in betas])
@@ -66,7 +66,7 @@ def _parts(beta: Array, h: float, steepness: float) -> float:
 
 
 def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> Array:
-    """RMS position error, shape (m, 2), all windows and parameter sets side by side."""
+    """Median over the windows of the RMS position error, shape (m, 2); all of them are simulated side by side."""
     h = period(log)
     margin = max(round(settings.cut / h), 1)
     q, dq, _ = motion(log.q, h, settings)
@@ -79,7 +79,7 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> A
     shape = (len(betas), starts.size, 2)
     x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
     grid = log.t[0] + h * np.arange(log.t.size)
-    squares = np.zeros((len(betas), 2))
+    squares = np.zeros(shape)
     with np.errstate(over="ignore", invalid="ignore"):
         for k in range(length):
             # The torque in the middle of the step: a drive that holds each sample has a delay of half a period.
@@ -88,11 +88,11 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> A
             for _ in range(parts):
                 x, v = _step(x, v, held, parameters, h / parts, settings.friction_steepness)
             if not (np.isfinite(x).all() and np.isfinite(v).all()):
-                run_away = ~(np.isfinite(x).all((1, 2)) & np.isfinite(v).all((1, 2)))
-                squares[run_away] = np.nan
+                run_away = ~(np.isfinite(x).all(-1) & np.isfinite(v).all(-1))
+                squares[run_away] = np.inf
                 x[run_away], v[run_away] = 0.0, 0.0
-            squares += np.sum((x - q[:, starts + k + 1].T) ** 2, axis=1)
-    error: Array = np.sqrt(squares / (length * starts.size))
+            squares += (x - q[:, starts + k + 1].T) ** 2
+    error: Array = np.median(np.sqrt(squares / length), axis=1)
     return error
 
 

@@ -5,11 +5,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.signals.metric import MetricSettings, metr2ev
+
+#: Torque over the torques that it is made of, below which a joint is not driven.
+LITTLE = 0.1
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
@@ -39,7 +43,10 @@ def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSett
 
 
 def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
-    """RMS torque error over RMS torque of each joint.
+    """RMS torque error over RMS torque of each joint, or over the torques that it is made of.
+
+    An arm that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it: where
+    the torque is less than `LITTLE` of these, they are what the error is compared with.
 
     Parameters
     ----------
@@ -51,13 +58,27 @@ def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
     Returns
     -------
     tuple of 2 floats
-        Fractions of 1; 0 where a joint has no torque and none is predicted, infinity where one is.
+        Fractions of 1; 0 where there is no error.
     """
     error = np.sqrt(np.mean((regression.tau - regression.y @ beta) ** 2, axis=-1))
-    whole = np.sqrt(np.mean(regression.tau**2, axis=-1))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        first, second = np.where(error > 0.0, error / whole, 0.0)
+    whole = np.where(driven(regression, beta), _rms(regression.tau), _parts(regression, beta))
+    first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
     return float(first), float(second)
+
+
+def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:
+    """Whether each joint has a torque worth comparing with, shape (2,)."""
+    return np.asarray(_rms(regression.tau) >= LITTLE * _parts(regression, beta))
+
+
+def _rms(tau: Array) -> Array:
+    size: Array = np.sqrt(np.mean(tau**2, axis=-1))
+    return size
+
+
+def _parts(regression: Regression, beta: Array) -> Array:
+    """RMS of the torques of inertia, gravity and friction, whatever their signs."""
+    return _rms(np.abs(regression.y) @ np.abs(beta))
 
 
 def similarity(regression: Regression, beta: Array) -> tuple[float, float]:

@@ -75,7 +75,7 @@ READINGS: Final = (
 
 @dataclass(frozen=True)
 class _Smooth:
-    """Low-passed motion and torque, all of shape (2, N), and the samples to fit."""
+    """Low-passed motion and torque and what the low-pass took of it, all of shape (2, N), and the samples to fit."""
 
     q: Array
     dq: Array
@@ -83,6 +83,13 @@ class _Smooth:
     tau: Array
     h: float
     chosen: np.ndarray[tuple[int], np.dtype[np.intp]]
+    noise: Array
+
+    @property
+    def driven(self) -> bool:
+        """Whether the torques of both joints stand above their noise: of a free fall nothing can be told by them."""
+        size = np.linalg.norm(self.tau[:, self.chosen], axis=1)
+        return bool((size > np.linalg.norm(self.noise[:, self.chosen], axis=1)).all())
 
 
 @dataclass(frozen=True)
@@ -113,6 +120,8 @@ def other_reading(log: Log) -> str | None:
     size = np.linalg.norm(smooth.tau[:, smooth.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return None
+    if not smooth.driven:
+        return "the torque is little more than noise: this log can only judge the motion that parameters foretell"
     given = _fit(smooth, Reading("", ""))
     fits = [(_fit(smooth, reading), reading) for reading in READINGS]
     bound = given.residual * (_FAR_BETTER if given.residual > _BAD else 0.0)
@@ -152,7 +161,7 @@ def late_torque(log: Log) -> str | None:
     smooth = _smooth(log)
     reach = round(_LARGE_DELAY / smooth.h)
     inner = smooth.chosen[(smooth.chosen >= reach) & (smooth.chosen < smooth.q.shape[1] - reach)]
-    if inner.size < 20:
+    if inner.size < 20 or not smooth.driven:
         return None
     y = regressor(smooth.q[:, inner], smooth.dq[:, inner], smooth.ddq[:, inner]).reshape(-1, 9)
     basis = np.linalg.qr(y).Q
@@ -189,7 +198,7 @@ def _smooth(log: Log) -> _Smooth:
     dq = np.gradient(q, h, axis=1)
     cut, n = round(_CUT / h), q.shape[1]
     chosen = np.arange(cut, n - cut, -(-n // _MOST_SAMPLES))
-    return _Smooth(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen)
+    return _Smooth(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
 
 
 def _fit(smooth: _Smooth, reading: Reading) -> _Fit:

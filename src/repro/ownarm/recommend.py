@@ -34,7 +34,8 @@ def fit_error(method: MethodResult) -> float:
 def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     """The physically consistent method that predicts best what it has not seen."""
     consistent = [m for m in methods if m.consistent]
-    able = consistent or methods
+    # Parameters are for use with their intervals, if any method has them.
+    able = [m for m in consistent if m.claims_intervals] or consistent or methods
     errors = [prediction_error(m) for m in able]
     if min(errors) == np.inf:
         errors = [fit_error(m) for m in able]
