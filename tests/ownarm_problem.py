@@ -15,7 +15,7 @@ from repro.logs.description import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.judge import find, judge
-from repro.ownarm.prepared import Problem, Told, make_problem, read
+from repro.ownarm.prepared import Problem, Ready, Told, make_problem, read
 from repro.ownarm.settings import Options
 
 ARM = Arm(name="test arm")
@@ -35,17 +35,10 @@ def problem_of(regression, others=(), moving=None, delay_was_found=True, **setti
     """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
     nothing = np.zeros(0)
     moving = regression if moving is None else moving
-    return Problem(
-        fitted=told(log_of(recording(np.arange(0.0, 20.0, 0.005)))),
-        regression=regression,
-        moving=moving,
-        as_good={},
-        others=tuple(others),
-        settings=FilterSettings(**settings),
-        cutoff=Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0),
-        excited=excitation(moving),
-        delay_was_found=delay_was_found,
-    )
+    made_up = Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
+    log = told(log_of(recording(np.arange(0.0, 20.0, 0.005))))
+    ready = Ready(log, regression, moving, {}, FilterSettings(**settings), made_up)
+    return Problem((ready,), regression, moving, {}, tuple(others), excitation(moving), delay_was_found)
 
 
 def noisy(beta, seed=0, size=0.02, n=1200):

@@ -8,7 +8,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.log import Log
 from repro.logs.reading import _to_eq1
-from repro.ownarm.setup import arm_lines, told
+from repro.ownarm.setup import arm_lines, words
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -40,11 +40,11 @@ def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
 
 
 def test_each_fault_is_said_with_its_size_and_what_it_brings():
-    lines = told(FAULTS, Arm())
+    lines = words(FAULTS, Arm())
     assert lines[0] == (
         "the zero of joint 1 is -2.9 +- 0.23 degrees off; with it the torque error falls from 9.0 to 5.0 %"
     )
     assert "offset of 0.2 +- 0.02 N m" in lines[2]
     assert "1.5 +- 0.02 times" in lines[3]
     assert "zero: [-0.05, 0.1]; torque_offset: [0.2, 0]; torque_scale: [1, 1.5]" in lines[-1]
-    assert told((), Arm()) == ()
+    assert words((), Arm()) == ()

@@ -26,7 +26,12 @@ FILTERS = ("dct", "savitzky-golay", "butterworth")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro identify``."""
     parser.epilog = "Example: repro identify LOG.csv --validate OTHER.csv -o OUT. Guide: docs/own-arm.md."
-    parser.add_argument("log", help="log FILE.csv, capture FILE.bin, or the port of a board to record from")
+    parser.add_argument(
+        "logs",
+        nargs="+",
+        metavar="LOG",
+        help="log FILE.csv, capture FILE.bin, or the port of a board to record from; several of one arm make one fit",
+    )
     parser.add_argument(
         "--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result"
     )
@@ -80,7 +85,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     check_folder(arguments.out, arguments.overwrite)
     arm = read_arm(arguments.arm)
-    chosen = tuple(dict.fromkeys(n for m in arguments.method or ("all",) for n in GROUPS.get(m, (m,))))
+    # A network is trained for one motion, so several logs are for least squares.
+    usual = ("all",) if len(arguments.logs) == 1 else ("least-squares",)
+    chosen = tuple(dict.fromkeys(n for m in arguments.method or usual for n in GROUPS.get(m, (m,))))
+    if len(arguments.logs) > 1 and set(chosen) & set(NETWORKS):
+        raise InputError.at(
+            "--method",
+            "Algorithm 1 for several logs",
+            "--method least-squares, or one log: a network is trained for one motion",
+        )
     options = Options(
         chosen,
         arguments.cache.expanduser(),
@@ -92,17 +105,16 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if set(chosen) & set(NETWORKS):
         _check_cache(options.cache)
-    for path in arguments.validate:
-        if path.exists() and Path(arguments.log).exists() and path.samefile(arguments.log):
-            raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
+    _check_apart(arguments)
     others = tuple(read(path, arm) for path in arguments.validate)
-    fitted = read(_source(arguments), arm)
-    for told in (fitted, *others):
+    fitted, *more = (read(_source(arguments, log), arm) for log in arguments.logs)
+    for told in (fitted, *more, *others):
         _tell(told, briefly=told is not fitted)
-    problem = make_problem(fitted, others, arm, options)
-    s = problem.settings
-    _LOG.info("cut-off %.3g Hz: %s", s.cutoff, problem.cutoff.reason)
-    _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
+    problem = make_problem(fitted, others, arm, options, tuple(more))
+    for log in problem.logs:
+        s = log.settings
+        _LOG.info("%s: cut-off %.3g Hz: %s", log.told.description.name, s.cutoff, log.cutoff.reason)
+        _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
     progress: dict[str, Progress] = {}
 
     def report(what: str, done: int, total: int, note: str) -> None:
@@ -123,10 +135,9 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _source(arguments: argparse.Namespace) -> Path:
+def _source(arguments: argparse.Namespace, text: str) -> Path:
     """The log's file; a port is recorded from first, and the capture is kept beside the result."""
-    text = arguments.log
-    path: Path = Path(text)
+    path = Path(text)
     if text.startswith("/dev/") and not path.exists():
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
     if "://" not in text and not path.is_char_device():
@@ -143,6 +154,17 @@ def _source(arguments: argparse.Namespace) -> Path:
     if record.run(parser.parse_args(command)) != 0:
         raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")
     return capture
+
+
+def _check_apart(arguments: argparse.Namespace) -> None:
+    """Refuse a log that is given twice, and a network for several motions at once."""
+    files = [Path(log) for log in arguments.logs if Path(log).exists()]
+    for k, path in enumerate(files):
+        if any(path.samefile(other) for other in files[:k]):
+            raise InputError.at(str(path), "the same log twice", "each log once")
+    for path in arguments.validate:
+        if path.exists() and any(path.samefile(log) for log in files):
+            raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
 
 
 def _tell(told: "Told", briefly: bool) -> None:
@@ -173,6 +195,11 @@ def _check_cache(cache: Path) -> None:
         ) from error
 
 
+def _left_out(score: "Score") -> str:
+    """A half of the log, or one of several logs that the others foretell."""
+    return score.log if score.log.endswith(" half") else f"{score.log} from the others"
+
+
 def _errors(score: "Score") -> str:
     """Torque error of both joints, and that of the re-simulated position where there is one."""
     torque = "/".join(f"{100 * error:.1f}" for error in score.relative_rms)
@@ -187,7 +214,7 @@ def summary(result: "Result") -> str:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
-        parts = [("fit", m.fit), *((s.log, s) for s in (*m.halves, *m.validation))]
+        parts = [("fit", m.fit), *((_left_out(s), s) for s in m.halves), *((s.log, s) for s in m.validation)]
         errors = ", ".join(f"{name} {_errors(s)}" for name, s in parts)
         mark = "*" if m.method == result.recommended else " "
         lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")

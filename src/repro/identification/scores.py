@@ -13,7 +13,7 @@ from repro.model.parameters import Array
 from repro.signals.metric import MetricSettings, metr2ev
 
 #: Torque over the torques that it is made of, below which a joint is not driven.
-LITTLE = 0.1
+LITTLE = 0.02
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:

@@ -57,6 +57,11 @@ class Fault:
     after: float
 
 
+def values_of(found: Sequence[Fault]) -> dict[str, float]:
+    """Values by fault."""
+    return {fault.name: fault.value for fault in found}
+
+
 def corrected(log: Log, found: Mapping[str, float]) -> Log:
     """The log with what the set-up got wrong put right.
 

@@ -14,6 +14,7 @@ NOTHING = "\N{EN DASH}"
 _HEADINGS = {
     "fit": "Fitted: {}",
     "half": "Half on half: the {}, predicted from the other half",
+    "log": "Left out: {}, predicted from the other logs",
     "validation": "Validation: {}, not used for the fit",
 }
 
@@ -44,7 +45,7 @@ class Block:
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
     """How one method predicts each log, what it has not seen first."""
-    order = {"validation": 0, "half": 1, "fit": 2}
+    order = {"validation": 0, "half": 1, "log": 1, "fit": 2}
     ordered = sorted(parts(method), key=lambda item: order[item[0]])
     return [
         (_HEADINGS[part].format(score.log), [_text(place, number) for place, number in enumerate(_numbers(score))])

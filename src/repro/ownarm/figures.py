@@ -24,7 +24,7 @@ MOST_LOGS = 8
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
     titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
-    logs = list(zip((result.log, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
+    logs = list(zip((result.log, *result.more_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():
         figures = {"parameters": _png(ownarm_parameters.parameters(result))}
         if curves.cutoff is not None:

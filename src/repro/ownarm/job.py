@@ -63,18 +63,20 @@ def solve_all(
 def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result, Curves]:
     """Judge the methods and recommend one."""
     betas = np.stack([f.estimate.beta for f in found])
-    logs = (problem.fitted, *(told for told, _ in problem.others))
-    positions = [position_errors(told.log, problem.settings, betas) for told in logs]
+    logs = (*(log.told for log in problem.logs), *(told for told, _ in problem.others))
+    filters = (*(log.settings for log in problem.logs), *(problem.settings for _ in problem.others))
+    positions = [position_errors(told.log, one, betas) for told, one in zip(logs, filters, strict=True)]
     methods = tuple(judge(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(found))
     methods = against_least_squares(methods, NETWORKS)
     recommended, reason = recommend(methods)
     best = betas[[m.method for m in methods].index(recommended)]
-    told, set_up = _excitation(problem, best), setup.told(problem.faults, arm)
+    told, set_up = _excitation(problem, best), setup.told(problem.logs, arm)
     s, r = problem.settings, problem.regression
     result = Result(
         arm=arm.name,
         simulated=any(t.log.simulated for t in logs),
         log=problem.fitted.description,
+        more_logs=tuple(log.told.description for log in problem.logs[1:]),
         validation_logs=tuple(t.description for t, _ in problem.others),
         preparation=Preparation(
             FILTERS[s.name].name,
@@ -91,7 +93,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         recommended=recommended,
         reason=reason,
         warnings=(*set_up, *warnings(problem, methods, recommended, told)),
-        setup=problem.faults,
+        setup={log.told.description.name: log.faults for log in problem.logs if log.faults},
     )
     return result, _curves(problem, methods, betas)
 
@@ -111,7 +113,7 @@ def _excitation(problem: Problem, beta: Array) -> Excitation:
 
 
 def _curves(problem: Problem, methods: Sequence[MethodResult], betas: Array) -> Curves:
-    pairs = ((problem.fitted, problem.regression), *problem.others)
+    pairs = (*((log.told, log.regression) for log in problem.logs), *problem.others)
     signals = tuple(_signals(told.description.name, r, methods, betas) for told, r in pairs)
     return Curves(signals, problem.cutoff)
 

@@ -13,16 +13,13 @@ from repro.identification.residuals import lag_one
 from repro.identification.scores import relative_rms, similarity
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array
-from repro.ownarm.prepared import Problem
-from repro.ownarm.result import MethodResult, Parameter, Score
+from repro.ownarm.prepared import Problem, together
+from repro.ownarm.result import HALVES, MethodResult, Parameter, Score
 from repro.ownarm.words import verdict
 from repro.streams import Stream, stream
 
 #: Parameters that may be negative: they depend on where masses and the zero position are.
 EITHER_SIGN = ("I2", "g1", "g2")
-#: Halves that methods without intervals are not run on: each would train a network of its own.
-HALVES = ("second half", "first half")
-
 Position = tuple[float, float] | None
 
 
@@ -39,7 +36,7 @@ class Found:
     spread : Spread or None
         Standard errors and intervals, if it claims any.
     halves : tuple of Score
-        Each half predicted from the other.
+        Each half predicted from the other; of several logs each from the rest.
     """
 
     method: Method
@@ -62,7 +59,11 @@ def find(method: Method, problem: Problem, seed: int, halves: bool, report: Call
         rng = stream(seed, Stream.OWN_BOOTSTRAP)
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
     scores = []
-    if halves:
+    if len(problem.logs) > 1 and method.claims_intervals:
+        for k, log in enumerate(problem.logs):
+            beta = method.estimate(together([*problem.logs[:k], *problem.logs[k + 1 :]])[0]).beta
+            scores.append(score(log.told.description.name, log.regression, beta, None))
+    elif halves:
         middle = r.t.size // 2
         first, second = np.arange(middle), np.arange(middle, r.t.size)
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
@@ -75,10 +76,12 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
     """Everything about a method."""
     beta, r = found.estimate.beta, problem.regression
     consistent = bool(is_positive_definite(beta))
-    fit = score(problem.fitted.description.name, r, beta, positions[0])
+    fitted = len(problem.logs)
+    name = " + ".join(log.told.description.name for log in problem.logs)
+    fit = score(name, r, beta, positions[0] if fitted == 1 else None)
     validation = tuple(
         score(told.description.name, regression, beta, position)
-        for (told, regression), position in zip(problem.others, positions[1:], strict=True)
+        for (told, regression), position in zip(problem.others, positions[fitted:], strict=True)
     )
     return MethodResult(
         method=found.method.name,

@@ -1,16 +1,20 @@
 """Logs made ready: settings chosen from the fitted one, the same for all."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from repro.errors import InputError
 from repro.identification.alternatives import Alternative, alternatives, without
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
+from repro.identification.methods.interface import joint_variance
 from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.regression import Regression
-from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults
+from repro.identification.regression import Regression, joined
+from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, values_of
 from repro.identification.solve import solve
 from repro.identification.standstill import without_rest, without_standstill
 from repro.identification.steepness import choose_steepness
@@ -41,43 +45,78 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What the methods solve and are judged by.
+class Ready:
+    """One log that is fitted, put right and filtered.
 
     Attributes
     ----------
-    fitted : Told
-        The log to fit.
+    told : Told
+        The log, with what the set-up gets wrong put right.
     regression : Regression
         Made of it, all samples but of joints that never move: what methods are judged on.
     moving : Regression
         The same without standstill: what methods are fitted to.
     as_good : dict of Alternative
         As `moving`, by what could have been chosen otherwise.
-    others : tuple of (Told, Regression)
-        Logs to predict.
     settings : FilterSettings
-        Of all of them.
+        Its filters and delay.
     cutoff : Cutoff
         How the cut-off was chosen.
+    faults : tuple of Fault
+        What the set-up got wrong.
+    """
+
+    told: Told
+    regression: Regression
+    moving: Regression
+    as_good: dict[str, Alternative]
+    settings: FilterSettings
+    cutoff: Cutoff
+    faults: tuple[Fault, ...] = ()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What the methods solve and are judged by.
+
+    Attributes
+    ----------
+    logs : tuple of Ready
+        The logs to fit, each with filters of its own.
+    regression, moving : Regression
+        Of all of them together; in `moving` each log counts as its errors are small.
+    as_good : dict of Alternative
+        As `moving`.
+    others : tuple of (Told, Regression)
+        Logs to predict, with the filters of the first log and put right as it was.
     excited : Excited
         What the motion tells about the parameters.
     delay_was_found : bool
         Whether the delay was looked for in the log.
-    faults : tuple of Fault
-        What the set-up gets wrong: the logs here are put right.
     """
 
-    fitted: Told
+    logs: tuple[Ready, ...]
     regression: Regression
     moving: Regression
     as_good: dict[str, Alternative]
     others: tuple[tuple[Told, Regression], ...]
-    settings: FilterSettings
-    cutoff: Cutoff
     excited: Excited
     delay_was_found: bool
-    faults: tuple[Fault, ...] = ()
+
+    @property
+    def fitted(self) -> Told:
+        """The log to fit, the first of them."""
+        return self.logs[0].told
+
+    @property
+    def settings(self) -> FilterSettings:
+        """Filters of the first log."""
+        return self.logs[0].settings
+
+    @property
+    def cutoff(self) -> Cutoff:
+        """How the cut-off of the first log was chosen."""
+        return self.logs[0].cutoff
 
 
 def read(path: Path, arm: Arm) -> Told:
@@ -110,42 +149,54 @@ def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutof
     return replace(settings, delay=delay), chosen, late
 
 
-def make_problem(fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options) -> Problem:
-    """Put right what the set-up gets wrong, choose what is not given, and filter all logs alike."""
-    settings, chosen, late = _choose(fitted.log, arm, options)
+def _ready(told: Told, arm: Arm, options: Options) -> Ready:
+    """Put right what the set-up gets wrong in a log, choose what is not given, and filter it."""
+    settings, chosen, late = _choose(told.log, arm, options)
     faults: tuple[Fault, ...] = ()
     for _ in range(2):  # the delay is found better on a log that is put right, and faults with the right delay
-        faults = find_faults(fitted.log, settings)
-        values = {fault.name: fault.value for fault in faults}
+        faults = find_faults(told.log, settings)
         if not faults:
             break
-        settings, chosen, late = _choose(corrected(fitted.log, values), arm, options)
-    fitted, *rest = (replace(told, log=corrected(told.log, values)) for told in (fitted, *others))
-    others = tuple(rest)
+        settings, chosen, late = _choose(corrected(told.log, values_of(faults)), arm, options)
+    told = replace(told, log=corrected(told.log, values_of(faults)))
+    regression = without_rest(prepare(told.log, settings))
+    moving = without_standstill(regression)
+    as_good = alternatives(told.log, settings, late)
+    if faults:
+        columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
+        as_good["set-up"] = Alternative((without(moving, columns),))
+    return Ready(told, regression, moving, as_good, settings, chosen, faults)
+
+
+def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]:
+    """Several logs as one regression without standstill, and what could have been chosen otherwise."""
+    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
+    weights = [float(np.mean(size)) / one for one in size]
+    as_good = {}
+    for name in dict.fromkeys(name for log in logs for name in log.as_good):
+        found = [log.as_good.get(name, Alternative((log.moving,), 0.0)) for log in logs]
+        members = max(len(one.regressions) for one in found)
+        mixed = [joined([one.regressions[k % len(one.regressions)] for one in found], weights) for k in range(members)]
+        as_good[name] = Alternative(tuple(mixed), max(one.weight for one in found))
+    return joined([log.moving for log in logs], weights), as_good
+
+
+def make_problem(
+    fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options, more: tuple[Told, ...] = ()
+) -> Problem:
+    """Make the logs to fit ready, each for itself, and filter the others as the first."""
+    logs = tuple(_ready(told, arm, options) for told in (fitted, *more))
+    first = logs[0]
+    others = tuple(replace(told, log=corrected(told.log, values_of(first.faults))) for told in others)
     for told in others:
         rate = 1.0 / period(told.log)
-        if chosen.hertz > 0.25 * rate:
-            expected = f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
+        if first.cutoff.hertz > 0.25 * rate:
+            expected = f"at least four times the cut-off of {first.cutoff.hertz:.3g} Hz"
             raise InputError.at(f"{told.log.name}: rate", f"{rate:.4g} Hz", expected)
-    predicted = tuple((told, prepare(told.log, settings)) for told in others)
-    regression = without_rest(prepare(fitted.log, settings))
-    moving = without_standstill(regression)
-    as_good = alternatives(fitted.log, settings, late)
-    if faults:
-        columns = columns_of_faults(fitted.log, settings, solve(moving.y, moving.tau), faults)
-        as_good["set-up"] = Alternative((without(moving, columns),))
-    return Problem(
-        fitted,
-        regression,
-        moving,
-        as_good,
-        predicted,
-        settings,
-        chosen,
-        excitation(moving),
-        arm.delay is None,
-        faults,
-    )
+    predicted = tuple((told, prepare(told.log, first.settings)) for told in others)
+    moving, as_good = together(logs)
+    regression = joined([log.regression for log in logs])
+    return Problem(logs, regression, moving, as_good, predicted, excitation(moving), arm.delay is None)
 
 
 def delay_at_limit(problem: Problem) -> bool:

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from repro.identification.scores import relative_rms
 from repro.ownarm.prepared import Problem, delay_at_limit
-from repro.ownarm.result import Excitation, MethodResult, Score
+from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
 #: validation error over fit error, relative RMS error of the fit.
@@ -79,6 +80,20 @@ def _known(method: MethodResult, *places: int) -> bool:
     return all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in found)
 
 
+def disagreeing(problem: Problem, method: MethodResult) -> list[str]:
+    """Logs that the others do not foretell, one line each."""
+    left_out = [score for score in method.halves if score.log not in HALVES]
+    beta, found = np.array([p.estimate for p in method.parameters]), []
+    for score, log in zip(left_out, problem.logs, strict=bool(left_out)):
+        own, foretold = max(relative_rms(log.regression, beta)), max(score.relative_rms)
+        if foretold > max(WORSE * own, 0.1):
+            found.append(
+                f"{score.log} disagrees with the other logs: foretold by them its torque error is "
+                f"{100 * foretold:.3g} %, with it fitted too {100 * own:.3g} %"
+            )
+    return found
+
+
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
     """What may spoil the result as a whole, one line each."""
     best = next(m for m in methods if m.method == recommended)
@@ -112,13 +127,14 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
             f"on logs not used the torque error reaches {100 * worst:.3g} %, on the log itself "
             f"{100 * max(best.fit.relative_rms):.3g} %: the logs excite different things"
         )
-    halves = max((max(s.relative_rms) for s in best.halves), default=0.0)
+    halves = max((max(s.relative_rms) for s in best.halves if s.log in HALVES), default=0.0)
     if halves > max(WORSE * max(best.fit.relative_rms), 0.1):
         found.append(
             f"one half of the log predicts the other with a torque error of {100 * halves:.3g} %: too short a log, or "
             "something changed in it"
         )
-    length = float(problem.fitted.log.t[-1] - problem.fitted.log.t[0])
+    found += disagreeing(problem, best)
+    length = sum(float(log.told.log.t[-1] - log.told.log.t[0]) for log in problem.logs)
     if length < SHORT:
         found.append(f"the log is short, {length:.3g} s: with {SHORT:g} s or more the intervals can be trusted")
     if delay_at_limit(problem):

@@ -7,6 +7,9 @@ from repro.identification.setup import Fault
 from repro.logs.description import Description
 from repro.model.parameters import Array
 
+#: Halves of a log, each predicted from the other; methods without intervals would train a network for each.
+HALVES = ("second half", "first half")
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -188,8 +191,10 @@ class Result:
         why, one line.
     warnings : tuple of str
         About the result as a whole.
-    setup : tuple of Fault
-        What the set-up gets wrong and was put right before the fit.
+    more_logs : tuple of Description
+        Logs that were fitted together with `log`.
+    setup : dict of tuple of Fault
+        What the set-up gets wrong and was put right before the fit, by log.
     """
 
     arm: str
@@ -202,7 +207,8 @@ class Result:
     recommended: str
     reason: str
     warnings: tuple[str, ...] = ()
-    setup: tuple[Fault, ...] = ()
+    more_logs: tuple[Description, ...] = ()
+    setup: dict[str, tuple[Fault, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

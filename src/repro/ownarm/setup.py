@@ -6,6 +6,7 @@ import numpy as np
 
 from repro.identification.setup import Fault
 from repro.logs.armfile import Arm
+from repro.ownarm.prepared import Ready
 
 
 def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
@@ -26,7 +27,16 @@ def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     return tuple(f"{key}: [{values[key][0]:.4g}, {values[key][1]:.4g}]" for key in keys)
 
 
-def told(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
+    """What is wrong with each log; which log it is where there are several."""
+    return tuple(
+        f"{log.told.description.name}: {line}" if len(logs) > 1 else line
+        for log in logs
+        for line in words(log.faults, arm)
+    )
+
+
+def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     """One line for each fault, and one with what to write into the arm file."""
     lines = []
     for fault in faults:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from repro.ownarm.result import MethodResult, Result, Score
+from repro.ownarm.result import HALVES, MethodResult, Result, Score
 
 PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
 SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
@@ -51,9 +51,9 @@ def scores_table(result: Result) -> pd.DataFrame:
 
 
 def parts(method: MethodResult) -> Iterator[tuple[str, Score]]:
-    """Every score of a method with the part it belongs to: ``fit``, ``half`` or ``validation``."""
+    """Every score of a method with the part it belongs to: ``fit``, ``half``, ``log`` or ``validation``."""
     yield "fit", method.fit
     for score in method.halves:
-        yield "half", score
+        yield "half" if score.log in HALVES else "log", score
     for score in method.validation:
         yield "validation", score
