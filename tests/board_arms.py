@@ -1,12 +1,13 @@
 """Random arms on the simulated board: recordings with its encoders, PWM and control loop, and their true parameters."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
-from repro.fpga.plant import Plant
+from repro.fpga.plant import Plant, Unmodelled
 from repro.logs.log import Log
 from repro.model.feasibility import is_positive_definite
 from repro.pipeline.experiment import control_constants, load_config, true_parameters
@@ -39,6 +40,21 @@ def multisine(rng):
         sines = size @ np.sin(2.0 * np.pi * 0.1 * np.outer(harmonics, t) + phase[:, None])
         q[joint] = amplitude * sines / np.abs(sines).max()
     return q - q[:, :1] * np.exp(-t / 0.3)
+
+
+def unlike_eq_1(count, rng):
+    """What Eq. 1 leaves out of each arm: Stribeck friction and ripple of random size."""
+    return [
+        Unmodelled(stribeck=s, stribeck_velocity=0.3, ripple=r, ripple_cycles=11.0)
+        for s, r in zip(rng.uniform(0.0, 0.5, count), rng.uniform(0.0, 0.1, count), strict=True)
+    ]
+
+
+def badly_set_up(log, rng):
+    """A log with zeros off by some 2 degrees, torque offsets of 0.02 N m, and torque recorded up to 10 ms early."""
+    zero, late, offset = rng.normal(0.0, np.radians(2.0), (2, 1)), rng.uniform(0.0, 0.01), rng.normal(0.0, 0.02, (2, 1))
+    tau = np.stack([np.interp(log.t + late, log.t, joint) for joint in log.tau])
+    return replace(log, q=log.q + zero, tau=tau + offset)
 
 
 def recorded(arms, desired, unmodelled=None):

@@ -161,6 +161,8 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["log.csv", "-o", "out", "--cutoff", "90"], "at least four times the cut-off"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
+        (["log.csv", "log.csv", "-o", "out"], "the same log twice"),
+        (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),
         (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache"),
     ],
 )

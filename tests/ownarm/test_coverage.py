@@ -1,10 +1,10 @@
-"""Do the 95 % intervals hold the truth? Twenty random arms on the simulated board, where the truth is known."""
+"""Do the 95 % intervals hold the truth? Random arms on the simulated board, where it is known."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from board_arms import multisine, random_arms, recorded
+from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq_1
 
 from repro.identification.bootstrap import bootstrap
 from repro.identification.methods.every import METHODS
@@ -19,33 +19,73 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
 ARMS = 20
+CLAIMING = [name for name, method in METHODS.items() if method.claims_intervals]
+
+
+def slow():
+    """The trajectory of Eq. 10, run at half its pace."""
+    return program_from_config(load_config(ROOT / "config" / "config.yaml"), "ID", duration=19.53).q
+
+
+def made(logs):
+    """Regressions without standstill, and what could have been chosen otherwise."""
+    options = Options(("ordinary",), Path("unused"))
+    problems = [make_problem(Told(log, Description(log.name, ())), (), Arm(), options) for log in logs]
+    return [(problem.moving, problem.as_good) for problem in problems]
 
 
 @pytest.fixture(scope="module")
-def problems():
-    """Twenty arms with their true parameters: half on a multisine, half on the slow trajectory of Eq. 10."""
+def clean():
+    """Twenty arms of Eq. 1 with their true parameters: half on a multisine, half on the slow trajectory."""
     rng = np.random.default_rng(20)
     arms = random_arms(ARMS, rng)
-    slow = program_from_config(load_config(ROOT / "config" / "config.yaml"), "ID", duration=19.53).q
-    logs = recorded(arms[:10], multisine(rng)) + recorded(arms[10:], slow)
-    options = Options(("ordinary",), Path("unused"))
-    made = []
-    for log in logs:
-        problem = make_problem(Told(log, Description(log.name, ())), (), Arm(), options)
-        made.append((problem.regression, problem.as_good))
-    return arms, made
+    return arms, made(recorded(arms[:10], multisine(rng)) + recorded(arms[10:], slow()))
 
 
-@pytest.mark.parametrize("name", [name for name, method in METHODS.items() if method.claims_intervals])
-def test_intervals_hold_the_truth_in_90_to_99_percent_of_cases(problems, name):
-    arms, made = problems
-    method = METHODS[name]
+@pytest.fixture(scope="module")
+def real():
+    """The same with what Eq. 1 does not hold, and a set-up that is off."""
+    rng = np.random.default_rng(77)
+    arms = random_arms(ARMS, rng)
+    desired, beyond = multisine(rng), unlike_eq_1(ARMS, rng)
+    logs = recorded(arms[:10], desired, beyond[:10]) + recorded(arms[10:], slow(), beyond[10:])
+    return arms, made([badly_set_up(log, rng) for log in logs])
+
+
+def intervals(method, problem, only=None):
+    """Estimate and 95 % interval, of everything that could be otherwise or of some."""
+    regression, as_good = problem
+    first = method.estimate(regression)
+    chosen = as_good if only is None else {name: as_good[name] for name in only}
+    spread = bootstrap(method, regression, first, chosen, stream(1, Stream.OWN_BOOTSTRAP), replicates=100)
+    return first.beta, spread.low, spread.high
+
+
+def covered(method, arms, problems):
+    """Share of the intervals that hold the truth, of parameters that are not held at zero."""
     inside = []
-    for beta, (regression, as_good) in zip(arms, made, strict=True):
-        rng = stream(1, Stream.OWN_BOOTSTRAP)
-        first = method.estimate(regression)
-        spread = bootstrap(method, regression, first, as_good, rng, replicates=100)
-        claimed = first.beta != 0.0
-        inside.append(((spread.low <= beta) & (beta <= spread.high))[claimed])
-    share = np.mean(np.concatenate(inside))
-    assert 0.90 <= share <= 0.99, f"{name}: {100 * share:.1f} % of {np.concatenate(inside).size} intervals"
+    for true, problem in zip(arms, problems, strict=True):
+        beta, low, high = intervals(method, problem)
+        inside.append(((low <= true) & (true <= high))[beta != 0.0])
+    return np.mean(np.concatenate(inside))
+
+
+@pytest.mark.parametrize("name", CLAIMING)
+def test_intervals_hold_the_truth_where_eq_1_is_right(clean, name):
+    """And are at most half as wide again as what noise and the choice of the filters alone would make them."""
+    arms, problems = clean
+    assert covered(METHODS[name], arms, problems) >= 0.90
+    widths = []
+    for problem in problems[:10]:  # the slow trajectory does not tell friction apart, and should say so
+        _, low, high = intervals(METHODS[name], problem)
+        _, lowest, highest = intervals(METHODS[name], problem, ("filters",))
+        widths.append((high - low)[:5] / np.maximum((highest - lowest)[:5], 1e-12))
+    assert np.median(widths) < 1.5
+
+
+@pytest.mark.parametrize("name", CLAIMING)
+def test_intervals_hold_the_truth_in_90_to_99_percent_where_eq_1_and_the_set_up_are_wrong(real, name):
+    share = covered(METHODS[name], *real)
+    # What shrinks viscous friction on purpose has it wrong on purpose.
+    least = 0.85 if name == "parsimonious" else 0.90
+    assert least <= share <= 0.99, f"{name}: {100 * share:.1f} %"

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from repro.identification.alternatives import Alternative
+from repro.identification.alternatives import BEYOND, Alternative
 from repro.identification.correlation import correlation_time
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
@@ -131,9 +131,15 @@ def bootstrap(
     variance = np.var(drawn, axis=0, ddof=1)
     slow = jackknife(method, regression, first)
     variance = np.where(slow > BY_CHANCE * variance, slow, variance)
-    for other in as_good.values():
+    beyond = np.zeros(len(beta))
+    for name, other in as_good.items():
         moved = [method.repeat(regression, first) - beta for regression in other.regressions]
-        variance += other.weight * np.mean(np.square(moved), axis=0)
+        square = other.weight * np.mean(np.square(moved), axis=0)
+        if name in BEYOND:  # different explanations of the same residual: the one that matters most counts
+            beyond = np.maximum(beyond, square)
+        else:
+            variance += square
+    variance += beyond
     if method.unbiased is not None:
         variance += (method.unbiased.estimate(regression).beta - beta) ** 2
     error = np.sqrt(variance)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from repro.identification.scores import relative_rms
+from repro.identification.solve import solve
 from repro.ownarm.prepared import Problem, delay_at_limit
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 
@@ -81,17 +82,19 @@ def _known(method: MethodResult, *places: int) -> bool:
 
 
 def disagreeing(problem: Problem, method: MethodResult) -> list[str]:
-    """Logs that the others do not foretell, one line each."""
+    """The log that the others foretell worst, if it is much worse than it can be fitted."""
     left_out = [score for score in method.halves if score.log not in HALVES]
-    beta, found = np.array([p.estimate for p in method.parameters]), []
-    for score, log in zip(left_out, problem.logs, strict=bool(left_out)):
-        own, foretold = max(relative_rms(log.regression, beta)), max(score.relative_rms)
-        if foretold > max(WORSE * own, 0.1):
-            found.append(
-                f"{score.log} disagrees with the other logs: foretold by them its torque error is "
-                f"{100 * foretold:.3g} %, with it fitted too {100 * own:.3g} %"
-            )
-    return found
+    if not left_out:
+        return []
+    worst = int(np.argmax([max(score.relative_rms) for score in left_out]))
+    log, foretold = problem.logs[worst], max(left_out[worst].relative_rms)
+    own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
+    if foretold <= max(WORSE * own, 0.1):
+        return []
+    return [
+        f"{left_out[worst].log} disagrees with the other logs: foretold by them its torque error is "
+        f"{100 * foretold:.3g} %, fitted alone {100 * own:.3g} %"
+    ]
 
 
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:

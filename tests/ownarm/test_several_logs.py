@@ -1,0 +1,84 @@
+"""Several logs of one arm as one fit: filters, delay and faults of each its own, and one that disagrees is named."""
+
+import numpy as np
+import pytest
+from log_example import BETA, motion
+from ownarm_problem import ARM, silent
+from regression_example import log_from
+
+from repro.identification.methods.every import METHODS
+from repro.logs.description import Description
+from repro.logs.log import Log
+from repro.ownarm.job import assemble, solve_all
+from repro.ownarm.prepared import Told, make_problem
+from repro.ownarm.settings import Options
+
+OPTIONS = Options(("ordinary", "consistent"), "unused")
+
+
+def told(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
+    """A log of its own stretch of the known motion."""
+    rng = np.random.default_rng(seed)
+    log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
+    q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
+    return Told(Log(name, log.t, q, tau), Description(name, ()))
+
+
+def result_of(*logs):
+    problem = make_problem(logs[0], (), ARM, OPTIONS, tuple(logs[1:]))
+    methods = [METHODS[name] for name in OPTIONS.methods]
+    found = solve_all(problem, methods, 1, silent, silent)
+    return problem, assemble(problem, found, ARM)[0]
+
+
+@pytest.fixture(scope="module")
+def two():
+    return result_of(told("a.csv", 0, delay=0.004), told("b.csv", 1, delay=-0.006, zero=0.08))
+
+
+def test_each_log_has_its_own_delay_and_faults(two):
+    problem, result = two
+    assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, -0.006], abs=1e-3)
+    assert [fault.name for fault in problem.logs[1].faults] == ["zero1"]
+    assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
+    assert not problem.logs[0].faults
+    assert any(line.startswith("b.csv: the zero of joint 1") for line in result.warnings)
+    assert set(result.setup) == {"b.csv"}
+
+
+def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
+    _, result = two
+    assert [log.name for log in (result.log, *result.more_logs)] == ["a.csv", "b.csv"]
+    for method in result.methods:
+        assert method.fit.log == "a.csv + b.csv"
+        assert [score.log for score in method.halves] == ["a.csv", "b.csv"]
+        assert max(max(score.relative_rms) for score in method.halves) < 0.1
+        estimates = [parameter.estimate for parameter in method.parameters]
+        assert estimates[:5] == pytest.approx(BETA[:5], rel=0.03)
+    assert not any("disagrees" in line for line in result.warnings)
+
+
+def test_intervals_of_both_are_narrower_than_of_one(two):
+    _, alone = result_of(told("a.csv", 0, delay=0.004))
+    widths = [
+        [p.high - p.low for p in next(m for m in result.methods if m.method == "consistent").parameters[:5]]
+        for result in (two[1], alone)
+    ]
+    assert np.median(np.divide(*widths)) < 1.0
+
+
+def test_a_log_of_another_arm_is_named():
+    other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
+    _, result = result_of(told("a.csv", 0), told("b.csv", 1), told("c.csv", 2), told("odd.csv", 3, beta=other))
+    assert sum("disagrees" in line for line in result.warnings) == 1
+    assert any(line.startswith("odd.csv disagrees with the other logs") for line in result.warnings)
+
+
+def test_a_noisy_log_counts_less():
+    """Weights are those of the errors: beside a log with a hundred times the noise the good one hardly moves."""
+    good, noisy = told("a.csv", 0), told("n.csv", 1, noise=2.0)
+    problem = make_problem(good, (), ARM, OPTIONS, (noisy,))
+    sizes = [float(np.abs(log.moving.tau).max()) for log in problem.logs]
+    n = problem.logs[0].moving.t.size
+    kept = [np.abs(problem.moving.tau[:, :n]).max() / sizes[0], np.abs(problem.moving.tau[:, n:]).max() / sizes[1]]
+    assert kept[0] > 5 * kept[1]
