@@ -185,24 +185,34 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
     sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
     error = [_unseen(*_rows(r, columns[..., list(chosen)])) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
     names = [FAULTS[k] for k in sets[int(np.argmin(error))]]
-    values: dict[str, tuple[float, float]] = {}
     while names:
         values = _settle(log, settings, names)
-        sure = [name for name in names if abs(values[name][0] - (name == "scale2")) > SURE * values[name][1]]
-        if sure == names:
-            break
-        names = sure
+        found = [_judged(log, settings, values, name) for name in names]
+        wrong = [fault for fault in found if not _sure(fault)]
+        if not wrong:
+            return tuple(found)
+        # Gauss-Newton may end far away because of one that is not there: without it the others settle.
+        least = min(wrong, key=lambda fault: fault.before - fault.after)
+        names = [name for name in names if name != least.name]
+    return ()
 
-    def left(wrong: Sequence[str]) -> float:
-        """Relative error with all put right but these."""
-        right = {name: values[name][0] for name in names if name not in wrong}
+
+def _sure(fault: Fault) -> bool:
+    """Whether a fault is well away from none, near enough to be one, and makes the error smaller."""
+    away = abs(fault.value - (fault.name == "scale2"))
+    near = away <= FAR or not fault.name.startswith("zero")
+    return away > SURE * fault.error and near and fault.after < fault.before
+
+
+def _judged(log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str) -> Fault:
+    """A fault with the errors that all faults put right leave, and all but this one."""
+
+    def left(right: Mapping[str, float]) -> float:
         return _relative(without_standstill(prepare(corrected(log, right), settings)))
 
-    with_all = left([])
-    found = tuple(Fault(name, *values[name], left([name]), with_all) for name in names)
-    # Gauss-Newton may end elsewhere than at a smaller error, or far away.
-    near = all(abs(fault.value) <= FAR for fault in found if fault.name.startswith("zero"))
-    return found if near and all(fault.after < fault.before for fault in found) else ()
+    right = {other: value for other, (value, _) in values.items()}
+    without_it = {other: value for other, value in right.items() if other != name}
+    return Fault(name, *values[name], left(without_it), left(right))
 
 
 def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:
