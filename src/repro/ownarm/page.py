@@ -59,6 +59,7 @@ def render_page(
             style=style,
             policy=policy(style),
             logs=(result.log, *result.more_logs, *result.validation_logs),
+            fitted=1 + len(result.more_logs),
             facts=_facts((result.log, *result.more_logs, *result.validation_logs)),
             predictions=predictions(found[0]),
             columns=method_columns(result),

@@ -92,7 +92,7 @@ def disagreeing(problem: Problem, method: MethodResult) -> list[str]:
     if foretold <= max(WORSE * own, 0.1):
         return []
     return [
-        f"{left_out[worst].log} disagrees with the other logs: foretold by them its torque error is "
+        f"the log {left_out[worst].log} disagrees with the others: foretold by them its torque error is "
         f"{100 * foretold:.3g} %, fitted alone {100 * own:.3g} %"
     ]
 

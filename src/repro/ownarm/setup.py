@@ -30,7 +30,7 @@ def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
 def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
     """What is wrong with each log; which log it is where there are several."""
     return tuple(
-        f"{log.told.description.name}: {line}" if len(logs) > 1 else line
+        f"in {log.told.description.name} {line}" if len(logs) > 1 else line
         for log in logs
         for line in words(log.faults, arm)
     )
