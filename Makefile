@@ -22,7 +22,7 @@ TESTABLE := $(call stamp,testable,requirements-test.lock)
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
 	@echo "make test       set up $(VENV) with the test tools and run every check"
-	@echo "make check      linters, types and the quick tests: under a minute, before a commit"
+	@echo "make check      linters, types and the quick tests, before a commit"
 	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
