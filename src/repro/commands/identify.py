@@ -197,7 +197,9 @@ def _check_cache(cache: Path) -> None:
 
 def _left_out(score: "Score") -> str:
     """A half of the log, or one of several logs that the others foretell."""
-    return score.log if score.log.endswith(" half") else f"{score.log} from the others"
+    from repro.ownarm.result import HALVES
+
+    return score.log if score.log in HALVES else f"{score.log} from the others"
 
 
 def _errors(score: "Score") -> str:

@@ -20,7 +20,7 @@ from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
 from repro.logs.log import Log
 from repro.model.dynamics import regressor
-from repro.model.parameters import Array
+from repro.model.parameters import NAMES, Array
 
 #: What may be wrong, in the order of the columns: zero of a joint (rad), offset of its torque (N m), and the recorded
 #: torque of joint 2 over the one that Eq. 1 shares with joint 1.
@@ -158,7 +158,7 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
         independent = left.size * r.h / correlation_time(left, r.h)
         spread = np.sqrt(np.diag(np.linalg.pinv(flat.T @ flat)) * np.sum(left**2) / max(independent, 1.0))
         spread = np.maximum(spread, _by_parts(a, b))
-        for name, step, error in zip(names, x[9:], spread[9:], strict=True):
+        for name, step, error in zip(names, x[len(NAMES) :], spread[len(NAMES) :], strict=True):
             size = found[name] if name == "scale2" else 1.0
             found[name] += size * float(step)
             errors[name] = size * float(error)
@@ -183,7 +183,9 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
     r, columns = _prepared(log, settings)
     able = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)]
     sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
-    error = [_unseen(*_rows(r, columns[..., list(chosen)])) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
+    (a, b), nine = _rows(r, columns), len(NAMES)
+    seen = [a[..., [*range(nine), *(nine + k for k in chosen)]] for chosen in sets]
+    error = [_unseen(part, b) * (1.0 - ENOUGH) ** -len(chosen) for part, chosen in zip(seen, sets, strict=True)]
     names = [FAULTS[k] for k in sets[int(np.argmin(error))]]
     while names:
         values = _settle(log, settings, names)

@@ -93,7 +93,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         recommended=recommended,
         reason=reason,
         warnings=(*set_up, *warnings(problem, methods, recommended, told)),
-        setup={log.told.description.name: log.faults for log in problem.logs if log.faults},
+        setup=tuple(log.faults for log in problem.logs),
     )
     return result, _curves(problem, methods, betas)
 

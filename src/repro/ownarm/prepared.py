@@ -128,6 +128,14 @@ def read(path: Path, arm: Arm) -> Told:
     return Told(log, replace(description, notes=description.notes + fresh))
 
 
+def _check_rate(log: Log, cutoff: Cutoff) -> None:
+    """Refuse a log that is sampled too slowly for the cut-off."""
+    rate = 1.0 / period(log)
+    if cutoff.hertz > 0.25 * rate:
+        expected = f"at least four times the cut-off of {cutoff.hertz:.3g} Hz"
+        raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
+
+
 def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutoff, float]:
     """Cut-off, lambda and delay where they are not given, and the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
@@ -137,10 +145,7 @@ def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutof
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
     settings = replace(settings, cutoff=chosen.hertz)
-    rate = 1.0 / period(log)
-    if chosen.hertz > 0.25 * rate:
-        expected = f"at least four times the cut-off of {chosen.hertz:.3g} Hz"
-        raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
+    _check_rate(log, chosen)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
@@ -152,13 +157,12 @@ def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutof
 def _ready(told: Told, arm: Arm, options: Options) -> Ready:
     """Put right what the set-up gets wrong in a log, choose what is not given, and filter it."""
     settings, chosen, late = _choose(told.log, arm, options)
-    faults: tuple[Fault, ...] = ()
-    for _ in range(2):  # the delay is found better on a log that is put right, and faults with the right delay
+    faults = find_faults(told.log, settings)
+    if faults:  # the delay is found better on a log that is put right, and faults with the right delay
+        settings, _, _ = _choose(corrected(told.log, values_of(faults)), arm, options)
         faults = find_faults(told.log, settings)
-        if not faults:
-            break
-        settings, chosen, late = _choose(corrected(told.log, values_of(faults)), arm, options)
-    told = replace(told, log=corrected(told.log, values_of(faults)))
+        told = replace(told, log=corrected(told.log, values_of(faults)))
+        settings, chosen, late = _choose(told.log, arm, options)
     regression = without_rest(prepare(told.log, settings))
     moving = without_standstill(regression)
     as_good = alternatives(told.log, settings, late)
@@ -189,10 +193,7 @@ def make_problem(
     first = logs[0]
     others = tuple(replace(told, log=corrected(told.log, values_of(first.faults))) for told in others)
     for told in others:
-        rate = 1.0 / period(told.log)
-        if first.cutoff.hertz > 0.25 * rate:
-            expected = f"at least four times the cut-off of {first.cutoff.hertz:.3g} Hz"
-            raise InputError.at(f"{told.log.name}: rate", f"{rate:.4g} Hz", expected)
+        _check_rate(told.log, first.cutoff)
     predicted = tuple((told, prepare(told.log, first.settings)) for told in others)
     moving, as_good = together(logs)
     regression = joined([log.regression for log in logs])

@@ -193,8 +193,8 @@ class Result:
         About the result as a whole.
     more_logs : tuple of Description
         Logs that were fitted together with `log`.
-    setup : dict of tuple of Fault
-        What the set-up gets wrong and was put right before the fit, by log.
+    setup : tuple of tuple of Fault
+        What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
     """
 
     arm: str
@@ -208,7 +208,7 @@ class Result:
     reason: str
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
-    setup: dict[str, tuple[Fault, ...]] = field(default_factory=dict)
+    setup: tuple[tuple[Fault, ...], ...] = ()
 
 
 @dataclass(frozen=True)
