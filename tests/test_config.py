@@ -50,6 +50,7 @@ def overlay(tmp_path):
     return write
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("files", [(BASE,), (BASE, SMOKE), (BASE, QUICK)], ids=["full", "smoke", "quick"])
 def test_the_configuration_in_the_repository_is_valid(files):
     config = load(*files)
@@ -188,6 +189,7 @@ BAD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "field", "found", "expected"), BAD.values(), ids=BAD)
 def test_a_fault_is_one_line_that_names_the_overlay(overlay, text, field, found, expected):
     file = overlay(text)
@@ -200,6 +202,7 @@ def test_a_fault_is_one_line_that_names_the_overlay(overlay, text, field, found,
     assert expected in line["expected"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "fields"),
     [
@@ -234,6 +237,7 @@ def test_values_that_contradict_each_other_are_one_line_that_names_the_overlay(o
     assert line["field"] in fields
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", [name for name, value in load(BASE).items() if isinstance(value, dict)])
 def test_a_missing_section_is_one_line_that_names_the_file(tmp_path, section):
     file = tmp_path / "config.yaml"
@@ -278,6 +282,7 @@ def test_a_value_that_no_file_holds_is_not_blamed_on_one():
     assert (line["field"], line["found"]) == ("training.steps", "-1")
 
 
+@pytest.mark.slow
 def test_of_several_faults_the_same_one_is_told_every_time(overlay):
     file = overlay("training: {steps: -1, batch: -1}\nalgorithm1: {executions: x}\nnumeric: {seeds: []}")
     messages = set()

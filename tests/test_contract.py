@@ -79,6 +79,7 @@ print(*(program_from_config(config, name).q.tobytes().hex() for name in ("ID", "
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not contract.is_v3(), reason="SkylakeX and Nehalem are of x86-64")
 @pytest.mark.parametrize("kernel", ["Nehalem", "Haswell"])
 def test_a_motion_computed_on_another_processor_is_the_recorded_one(kernel, monkeypatch):
@@ -95,6 +96,7 @@ def test_a_motion_computed_on_another_processor_is_the_recorded_one(kernel, monk
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("counts", [0.02, -1.0])
 def test_a_motion_that_is_two_hundredths_of_a_count_away_is_another(motion, counts):

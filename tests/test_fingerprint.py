@@ -19,6 +19,7 @@ def elsewhere(**variables):
     return json.loads(done.stdout)
 
 
+@pytest.mark.slow
 def test_another_process_on_the_same_host_computes_the_same():
     here = fingerprint()
     assert here == fingerprint() == elsewhere()
@@ -30,6 +31,7 @@ def test_a_host_that_computes_the_same_is_inside_the_contract():
     assert "no fingerprint" in told(None)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not contract.is_v3(), reason="kernels of x86-64")
 def test_other_kernels_are_outside_and_named():
     recorded = elsewhere(OPENBLAS_CORETYPE="Nehalem" if os.environ["OPENBLAS_CORETYPE"] != "Nehalem" else "Haswell")

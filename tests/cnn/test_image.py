@@ -71,6 +71,7 @@ def test_both_parts_are_at_most_one(seed, scale):
         assert largest[:, 0].max() == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @given(seeds, scales)
 def test_a_batch_is_its_images_one_by_one(seed, scale):
     pairs = [signals(seed + k) for k in range(3)]

@@ -42,6 +42,7 @@ def started(*options):
     return board, board.stdout.readline().strip()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("listen", "sent"), [("pty", signal.SIGTERM), ("socket", signal.SIGINT)])
 def test_simulate_in_one_shell_and_record_in_another(tmp_path, capsys, listen, sent):
     link = tmp_path / "board"
@@ -65,6 +66,7 @@ def test_simulate_in_one_shell_and_record_in_another(tmp_path, capsys, listen, s
     assert f"{out}: T1, source simulated, complete" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     board, port = started("--once", "--as-fast-as-possible", "--faults", "disconnect_after=1000", "--seed", "3")
     out = tmp_path / "ID.bin"
@@ -248,6 +250,7 @@ def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
         main(["decode", str(stored)])
 
 
+@pytest.mark.slow
 def test_python_m_repro_and_a_reader_that_has_seen_enough(stored):
     module = [sys.executable, "-m", "repro"]
     run = subprocess.run([*module, "--help"], capture_output=True, text=True, check=True)

@@ -101,6 +101,7 @@ def test_each_parameter_is_that_of_its_arm_method_and_median_seed(inputs, name, 
         np.testing.assert_allclose(rows["estimate"], estimate(case, method, MEDIAN), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "trajectory", "cases", "in_frequency"),
     [

@@ -232,6 +232,7 @@ def torque_by_mujoco(text):
     return torque
 
 
+@pytest.mark.slow
 @given(beta=consistent_betas(near=0.95), gravity=gravities, lengths=given_lengths, seed=seeds)
 def test_simulators_need_the_torque_of_eq_1(beta, gravity, lengths, seed):
     rng = np.random.default_rng(seed)

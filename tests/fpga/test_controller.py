@@ -50,6 +50,7 @@ def test_golden_vectors() -> None:
     assert found.tolist() == pwm
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(-4, 4, width=32), COUNTS, COUNTS), min_size=1, max_size=20))
 def test_equals_arithmetic_by_hand(rows: list[tuple[float, int, int]]) -> None:
     found = run([[d, d] for d, _, _ in rows], [[a, b] for _, a, b in rows])

@@ -33,6 +33,7 @@ def recorded(port, settings=QUICK):
     return record(port, download(DESIRED), encode_start(200), 200, settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("make", "real_time"), [(pty, False), (pty, True), (tcp, False)])
 def test_a_recording_has_the_very_bytes(make, real_time):
     board = PlayedBoard(FRAMES)
@@ -64,6 +65,7 @@ def test_loop():
     assert (recording.data, recording.board, recording.reason) == (FRAMES, None, "")
 
 
+@pytest.mark.slow
 def test_what_an_earlier_recording_left_is_dropped():
     board = PlayedBoard(FRAMES)
     with served(board, PtyEndpoint(), real_time=True) as port:
@@ -74,6 +76,7 @@ def test_what_an_earlier_recording_left_is_dropped():
     assert (recording.data, recording.reason) == (FRAMES, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("make", "after"), [(pty, 8), (pty, 805), (pty, 1599), (tcp, 805)])
 def test_an_unplugged_cable(make, after):
     faults = lambda: FaultInjector(FaultSettings(disconnect_after=after), np.random.default_rng(0))  # noqa: E731

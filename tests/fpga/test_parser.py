@@ -100,6 +100,7 @@ def test_one_byte_lost_costs_two_frames_at_most(name):
         assert missing <= 2 and wrong == 0, i
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STREAMS)
 @pytest.mark.parametrize("value", [0x00, 0xA5, 0xFF, 0x5A, 0x3C])
 def test_one_byte_inserted_costs_two_frames_at_most(name, value):
@@ -109,6 +110,7 @@ def test_one_byte_inserted_costs_two_frames_at_most(name, value):
         assert missing <= 2 and wrong == 0, i
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STREAMS)
 def test_one_bit_flipped_costs_two_frames_at_most(name):
     sent = STREAMS[name]
@@ -138,6 +140,7 @@ def test_no_bytes_are_too_strange(data):
     check_books(data, frames, gaps, counts)
 
 
+@pytest.mark.slow
 @given(body=st.lists(st.sampled_from([0xA5, 0x00, 0x01, 0x28, 0x80, 0x10]), max_size=600))
 def test_no_bytes_full_of_identifiers_are_too_strange(body):
     data = bytes(body)
@@ -278,6 +281,7 @@ def test_frames_are_lost_for_one_window_at_most_after_noise_that_looks_good():
     assert WINDOW == 64
 
 
+@pytest.mark.slow
 def test_many_faults_are_counted_and_wrong_frames_stay_within_the_bound():
     rate, n, patterns = 1e-3, 200, 1000
     rng = np.random.default_rng(7)

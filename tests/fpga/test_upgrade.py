@@ -61,6 +61,7 @@ def test_last_bits_of_another_processor_upgrade_by_the_control_law(old, capsys):
     assert json.loads(path.with_suffix(".json").read_text())["program"]["recomputed"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["T1", "ID"])
 def test_a_recording_of_another_motion_is_not_upgraded(old, motion, capsys):
     path, _ = old

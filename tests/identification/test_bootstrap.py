@@ -38,6 +38,7 @@ def ordinary_spread(r, seed, replicates=200, method=ordinary.METHOD, as_good=Non
     return bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
 
 
+@pytest.mark.slow
 def test_on_white_noise_standard_errors_are_those_of_the_textbook():
     clean = exciting(N)
     r = replace(clean, tau=clean.tau + 0.1 * np.random.default_rng(1).normal(size=(2, N)))

@@ -38,6 +38,7 @@ def rounded(log, step):
 # Preparation.
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("cutoff", [5.0, 8.0])
 def test_a_clean_log_gives_the_arm_back(name, cutoff):
@@ -58,6 +59,7 @@ def test_smoothed_motion_is_the_motion(name):
         np.testing.assert_allclose(ours, kept, rtol=0, atol=1e-9 * np.abs(part).max())
 
 
+@pytest.mark.slow
 @every_filter
 @given(st.floats(-1e3, 1e3).filter(lambda x: abs(x) > 1e-3))
 @settings(max_examples=10)
@@ -86,6 +88,7 @@ def test_the_cut_leaves_both_ends_out(cut):
     assert found.h == pytest.approx(1.0 / 200.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cutoff", [1.0, 3.0, 7.0])
 @pytest.mark.parametrize("kept", [4.0, 8.0, 20.0])
 def test_enough_samples_are_kept_in_a_period_of_the_cutoff(cutoff, kept):
@@ -128,6 +131,7 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
         prepare(short, FilterSettings())
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(0, 100), min_size=1, max_size=30))
 @settings(max_examples=20)
 def test_take_gives_the_samples_asked_for_in_their_order(rows):
@@ -144,6 +148,7 @@ def test_take_gives_the_samples_asked_for_in_their_order(rows):
 # Delay.
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("late", [-8.0, -2.0, 0.0, 3.0, 9.0])
 def test_delay_is_found(name, late):
@@ -152,6 +157,7 @@ def test_delay_is_found(name, late):
     assert 1e3 * estimate_delay(log, FilterSettings(name=name))[0] == pytest.approx(late, abs=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100.0, 300.0, 1000.0])
 @pytest.mark.parametrize("late", [-7.3, 4.1])
 def test_delay_is_found_at_any_rate_and_in_noise(rate, late):
@@ -161,6 +167,7 @@ def test_delay_is_found_at_any_rate_and_in_noise(rate, late):
     assert 1e3 * estimate_delay(noisy, FilterSettings(cutoff=6.0))[0] == pytest.approx(late, abs=0.3)
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("late", [-0.008, 0.009])
 def test_a_known_delay_is_taken_out(name, late):
@@ -184,6 +191,7 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
 # Standstill.
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize(("joint", "at"), [(0, 0.3), (1, 0.0), (1, 0.7)])
 def test_a_joint_that_never_moves_has_no_rows(name, joint, at):
@@ -214,6 +222,7 @@ def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all
 # Cut-off.
 
 
+@pytest.mark.slow
 @every_filter
 def test_a_coarser_encoder_lowers_the_cutoff(name):
     steps = (0.0, 1e-4, 3e-3, 1e-2, 3e-2, 0.1)
@@ -226,6 +235,7 @@ def test_a_coarser_encoder_lowers_the_cutoff(name):
     assert "times its noise" in chosen[-1].reason
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("edge", [3.0, 6.0])
 def test_the_cutoff_ends_where_torque_noise_begins(name, edge):
@@ -237,6 +247,7 @@ def test_the_cutoff_ends_where_torque_noise_begins(name, edge):
     assert f"{choice.hertz:.3g} Hz" in choice.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [40.0, 60.0, 100.0, 200.0, 1000.0])
 @pytest.mark.parametrize(("step", "noise"), [(0.0, 0.0), (0.3, 0.0), (0.0, 100.0), (0.3, 100.0)])
 def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
@@ -261,6 +272,7 @@ def test_the_cutoff_does_not_depend_on_the_one_set():
 # Steepness of friction.
 
 
+@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
@@ -273,6 +285,7 @@ def test_steepness_is_recovered(name, steepness):
 # Least squares.
 
 
+@pytest.mark.slow
 @given(seeds, st.booleans())
 def test_solution_is_numpy_s(seed, weighted):
     rng = np.random.default_rng(seed)
@@ -284,6 +297,7 @@ def test_solution_is_numpy_s(seed, weighted):
     np.testing.assert_allclose(solve(y, tau, weight), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_a_weight_of_each_joint_counts_for_all_its_samples(seed):
     rng = np.random.default_rng(seed)
@@ -294,6 +308,7 @@ def test_a_weight_of_each_joint_counts_for_all_its_samples(seed):
     np.testing.assert_allclose(solve(y, tau, 1e4 * weight), whole, rtol=1e-8)
 
 
+@pytest.mark.slow
 @given(seeds, st.sets(st.integers(0, 8), min_size=1, max_size=4))
 def test_a_parameter_that_the_motion_does_not_move_is_zero(seed, still):
     rng = np.random.default_rng(seed)
@@ -308,6 +323,7 @@ def test_a_parameter_that_the_motion_does_not_move_is_zero(seed, still):
     np.testing.assert_allclose(beta[moving], expected, rtol=1e-8, atol=1e-10)
 
 
+@pytest.mark.slow
 @given(seeds, st.floats(-3.0, 3.0).filter(lambda x: abs(x) > 0.1))
 def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     """Shortest in torque: columns have unit length when lengths are compared."""
@@ -324,6 +340,7 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     assert left[0] == pytest.approx(left[1], rel=1e-10)
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_units_of_a_column_do_not_matter(seed):
     rng = np.random.default_rng(seed)
@@ -332,6 +349,7 @@ def test_units_of_a_column_do_not_matter(seed):
     np.testing.assert_allclose(solve(y * unit, tau) * unit, solve(y, tau), rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.slow
 @given(seeds, st.sampled_from(["all", "joint 2 still", "collinear"]))
 def test_nine_rows_hold_the_whole_cost(seed, kind):
     rng = np.random.default_rng(seed)
@@ -352,6 +370,7 @@ def test_nine_rows_hold_the_whole_cost(seed, kind):
     assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)
 
 
+@pytest.mark.slow
 @given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight"]))
 def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
     rng = np.random.default_rng(seed)
@@ -368,6 +387,7 @@ def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
     np.testing.assert_allclose(scale * found, scale * solve(y, tau), rtol=0, atol=1e-6 * np.linalg.norm(tau))
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_rounding_is_not_scaled_up(seed):
     rng = np.random.default_rng(seed)
@@ -395,6 +415,7 @@ def test_what_is_snapped_is_small_beside_the_largest():
     np.testing.assert_array_equal(snap(np.zeros(3), 1e-6), np.zeros(3))
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_nine_rows_serve_a_bounded_problem(seed):
     rng = np.random.default_rng(seed)

@@ -120,6 +120,7 @@ def test_similarity_is_that_of_metr2ev():
 # Motion
 
 
+@pytest.mark.slow
 def test_true_parameters_follow_a_motion_made_by_scipy(held):
     assert max(error(held, BETA)) < 5e-4
     assert np.ptp(held.q, axis=1).min() > 1.0
@@ -129,6 +130,7 @@ def test_true_parameters_follow_an_ideal_recording():
     assert max(error(log_of(recording()), BETA, FilterSettings())) < 5e-4
 
 
+@pytest.mark.slow
 def test_true_parameters_follow_the_simulated_board_within_its_encoder(board):
     settings = FilterSettings(cutoff=3.0, delay=0.5 * BOARD_PERIOD)
     true = error(board, BOARD_ARM, settings)
@@ -138,6 +140,7 @@ def test_true_parameters_follow_the_simulated_board_within_its_encoder(board):
     assert min(wrong) > 10 * max(true)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["I1", "I3", "g1", "g2", "k1"])
 def test_wrong_parameters_err_more_the_more_they_are_wrong(held, name):
     errors = np.array([error(held, changed(name, factor)) for factor in (1.0, 1.05, 1.2, 1.5)])
@@ -202,6 +205,7 @@ NEARLY_SINGULAR = [np.array([BETA[0], sign * (1.0 - by) * EDGE, *BETA[2:]]) for 
 NEARLY_SINGULAR += [changed("I3", 1e-9, changed("I2", 0.0)), 1e-9 * BETA]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beta", [*RUN_AWAY, *NEARLY_SINGULAR])
 def test_a_model_that_runs_away_or_is_nearly_singular_has_no_motion(held, beta):
     begin = time.perf_counter()

@@ -27,6 +27,7 @@ def spoilt(log, **faults):
     return Log(log.name, log.t, log.q - zero, scale * log.tau + offset)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "faults",
     [
@@ -54,6 +55,7 @@ def test_faults_are_found_with_their_size(faults):
     np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
 
 
+@pytest.mark.slow
 def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 

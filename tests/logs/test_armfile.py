@@ -47,6 +47,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
     assert (read_arm(path).friction_steepness, read_arm(path).delay) == (100.0, None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "told"),
     [

@@ -206,6 +206,7 @@ def test_there_are_forty_kinds():
     assert len({name for name, *_ in REFUSED + SUSPECTED}) == len(REFUSED) + len(SUSPECTED) >= 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("content", "arm", "told"), named(REFUSED))
 def test_what_cannot_be_read_is_told_in_one_line(tmp_path, content, arm, told):
     path = write(tmp_path, content)
@@ -218,6 +219,7 @@ def test_what_cannot_be_read_is_told_in_one_line(tmp_path, content, arm, told):
     assert len(message) < 400
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("content", "arm", "told"), named(SUSPECTED))
 def test_what_may_be_wrong_is_warned_of(tmp_path, content, arm, told):
     arm = Arm(**arm)
@@ -226,6 +228,7 @@ def test_what_may_be_wrong_is_warned_of(tmp_path, content, arm, told):
     assert not any("\n" in warning or len(warning) > 400 for warning in warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "told"),
     [
@@ -252,6 +255,7 @@ def test_a_good_log_gives_no_warning(tmp_path):
     assert description.warnings == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_a_free_fall_is_no_other_reading(seed):
     """Torque that is noise about zero says nothing of units, signs or which joint is which."""

@@ -22,6 +22,7 @@ def test_files_that_are_not_there(tmp_path):
         read_log(tmp_path / "log.bin", Arm())
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),

@@ -85,6 +85,7 @@ SPELLINGS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_units_and_names_do_not_matter(read, spelling):
     header, (time, position, velocity, torque), arm = SPELLINGS[spelling]
@@ -218,6 +219,7 @@ def test_a_short_capture_is_refused(tmp_path):
         read_log(tmp_path / "T4.bin", Arm())
 
 
+@pytest.mark.slow
 @needs_real_data
 @pytest.mark.parametrize(
     ("name", "rate", "seconds"), list(zip(NAMES, (300, 200, 200), (74.99, 9.986, 9.986), strict=True))

@@ -115,6 +115,7 @@ def mujoco_arm(arm):
     return terms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("oracle", [pinocchio_arm, mujoco_arm])
 @settings(max_examples=100)
 @given(arm=links(), seed=seeds)
@@ -209,6 +210,7 @@ def test_energy_is_conserved_without_friction():
     np.testing.assert_allclose(total, energy(ARM, start[:2], start[2:]), rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_energy_grows_by_the_work_of_the_torque_less_that_of_friction():
     viscous, coulomb = np.array([0.05, 0.02]), np.array([0.3, 0.1])
     beta = np.concatenate([inertial_from_links(ARM), viscous, coulomb])

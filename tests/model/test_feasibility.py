@@ -33,6 +33,7 @@ def test_positive_definite_agrees_with_eigenvalues(i1, i2, i3):
     assert is_positive_definite(beta) == (smallest > 0.0)
 
 
+@pytest.mark.slow
 def test_positive_definite_agrees_with_eigenvalues_on_many_sets():
     beta = np.random.default_rng(0).uniform([0, -1.5, 0, -1, -1, 0, 0, 0, 0], [2, 1.5, 1, 1, 1, 1, 1, 1, 1], (4000, 9))
     expected = smallest_eigenvalue(beta) > 0.0

@@ -44,6 +44,7 @@ def test_inertia_and_gravity_follow_from_the_centres_of_mass(arm, q1, q2):
     np.testing.assert_allclose(gravity_torque(q, beta), gravity, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @given(arm=links(), factor=st.floats(0.1, 10.0))
 def test_gravity_scales_only_the_gravity_parameters(arm, factor):
     earth, elsewhere = inertial_from_links(arm), inertial_from_links(arm, factor * STANDARD_GRAVITY)

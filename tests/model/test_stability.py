@@ -73,6 +73,7 @@ def test_a_nearby_arm_does_not_reproduce_the_numbers():
         assert not all(reproduced(ARM * np.where(np.arange(9) == k, 1.002, 1.0)).values())
 
 
+@pytest.mark.slow
 @given(
     i1=st.floats(0.1, 0.3),
     l1=st.floats(0.05, 0.25),

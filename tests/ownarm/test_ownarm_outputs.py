@@ -107,6 +107,7 @@ def test_a_second_write_gives_the_same_bytes(tmp_path):
     assert tree(tmp_path / "one") == before
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
 @pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals"])
 @pytest.mark.parametrize("there", ["nothing", "an empty folder", "a result"])
@@ -135,6 +136,7 @@ def without_links(result):
     return replace(result, methods=changed)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
 @pytest.mark.parametrize("links_first", [True, False])
 def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, links_first):

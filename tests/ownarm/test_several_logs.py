@@ -36,6 +36,7 @@ def two():
     return result_of(told("a.csv", 0, delay=0.004), told("b.csv", 1, delay=-0.006, zero=0.08))
 
 
+@pytest.mark.slow
 def test_each_log_has_its_own_delay_and_faults(two):
     problem, result = two
     assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, -0.006], abs=1e-3)
@@ -58,6 +59,7 @@ def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
     assert not any("disagrees" in line for line in result.warnings)
 
 
+@pytest.mark.slow
 def test_intervals_of_both_are_narrower_than_of_one(two):
     _, alone = result_of(told("a.csv", 0, delay=0.004))
     widths = [
@@ -67,6 +69,7 @@ def test_intervals_of_both_are_narrower_than_of_one(two):
     assert np.median(np.divide(*widths)) < 1.0
 
 
+@pytest.mark.slow
 def test_a_log_of_another_arm_is_named():
     other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
     _, result = result_of(told("a.csv", 0), told("b.csv", 1), told("c.csv", 2), told("odd.csv", 3, beta=other))

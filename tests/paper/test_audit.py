@@ -211,6 +211,7 @@ TAMPERED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("numbers", "id_", "field", "expected"), TAMPERED)
 def test_a_changed_number_changes_the_finding(published, numbers, id_, field, expected):
     before, after = finding(published, id_), finding(published, id_, **numbers)

@@ -143,6 +143,7 @@ def test_an_extension_has_a_row_of_its_own_below_the_number():
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_every_published_number_of_the_papers_own_is_there_once(published, config, folder):
     rows = compute(published, config, Results(folder))
     assert tuple(rows.columns) == COLUMNS
@@ -162,6 +163,7 @@ def test_every_published_number_of_the_papers_own_is_there_once(published, confi
     assert set(known["tolerance_from"]) == {PRINT, SEEDS, NONE}
 
 
+@pytest.mark.slow
 def test_promises_follow_the_rule(claims, published):
     kinds = {number.id: number.kind for number in published}
     compared = ~claims["verdict"].isin([HARDWARE, CONTRADICTS, NOT_RUN])
@@ -171,6 +173,7 @@ def test_promises_follow_the_rule(claims, published):
     assert claims["must"].sum() > 150
 
 
+@pytest.mark.slow
 def test_only_numbers_of_the_bench_need_the_hardware(claims, published):
     kinds = {number.id: number.kind for number in published}
     needed = claims.index[claims["verdict"] == HARDWARE]
@@ -178,6 +181,7 @@ def test_only_numbers_of_the_bench_need_the_hardware(claims, published):
     assert 5 <= len(needed) <= 12 and not any(name.startswith("table") for name in needed)
 
 
+@pytest.mark.slow
 def test_every_setting_is_adopted_as_printed(claims):
     settings = claims[(claims["kind"] == "setting") & (claims["verdict"] != CONTRADICTS)]
     assert set(settings["verdict"]) == {REPRODUCED, NOT_RUN}
@@ -188,6 +192,7 @@ def test_every_setting_is_adopted_as_printed(claims):
     np.testing.assert_allclose(settings["ours"].astype(float), settings["published"].astype(float), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("section", "key", "value", "broken_id"),
     [
@@ -203,6 +208,7 @@ def test_another_setting_breaks_its_promise(published, config, folder, section, 
     assert broken_id in broken(rows)["id"].tolist()
 
 
+@pytest.mark.slow
 def test_arithmetic_and_the_appendix_come_out(claims):
     for name in ("section3/encoder-step", "section3/logic-share", "section3/position-turns", "section3/torque-unit"):
         assert claims.loc[name, "verdict"] == REPRODUCED, name
@@ -212,6 +218,7 @@ def test_arithmetic_and_the_appendix_come_out(claims):
     assert claims.loc["section3/memory-share", "ours"] == pytest.approx(100 * 8192 * 2 * 32 / 608256)
 
 
+@pytest.mark.slow
 def test_numbers_of_the_results_are_where_they_belong(claims):
     assert claims.loc["section5a/loss", "ours"] == LOSS and claims.loc["section5a/loss", "verdict"] == BETTER
     row = claims.loc["table10/T1/least-squares/total/joint1"]
@@ -228,6 +235,7 @@ def test_numbers_of_the_results_are_where_they_belong(claims):
     assert simulated["note"].str.contains("simulated").all() and len(simulated) == 60 + 2 * 10 + 2 + 3 * 3
 
 
+@pytest.mark.slow
 def test_a_result_that_scatters_reproduces_nothing(published, config, folder):
     """Twice the spread would let 40 % pass for 93.91 %."""
     path = folder / "validation" / "experiment.csv"
@@ -245,6 +253,7 @@ def test_a_result_that_scatters_reproduces_nothing(published, config, folder):
     assert "scatters over the seeds by 30.0" in row["note"]
 
 
+@pytest.mark.slow
 def test_a_parameter_nearer_the_truth_is_better(claims, config):
     for case in NUMERIC:
         table = "table04" if case in NUMERIC[:2] else "table05"
@@ -255,6 +264,7 @@ def test_a_parameter_nearer_the_truth_is_better(claims, config):
             assert row["verdict"] == (REPRODUCED if within else BETTER if nearer else DIFFERS)
 
 
+@pytest.mark.slow
 def test_statements_about_all_cases_hold_for_the_worst_or_the_best(published, config, folder):
     path = folder / "tables" / "table10.csv"
     table = pd.read_csv(path)
@@ -268,6 +278,7 @@ def test_statements_about_all_cases_hold_for_the_worst_or_the_best(published, co
     assert rows.loc["abstract/experimental/total", "verdict"] == DIFFERS
 
 
+@pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, published):
     contradicted = claims[claims["verdict"] == CONTRADICTS]
     assert set(contradicted.index) == {
@@ -304,6 +315,7 @@ def test_the_extension_must_reach_the_published_number_without_a_tolerance(publi
     assert set(found) == {name for name in MUST_REFINED if "numeric" not in name}
 
 
+@pytest.mark.slow
 def test_the_page_holds_every_number_under_its_place(published, config, folder):
     rows = compute(published, config, Results(folder))
     text = markdown(rows)
@@ -327,6 +339,7 @@ def test_a_missing_result_is_named(folder, name):
         Results(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "old", "new", "named"),
     [

@@ -136,6 +136,7 @@ def test_search_table_is_tidy(table):
     assert set(table["best_bandwidth"]) <= set(REDUCED["bandwidths"])
 
 
+@pytest.mark.slow
 def test_search_is_deterministic_and_depends_on_the_seed(table):
     again, other = search(3, **REDUCED), search(4, **REDUCED)
     assert table.equals(again)

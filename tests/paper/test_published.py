@@ -207,6 +207,7 @@ def test_a_missing_or_empty_file_is_refused_in_one_line(tmp_path, content):
 COMPARING = {"claims", "verify", "search_metric", "report", "exhibit"}
 
 
+@pytest.mark.slow
 def test_nothing_that_makes_results_reads_the_published_numbers(tmp_path):
     code, scripts = CodeDigests(tmp_path / "kept.json"), Path(repro.__file__).parents[2] / "workflow" / "scripts"
     computing = [path for path in scripts.glob("*.py") if path.stem not in COMPARING]

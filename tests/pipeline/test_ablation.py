@@ -26,6 +26,7 @@ CAPTURES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READINGS)
 def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     reading = READINGS[name]
@@ -52,6 +53,7 @@ def test_every_open_question_of_the_notes_has_a_reading():
         assert any(word in question for question in questions), word
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["label-physical", "recipe-paper"])
 def test_a_reading_is_trained_and_scored(name, tmp_path):
     weights = tmp_path / f"{name}.safetensors"

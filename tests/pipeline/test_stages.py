@@ -88,6 +88,7 @@ def refused(call, folder):
     return message
 
 
+@pytest.mark.slow
 def test_the_stages_leave_their_outputs_and_nothing_else(original):
     names = {"mean_torque.csv", "cnn.safetensors", "training.csv", "model-card.md", "numeric-seed1.json", "numeric.csv"}
     assert set(contents(original)) == names
@@ -111,6 +112,7 @@ def test_a_second_run_gives_the_same_bytes(original, tmp_path):
     assert [name for name in first if first[name] != second[name] and name != "model-card.md"] == []
 
 
+@pytest.mark.slow
 def test_a_figure_and_a_table_are_made_whole(original, tmp_path):
     history = [("history", str(original / "training.csv"))]
     make_exhibit(EXHIBITS["fig10"], history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})

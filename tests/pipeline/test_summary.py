@@ -78,6 +78,7 @@ def test_each_case_and_method_has_its_own_seed():
         assert chosen[key] == sorted(levels, key=levels.get)[1]
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6))
 def test_the_order_of_the_rows_does_not_matter(seed, count):
@@ -91,6 +92,7 @@ def test_the_order_of_the_rows_does_not_matter(seed, count):
         )
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.sampled_from(["ID", "validation"]))
 def test_a_row_is_one_seed_s_own_so_that_total_is_time_times_frequency(seed, count, trajectory):

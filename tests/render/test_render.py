@@ -1,5 +1,6 @@
 """Every figure and table: what is drawn is whole, readable, refused if wrong, and the same every time."""
 
+import io
 import itertools
 import os
 import re
@@ -16,6 +17,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
+from PIL import Image
+from pytest_regressions.image_regression import ImageRegressionFixture
 from render_examples import (
     FIGURES,
     FRAMES,
@@ -38,6 +41,10 @@ from repro.exhibits.make import draw, lay_out
 from repro.render import style
 
 pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Percent of all brightness: rounding moves a few pixels by a level; a line a tenth wider moves hundreds by tens.
+A_LEVEL = 2e-3
 
 
 @pytest.fixture(params=list(FIGURES))
@@ -65,8 +72,13 @@ def test_figures_are_the_same_whatever_the_users_settings(name: str, tmp_path: P
 
 
 @pytest.mark.parametrize("name", list(FIGURES))
-def test_figure_files_are_whole(name: str, tmp_path: Path) -> None:
+def test_figure_files_are_whole_and_look_as_they_did(
+    name: str, tmp_path: Path, image_regression: ImageRegressionFixture
+) -> None:
     pdf, png = drawn(tmp_path, name, FRAMES[name]())
+    small = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").reduce(4).save(small, "png", optimize=True)
+    image_regression.check(small.getvalue(), diff_threshold=A_LEVEL, basename=f"look-{name}")
     assert pdf.startswith(b"%PDF")
     assert b"CreationDate" not in pdf
     assert ("simulated" in words_of(pdf).lower()) == (name in SIMULATED)
@@ -172,6 +184,14 @@ def test_tables_are_well_formed(name: str, tmp_path: Path) -> None:
             assert len(re.findall(r"(?<!\\)&", line)) == len(columns) - 1
     rows = [line for line in md.splitlines() if line.startswith("|")]
     assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {len(columns) + 1}
+
+
+@pytest.mark.parametrize("name", list(LAYOUTS))
+def test_tables_of_the_reference_are_laid_out_as_they_are_kept(name: str, tmp_path: Path) -> None:
+    kept = ROOT / "docs" / "reference" / "tables"
+    assert laid_out(tmp_path, name, pd.read_csv(kept / f"{name}.csv", dtype=str, keep_default_na=False)) == tuple(
+        (kept / f"{name}.{kind}").read_text(encoding="utf-8") for kind in ("tex", "md")
+    )
 
 
 @pytest.mark.parametrize("name", list(LAYOUTS))

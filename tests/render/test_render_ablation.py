@@ -19,6 +19,7 @@ SHOWN = {
 }
 
 
+@pytest.mark.slow
 def test_marks_and_written_numbers_are_the_values_given() -> None:
     frame = FRAMES["ablation"]()
     figure = made("ablation", frame)

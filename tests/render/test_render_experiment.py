@@ -48,6 +48,7 @@ def test_tables_say_that_they_are_simulated(name: str, tmp_path: Path) -> None:
     assert "simulated" in md.splitlines()[0]
 
 
+@pytest.mark.slow
 def test_methods_look_the_same_everywhere_and_are_told_apart() -> None:
     assert tuple(result_tables.METHODS) == style.METHODS
     assert style.STROKES.keys() == style.SERIES_LABELS.keys()
@@ -68,6 +69,7 @@ def test_methods_look_the_same_everywhere_and_are_told_apart() -> None:
     assert len(marks) == len(style.METHODS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMPARED)
 @pytest.mark.parametrize("chosen", [("true",), ("least-squares", "algorithm1"), style.METHODS])
 def test_any_methods_are_compared_in_one_order(name: str, chosen: tuple[str, ...]) -> None:
@@ -138,6 +140,7 @@ def test_each_motion_has_its_own_band_and_nothing_large_is_left_out() -> None:
         assert (beyond["y"].abs() < 0.05 * rows["y"].abs().max()).all()
 
 
+@pytest.mark.slow
 def test_spread_shows_every_run_its_median_and_what_was_published() -> None:
     frame = FRAMES["spread"]()
     figure = made("spread", frame)

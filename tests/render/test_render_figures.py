@@ -76,6 +76,7 @@ def test_long_lines_stay_light(tmp_path: Path) -> None:
     assert len(pdf) < 60_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "spoil", "words"),
     [

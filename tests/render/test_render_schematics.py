@@ -74,6 +74,7 @@ def test_boxes_stand_apart_and_within_the_figure(name: str) -> None:
         assert apart > 0.05, (one, other)
 
 
+@pytest.mark.slow
 def test_words_stay_within_their_box(name: str) -> None:
     figure = made(name, FRAMES[name]())
     FigureCanvasAgg(figure).draw()
@@ -113,6 +114,7 @@ def test_no_label_of_an_arrow_lies_on_a_line(name: str) -> None:
         assert not any(inside(point, held, 0.004) for point in points), text.get_text()
 
 
+@pytest.mark.slow
 def test_what_is_only_inferred_looks_different(name: str) -> None:
     frame = FRAMES[name]()
     assert set(frame["basis"]) <= set(BASES)
@@ -147,6 +149,7 @@ def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
     assert used <= set(FRAMES["fig01"]()["symbol"])
 
 
+@pytest.mark.slow
 def test_hardware_has_the_blocks_buses_and_figures_of_the_text(tmp_path: Path) -> None:
     frame = FRAMES["fig02"]()
     blocks = set(frame.loc[frame["element"] == "box", "name"])

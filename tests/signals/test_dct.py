@@ -35,6 +35,7 @@ def cosine(k, n):
     return np.cos(np.pi * k * (2 * np.arange(n) + 1) / (2 * n))
 
 
+@pytest.mark.slow
 @given(seed=seeds, n=st.integers(1, 24))
 def test_spectrum_is_eq5(seed, n):
     x = np.random.default_rng(seed).normal(size=n)

@@ -46,6 +46,7 @@ def motions():
 states = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(lambda v: np.reshape(v, (3, 2)))
 
 
+@pytest.mark.slow
 @given(start=states, end=states, duration=st.floats(0.1, 10.0))
 def test_quintic_meets_both_states(start, end, duration):
     """Fit a fifth-degree polynomial through samples, and read its ends."""

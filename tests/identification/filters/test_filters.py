@@ -95,6 +95,7 @@ def test_derivatives_keep_the_phase(name, frequency):
         assert abs(np.angle(response(name, frequency, 5.0, order=order) / 1j**order)) < 1e-9
 
 
+@pytest.mark.slow
 @every_filter
 @given(st.floats(-100.0, 100.0, allow_subnormal=False), st.floats(1.0, 20.0))
 def test_a_constant_is_kept_and_stands_still(name, level, cutoff):

@@ -68,6 +68,7 @@ def test_the_same_input_gives_the_same_bytes_and_is_left_alone(name):
         assert [array.tobytes() for array in arrays] == before
 
 
+@pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("factor", [1e-4, 0.1, 3.0, 50.0, 3000.0])
 def test_stronger_torque_is_a_stronger_arm(name, factor):
@@ -111,6 +112,7 @@ def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
         assert (beta[[5 + joint, 7 + joint]] == 0.0).all(), (name, beta)
 
 
+@pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("joint", [0, 1])
 def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):

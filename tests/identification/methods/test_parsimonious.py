@@ -46,6 +46,7 @@ def sines(seed, pace, viscous, noise, n=400):
     return problem(y, y @ beta + noise * rng.normal(size=(2, n)))
 
 
+@pytest.mark.slow
 @given(seeds)
 @settings(max_examples=30)
 def test_without_penalty_it_is_consistent(seed):
@@ -83,6 +84,7 @@ def test_viscous_friction_that_shows_is_kept(seed):
     np.testing.assert_allclose(found[5:7], (0.3, 0.2), rtol=0.1)
 
 
+@pytest.mark.slow
 def test_viscous_friction_that_a_slow_motion_cannot_show_is_dropped():
     """Truth has none; Coulomb friction of 0.2 and 0.15 N m explains it all."""
     dropped, unshrunk = [], []
