@@ -5,17 +5,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.fpga.recorded import samples
 from repro.logs.armfile import Arm
-from repro.logs.checks import check_signals, check_time
+from repro.logs.checks import FEWEST, check_signals, check_time
 from repro.logs.header import SIMULATED, find_columns
 from repro.logs.log import Log
-from repro.logs.table import read_table
+from repro.logs.table import Table, in_words, read_table
 from repro.logs.uniform import longest_stretch
-from repro.logs.units import Signal, si_factor
+from repro.logs.units import KINDS, Signal, si_factor
 from repro.model.parameters import Array
 
 #: Steps within this of a full turn are the wrap of an angle, as a share of the turn.
@@ -72,18 +73,41 @@ def _from_table(path: Path, arm: Arm) -> Log:
     """A CSV table in SI, signs and zeros as recorded."""
     table = read_table(path)
     columns, notes = find_columns(table.header, arm, table.file)
-    recorded = {signal: table.numbers(column.index) for signal, column in columns.items()}
+    values, more = table.numbers([column.index for column in columns.values()])
+    kept, told = _full_rows(table, list(columns), values)
+    notes = (*table.notes, *more, *notes, *told)
+    recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
     si = {signal: si_factor(signal, str(columns[signal].unit), arm) * values for signal, values in recorded.items()}
     time = si["time"]
-    check_time(time, recorded["time"], str(columns["time"].unit), table.file, table.lines)
+    check_time(time, recorded["time"], str(columns["time"].unit), table.file, [table.lines[k] for k in kept])
     if time[0] != 0.0:
         notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
     pairs: Sequence[tuple[Signal, Signal]] = (("q1", "q2"), ("tau1", "tau2"), ("dq1", "dq2"))
-    q, tau, dq = (np.stack([si[a], si[b]]) if a in si else None for a, b in pairs)
+    q, tau, dq = (np.stack([si[a], si[b]]) if a in si and b in si else None for a, b in pairs)
     assert q is not None
     assert tau is not None
-    simulated = SIMULATED in table.header and bool(np.any(table.numbers(table.header.index(SIMULATED)) != 0.0))
+    simulated = SIMULATED in table.header and bool(np.any(table.numbers([table.header.index(SIMULATED)])[0] != 0.0))
     return Log(path.name, time - time[0], q, tau, dq, notes, simulated)
+
+
+def _full_rows(table: Table, signals: Sequence[Signal], values: Array) -> tuple[NDArray[np.intp], list[str]]:
+    """Rows without an empty cell that are no copy of the row before, and what is said of the others."""
+    needed = [KINDS[signal] != "velocity" for signal in signals]
+    empty = np.isnan(values[needed]).any(0)
+    kept, notes = np.flatnonzero(~empty), []
+    if kept.size < min(FEWEST, empty.size):
+        found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows"
+        row = int(np.argmax(empty))
+        raise InputError.at(f"{table.file}: line {table.lines[row]}", found, f"at least {FEWEST} full rows")
+    full = values[:, kept]
+    copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
+    for rows, words in ((np.flatnonzero(empty), "with empty cells"), (kept[copies], "equal to the one before")):
+        if rows.size:
+            plural, lines = "s" * (rows.size > 1), in_words([table.lines[k] for k in rows])
+            notes.append(f"{rows.size} row{plural} {words} left out: {lines}")
+    if np.isnan(full).any():
+        notes.append("velocity is ignored, because it has empty cells of its own")
+    return kept[~copies], notes
 
 
 def _to_eq1(log: Log, arm: Arm) -> Log:
