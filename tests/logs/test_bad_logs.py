@@ -121,7 +121,7 @@ REFUSED = [
     ("absurd position", cell("q1", 900, "-1e300"), {}, "position: found 1e+300 rad, expected at most 1e+06 rad"),
     ("absurd torque", cell("tau1", 900, "1e200"), {}, "torque: found 1e+200 N m"),
     ("absurd time", cell("time", 2399, "1e300"), {}, "time: found 1e+300 s"),
-    ("a burst and a pause", rows(np.r_[:199, 2399]), {}, "time: found 1 gaps of up to 11 s, 0.99 s (199 samples)"),
+    ("a burst and a pause", rows(np.r_[:199, 2399]), {}, "time: found 1 gap of up to 11 s, 0.99 s (199 samples)"),
     ("10 samples", rows(slice(10)), {}, "found 10 samples, expected at least 200"),
     ("1 s", rows(slice(250)), {}, "found 1.25 s, expected at least 2 s"),
     ("backward time", TIME_BACK, {}, "line 1002, time: found 4.98 s after 4.995 s, expected time that increases"),

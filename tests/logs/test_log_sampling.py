@@ -16,6 +16,7 @@ from repro.logs.saturation import saturated_share
 from repro.logs.uniform import uniform
 
 GOOD = recording()
+SIGNALS = ("q", "dq", "tau")
 
 
 @settings(max_examples=20)
@@ -57,15 +58,23 @@ def test_short_gaps_are_bridged_and_told():
     assert dict(describe(without(1000, 1005), Arm()).facts)["gaps"] == "1, 5 samples missing, the longest 30 ms"
 
 
-def test_the_longest_stretch_without_a_long_gap_is_kept():
+def test_a_long_gap_splits_the_log():
     log = uniform(without(1000, 1010))
-    assert log.notes == (
-        "1 gaps of up to 0.055 s; used are the 6.945 s from 5.05 s on, the longest stretch without one",
-    )
-    np.testing.assert_allclose(log.t, GOOD.t[: 2400 - 1010], atol=1e-9)
-    np.testing.assert_allclose(log.q, GOOD.q[:, 1010:], atol=1e-12)
-    np.testing.assert_allclose(log.dq, GOOD.dq[:, 1010:], atol=1e-12)
-    with pytest.raises(InputError, match=r"log\.csv: time: found 1 gaps of up to 8\.5 s, 1\.99 s"):
+    assert log.notes == ("1 gap of up to 0.055 s: the log is used in 2 pieces of 4.995, 6.945 s",)
+    keep = np.r_[0:1000, 1010:2400]
+    assert_same(log, dataclasses.replace(GOOD, t=GOOD.t[keep], **{k: getattr(GOOD, k)[:, keep] for k in SIGNALS}))
+    assert [piece.t.size for piece in log.pieces] == [1000, 1390]
+    assert log.longest.t[0] == GOOD.t[1010]
+    assert uniform(log) is log
+
+
+def test_pieces_that_are_too_short_are_left_out():
+    log = uniform(without(300, 1000))
+    assert log.notes == ("1 gap of up to 3.5 s: the log is used in 1 piece of 6.995 s; 1 too short, left out",)
+    assert log.breaks == ()
+    np.testing.assert_allclose(log.t, GOOD.t[1000:], atol=1e-9)
+    np.testing.assert_allclose(log.tau, GOOD.tau[:, 1000:], atol=1e-12)
+    with pytest.raises(InputError, match=r"log\.csv: time: found 1 gap of up to 8\.5 s, 1\.99 s"):
         uniform(without(300, 2000))
 
 
@@ -76,6 +85,17 @@ def test_samples_close_together_do_no_harm():
     log = uniform(log_of(noisy))
     assert "20 samples less than 1.2 ms after another are left out" in log.notes
     np.testing.assert_allclose(log.q, GOOD.q, atol=1e-3)
+
+
+def test_each_piece_is_made_even_on_its_own():
+    t = GOOD.t + np.where(np.arange(2400) < 1000, 0.0, 1.2345)  # the clock goes on while nothing is recorded
+    t += 0.001 * np.random.default_rng(0).uniform(-1, 1, t.size)
+    log = uniform(log_of(recording(t)))
+    assert "resampled to an even" in log.notes[-1]
+    truth = recording(t[0] + log.t)
+    for piece in log.pieces:
+        assert np.ptp(np.diff(piece.t)) < 1e-9
+    assert_same(log, dataclasses.replace(truth, t=log.t), q=2e-5, dq=1e-2, tau=0.2)
 
 
 @given(step=st.sampled_from([2 * np.pi / 8400, 2 * np.pi / 16384, 1e-3]), digits=st.integers(6, 12))

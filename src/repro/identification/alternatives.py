@@ -94,9 +94,12 @@ BEYOND: dict[str, Columns] = {
 
 def columns_of(make: Columns, log: Log, settings: FilterSettings, beta: Array) -> Array:
     """Columns of the kept samples through the filters of the regressor, shape (2, n, k)."""
-    h, (n, keep) = period(log), kept(log, settings)
-    made = make(motion(log.q[:, :n], h, settings), beta, settings.friction_steepness)
-    return narrow(made, h, settings)[:, keep]
+    columns = []
+    for piece in log.pieces:
+        h, (n, keep) = period(piece), kept(piece, settings)
+        made = make(motion(piece.q[:, :n], h, settings), beta, settings.friction_steepness)
+        columns.append(narrow(made, h, settings)[:, keep])
+    return np.concatenate(columns, axis=1)
 
 
 def without(regression: Regression, columns: Array) -> Regression:

@@ -64,7 +64,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Parameters
     ----------
     log : Log
-        Uniformly sampled.
+        Uniformly sampled; of several pieces the longest is looked at.
     settings : FilterSettings
         Filter; its own cut-off is not used.
 
@@ -73,6 +73,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Cutoff
         Between 1 and 10 Hz, but at most a tenth of the sampling rate.
     """
+    log = log.longest
     rate = 1.0 / period(log)
     highest = min(HIGHEST, rate / 10.0)
     segment = min(round(SEGMENT * rate), log.t.size // 4)

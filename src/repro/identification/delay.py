@@ -13,6 +13,7 @@ from repro.identification.correlation import correlation_time
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.solve import solve
 from repro.logs.log import Log
+from repro.model.parameters import Array
 
 #: Delays looked at, s.
 REACH = 0.02
@@ -34,14 +35,9 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     tuple of 2 floats
         Delay, at most `REACH` to either side, and its standard error, s.
     """
-    plain = prepare(log, replace(settings, delay=0.0))
-    t = plain.t
     late = np.linspace(-REACH, REACH, POINTS)
-    inside = slice(*np.searchsorted(t, [t[0] + REACH, t[-1] - REACH]))
-    y = plain.y[:, inside]
-    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
-    curve_of = CubicSpline(fine.t, fine.tau, axis=-1)
-    tau = np.stack([curve_of(t[inside] - d) for d in late])
+    pieces = [_delayed(piece, settings, late) for piece in log.pieces]
+    y, tau, h = np.concatenate([y for y, _, _ in pieces], 1), np.concatenate([x for _, x, _ in pieces], 2), pieces[0][2]
     left = np.stack([x - y @ solve(y, x) for x in tau])
     error = np.sum(left**2, axis=(1, 2))
     best = int(np.clip(error.argmin(), 1, POINTS - 2))
@@ -49,6 +45,16 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     if curve <= 0.0:
         return float(late[error.argmin()]), REACH
     # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
-    independent = left[best].size * plain.h / correlation_time(left[best], plain.h)
+    independent = left[best].size * h / correlation_time(left[best], h)
     spread = float(np.sqrt(error.min() / independent / curve))
     return float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH)), min(spread, REACH)
+
+
+def _delayed(log: Log, settings: FilterSettings, late: Array) -> tuple[Array, Array, float]:
+    """Regressor of a piece of a log, its torque with each delay, shape (len(late), 2, n), and time between samples."""
+    plain = prepare(log, replace(settings, delay=0.0))
+    t = plain.t
+    inside = slice(*np.searchsorted(t, [t[0] + REACH, t[-1] - REACH]))
+    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
+    curve_of = CubicSpline(fine.t, fine.tau, axis=-1)
+    return plain.y[:, inside], np.stack([curve_of(t[inside] - d) for d in late]), plain.h

@@ -5,7 +5,7 @@ was; then each column of the regressor and the torque go through the narrow one 
 keeps their relation exactly because it is linear. The torque also goes through the wide filter, as the motion did.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 
 from repro.identification.filters.interface import FILTERS
-from repro.identification.regression import Regression
+from repro.identification.regression import Regression, joined
 from repro.logs.log import Log
 from repro.logs.speed import period
 from repro.model.dynamics import LAMBDA, regressor
@@ -117,7 +117,7 @@ def kept(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:
-    """Filter, cut and thin out.
+    """Filter, cut and thin out, each piece of the log on its own.
 
     Parameters
     ----------
@@ -136,6 +136,12 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     ValueError
         If nothing is left between the cuts.
     """
+    parts = [_piece(piece, settings) for piece in log.pieces]
+    return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
+
+
+def _piece(log: Log, settings: FilterSettings) -> Regression:
+    """Regression of a log in one piece."""
     h = period(log)
     n, keep = kept(log, settings)
     time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]

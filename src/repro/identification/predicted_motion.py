@@ -5,6 +5,8 @@ the parameters; so the model starts anew from the recorded state at the beginnin
 is that within windows.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from repro.identification.parallel import FilterSettings, motion
@@ -69,22 +71,23 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> A
     """Median over the windows of the RMS position error, shape (m, 2); all of them are simulated side by side."""
     h = period(log)
     margin = max(round(settings.cut / h), 1)
-    q, dq, _ = motion(log.q, h, settings)
+    moved = [motion(piece.q, h, settings) for piece in log.pieces]
+    q, dq, _ = (np.concatenate(signal, axis=1) for signal in zip(*moved, strict=True))
     length = max(round(WINDOW / h), 1)
-    starts = np.arange(margin, log.t.size - margin - length, length)
+    edges = pairwise((0, *log.breaks, log.t.size))
+    starts = np.concatenate([np.arange(begin + margin, end - margin - length, length) for begin, end in edges])
     if not starts.size:
         return np.full((len(betas), 2), np.nan)
     starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MOST_WINDOWS)).astype(int)]
     parameters = betas[:, None, :]
     shape = (len(betas), starts.size, 2)
     x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
-    grid = log.t[0] + h * np.arange(log.t.size)
     squares = np.zeros(shape)
     with np.errstate(over="ignore", invalid="ignore"):
         for k in range(length):
             # The torque in the middle of the step: a drive that holds each sample has a delay of half a period.
-            at = grid[starts + k] + 0.5 * h - settings.delay
-            held = np.broadcast_to(np.stack([np.interp(at, grid, joint) for joint in log.tau], -1), shape)
+            at = log.t[starts + k] + 0.5 * h - settings.delay
+            held = np.broadcast_to(np.stack([np.interp(at, log.t, joint) for joint in log.tau], -1), shape)
             for _ in range(parts):
                 x, v = _step(x, v, held, parameters, h / parts, settings.friction_steepness)
             if not (np.isfinite(x).all() and np.isfinite(v).all()):

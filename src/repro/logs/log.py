@@ -1,6 +1,7 @@
 """A recording of a two-joint arm in SI units."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from repro.model.parameters import Array
 
@@ -27,6 +28,8 @@ class Log:
         Whether it comes from the simulated board.
     torque_limit : array of shape (2,) or None
         Largest torque the drives can give, N m, where it is known.
+    breaks : tuple of int
+        Samples that begin a new piece behind a long gap, of a log that was made even.
     """
 
     name: str
@@ -37,3 +40,22 @@ class Log:
     notes: tuple[str, ...] = ()
     simulated: bool = False
     torque_limit: Array | None = None
+    breaks: tuple[int, ...] = ()
+
+    def piece(self, begin: int, end: int) -> "Log":
+        """The samples from one number to before another."""
+        cut = slice(begin, end)
+        dq = None if self.dq is None else self.dq[:, cut]
+        return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=())
+
+    @property
+    def pieces(self) -> tuple["Log", ...]:
+        """What is between the breaks; a log without is one piece."""
+        if not self.breaks:
+            return (self,)
+        return tuple(self.piece(*edges) for edges in pairwise((0, *self.breaks, self.t.size)))
+
+    @property
+    def longest(self) -> "Log":
+        """The piece with the most samples."""
+        return max(self.pieces, key=lambda piece: piece.t.size)

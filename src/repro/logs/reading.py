@@ -15,7 +15,7 @@ from repro.logs.checks import FEWEST, check_signals, check_time
 from repro.logs.header import SIMULATED, find_columns
 from repro.logs.log import Log
 from repro.logs.table import Table, in_words, read_table
-from repro.logs.uniform import longest_stretch
+from repro.logs.uniform import stretches
 from repro.logs.units import KINDS, Signal, si_factor
 from repro.model.parameters import Array
 
@@ -51,7 +51,7 @@ def read_log(path: Path, arm: Arm) -> Log:
     limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
     log = replace(_to_eq1(raw, arm), torque_limit=limit)
     check_signals(log, str(path))
-    longest_stretch(log)  # refuses a log that is all gaps
+    stretches(log)  # refuses a log that is all gaps
     return log
 
 

@@ -191,7 +191,7 @@ def _percent(fit: _Fit) -> str:
 
 def _smooth(log: Log) -> _Smooth:
     """Zero-phase low-pass, differences, and every so many samples without the ends."""
-    even = uniform(log)
+    even = uniform(log).longest
     h = period(even)
     sections = butter(2, min(_CUTOFF * 2.0 * h, 0.8), output="sos")
     q, tau = (sosfiltfilt(sections, signal, axis=1) for signal in (even.q, even.tau))

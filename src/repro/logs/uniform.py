@@ -1,4 +1,4 @@
-"""A recording at evenly spaced instants: jitter is interpolated away, short gaps are bridged, long ones cut."""
+"""A recording at evenly spaced instants: jitter is interpolated away, short gaps are bridged, long ones split it."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -40,7 +40,7 @@ def missing_samples(log: Log) -> Array:
 
 
 def uniform(log: Log) -> Log:
-    """Resample to the typical period.
+    """Resample to the typical period, each piece between long gaps on its own.
 
     Parameters
     ----------
@@ -50,43 +50,35 @@ def uniform(log: Log) -> Log:
     Returns
     -------
     Log
-        Evenly spaced; notes say what was done. `log` itself if it is evenly spaced.
+        Evenly spaced but for its breaks; notes say what was done. `log` itself if it is evenly spaced.
 
     Raises
     ------
     InputError
         If no stretch without a long gap is long enough.
     """
-    piece, notes = longest_stretch(log)
-    n, h = piece.t.size, period(piece)
-    even = _line(piece.t)
-    deviation = float(np.abs(piece.t - even).max())
-    step = _resolution(piece.t)
-    if deviation <= _EVEN * h:
-        return log if piece is log else replace(piece, notes=(*log.notes, *notes))
-    if deviation <= 1.01 * step:
-        rate = (n - 1) / (even[-1] - even[0])
-        notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
-        return replace(piece, t=even - even[0], notes=(*log.notes, *notes))
-    bridged = int(missing_samples(piece).sum())
+    if log.breaks:
+        return log
+    pieces, notes = stretches(log)
+    made = [_even(piece) for piece in pieces]
+    if len(made) == 1 and made[0][0] is log:
+        return log
+    bridged = sum(int(missing_samples(piece).sum()) for piece in pieces)
     if bridged:
         notes.append(f"{bridged} missing samples are bridged by interpolation")
-    kept = _apart(piece.t, _TOO_CLOSE * h)
-    if kept.size < n:
-        notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
-    last = piece.t[kept[-1]]
-    t = np.asarray(h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1), dtype=np.float64)
-    at = np.minimum(piece.t[0] + t, last)
-    # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
-    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
-    tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
-    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
-    notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
-    return replace(piece, t=t, q=q, tau=tau, dq=dq, notes=(*log.notes, *notes))
+    notes += max(made, key=lambda one: one[0].t.size)[1]
+    even = [one for one, _ in made]
+
+    def beside(name: str) -> Array:
+        return np.concatenate([getattr(one, name) for one in even], axis=-1)
+
+    breaks = tuple(int(n) for n in np.cumsum([one.t.size for one in even[:-1]]))
+    dq, t = None if log.dq is None else beside("dq"), beside("t") - log.t[0]
+    return replace(log, t=t, q=beside("q"), tau=beside("tau"), dq=dq, breaks=breaks, notes=(*log.notes, *notes))
 
 
-def longest_stretch(log: Log) -> tuple[Log, list[str]]:
-    """Cut a log to its longest stretch without a long gap.
+def stretches(log: Log) -> tuple[list[Log], list[str]]:
+    """Pieces of a log between its long gaps.
 
     Parameters
     ----------
@@ -95,33 +87,58 @@ def longest_stretch(log: Log) -> tuple[Log, list[str]]:
 
     Returns
     -------
-    stretch : Log
-        `log` itself if it has no long gap.
+    pieces : list of Log
+        Those that are long enough; `log` itself if it has no long gap.
     notes : list of str
-        What was left out.
+        How many there are, and how long.
 
     Raises
     ------
     InputError
-        If the stretch is too short.
+        If none is long enough.
     """
-    breaks = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
-    if not breaks.size:
-        return log, []
-    edges = [0, *(int(k) + 1 for k in breaks), log.t.size]
-    begin, end = max(pairwise(edges), key=lambda piece: log.t[piece[1] - 1] - log.t[piece[0]])
-    length = log.t[end - 1] - log.t[begin]
-    worst = float(np.diff(log.t).max())
-    if length < SHORTEST or end - begin < FEWEST:
-        found = f"{breaks.size} gaps of up to {worst:.3g} s, {length:.3g} s ({end - begin} samples) between them"
+    gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
+    if not gaps.size:
+        return [log], []
+    pieces = [log.piece(*edges) for edges in pairwise([0, *(int(k) + 1 for k in gaps), log.t.size])]
+    seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
+    used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
+    told = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
+    if not any(used):
+        samples = pieces[int(np.argmax(seconds))].t.size
+        found = f"{told}, {max(seconds):.3g} s ({samples} samples) between them"
         raise InputError.at(f"{log.name}: time", found, f"{SHORTEST:g} s ({FEWEST} samples) without a long gap")
-    note = (
-        f"{breaks.size} gaps of up to {worst:.3g} s; used are the {length:.4g} s from {log.t[begin]:.4g} s on, "
-        "the longest stretch without one"
-    )
-    cut = slice(begin, end)
-    dq = None if log.dq is None else log.dq[:, cut]
-    return replace(log, t=log.t[cut] - log.t[begin], q=log.q[:, cut], tau=log.tau[:, cut], dq=dq), [note]
+    lengths = ", ".join(f"{s:.4g}" for s, one in zip(seconds, used, strict=True) if one)
+    short = f"; {used.count(False)} too short, left out" if not all(used) else ""
+    note = f"{told}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
+    return [piece for piece, one in zip(pieces, used, strict=True) if one], [note]
+
+
+def _even(piece: Log) -> tuple[Log, list[str]]:
+    """A piece without long gaps at even times, and how that was done; itself if it is even."""
+    n, h = piece.t.size, period(piece)
+    notes: list[str] = []
+    even = _line(piece.t)
+    deviation = float(np.abs(piece.t - even).max())
+    step = _resolution(piece.t)
+    if deviation <= _EVEN * h:
+        return piece, notes
+    if deviation <= 1.01 * step:
+        rate = (n - 1) / (even[-1] - even[0])
+        notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
+        return replace(piece, t=piece.t[0] + even - even[0]), notes
+    kept = _apart(piece.t, _TOO_CLOSE * h)
+    if kept.size < n:
+        notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
+    last = piece.t[kept[-1]]
+    t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1)
+    at = np.minimum(t, last)
+    # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
+    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
+    tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
+    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
+    notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
+    return replace(piece, t=t, q=q, tau=tau, dq=dq), notes
 
 
 def _line(t: Array) -> Array:

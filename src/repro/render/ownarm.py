@@ -71,15 +71,17 @@ def overlay(signals: Signals, methods: Sequence[str], titles: Mapping[str, str],
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
     grid = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios)
     start, end = _close_up(signals.t)
+    steps = np.diff(signals.t, prepend=signals.t[0])
+    there = np.where(steps > 3.0 * np.median(steps), np.nan, 1.0)  # no line crosses a gap of the log
     inside = (signals.t >= start) & (signals.t <= end)
     for column, (shown, drawn) in enumerate(((signals.t >= signals.t[0], methods[:1]), (inside, methods))):
         t = signals.t[shown]
         for joint in range(2):
             torque, residual = grid[2 * joint, column], grid[2 * joint + 1, column]
-            measured = signals.tau[joint, shown]
+            measured = (there * signals.tau[joint])[shown]
             torque.plot(t, measured, label="Measured", **style.STROKES["actual"])
             for method in drawn:
-                rebuilt = signals.rebuilt[method][joint, shown]
+                rebuilt = (there * signals.rebuilt[method][joint])[shown]
                 torque.plot(t, rebuilt, label=label(titles[method]), **stroke(titles, method))
                 residual.plot(t, measured - rebuilt, **stroke(titles, method))
     for joint, name in enumerate(JOINTS):
@@ -109,7 +111,7 @@ def _close_up(t: Array) -> tuple[float, float]:
     """Start and end of the close-up: the middle of the log, s."""
     length = float(t[-1] - t[0])
     part = min(max(_CLOSE_UP_PART * length, _CLOSE_UP_LEAST), length)
-    start = float(t[0]) + 0.5 * (length - part)
+    start = float(np.clip(np.median(t) - 0.5 * part, t[0], t[-1] - part))
     return start, start + part
 
 
