@@ -21,6 +21,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
     content = {
         "name": "pendulum",
         "columns": {"q1": "a", "tau2": "b"},
+        "topic": "/joint_states",
         "units": {"time": "ms", "position": "counts", "velocity": "rpm", "torque": "A"},
         "counts_per_turn": [8400, 4096.5],
         "torque_constant": [0.6, -0.5],

@@ -81,6 +81,8 @@ SPELLINGS = {
     "arm file wins": ("t [s]|q1 [rad]|q2|dq1|dq2|tau1 [furlong]|tau2", (1e3, DEGREE, 30 / np.pi, 1e3),
                       {"units": {"time": "ms", "position": "deg", "velocity": "rpm", "torque": "mN m"}}),
     "quoted": ('"time"|"q1 [rad]"|"q2_rad"|dq1|dq2|"tau1"|tau2', (1, 1, 1, 1), {}),
+    "effort": ("time|joint1.position|joint2.position|joint_1_velocity|joint_2_velocity|joint1.effort|effort2",
+               (1, 1, 1, 1), {}),
     "measured": ("time|pos_meas1|pos_meas2|q1_dot|q2_dot|tau_meas1|tau2_measured", (1, 1, 1, 1), {}),
 }  # fmt: skip
 

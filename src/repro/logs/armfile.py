@@ -33,6 +33,8 @@ class Arm:
         Name of the arm.
     columns : mapping
         Header of the column that holds ``time``, ``q1``, ``q2``, ``dq1``, ``dq2``, ``tau1`` or ``tau2``.
+    topic : str or None
+        Topic of a bag that holds the joint states; None for the only one.
     units : mapping
         Unit of ``time``, ``position``, ``velocity`` or ``torque``; it wins over the header's.
     counts_per_turn : tuple of 2 floats or None
@@ -67,6 +69,7 @@ class Arm:
 
     name: str = "arm"
     columns: Mapping[str, str] = field(default_factory=dict)
+    topic: str | None = None
     units: Mapping[str, str] = field(default_factory=dict)
     counts_per_turn: Pair | None = None
     torque_constant: Pair | None = None

@@ -12,7 +12,7 @@ from repro.logs.units import KINDS, SPELLINGS, Kind, Signal, si_unit, squeeze, u
 
 _POSITION = ("q", "pos", "position", "theta", "angle")
 _VELOCITY = ("dq", "qd", "qdot", "dotq", "vel", "velocity", "dtheta", "thetadot", "omega", "speed")
-_TORQUE = ("tau", "torque", "trq", "u")
+_TORQUE = ("tau", "torque", "effort", "trq", "u")
 _CURRENT = ("current", "cur")
 _PWM = ("pwm",)
 _JOINT_NAMES = ("shoulder", "elbow")

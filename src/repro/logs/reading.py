@@ -11,6 +11,7 @@ from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.fpga.recorded import samples
 from repro.logs.armfile import Arm
+from repro.logs.bag import is_bag, read_bag
 from repro.logs.checks import FEWEST, check_signals, check_time
 from repro.logs.header import SIMULATED, find_columns
 from repro.logs.log import Log
@@ -29,7 +30,7 @@ def read_log(path: Path, arm: Arm) -> Log:
     Parameters
     ----------
     path : Path
-        Capture ``NAME.bin`` with its sidecar, or else a CSV table.
+        Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table.
     arm : Arm
         What the recording means where it does not say so itself. Columns and units are not for captures.
 
@@ -45,8 +46,8 @@ def read_log(path: Path, arm: Arm) -> Log:
         increase, the recording is too short, the arm does not move, a torque tells nothing, or gaps leave no
         stretch that is long enough.
     """
-    if path.is_dir():
-        raise InputError.at(str(path), "a folder", "a CSV table, or a capture NAME.bin")
+    if path.is_dir() and not is_bag(path):
+        raise InputError.at(str(path), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
     raw = _from_capture(path) if path.suffix == ".bin" else _from_table(path, arm)
     limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
     log = replace(_to_eq1(raw, arm), torque_limit=limit)
@@ -70,8 +71,8 @@ def _from_capture(path: Path) -> Log:
 
 
 def _from_table(path: Path, arm: Arm) -> Log:
-    """A CSV table in SI, signs and zeros as recorded."""
-    table = read_table(path)
+    """A table or bag in SI, signs and zeros as recorded."""
+    table = read_bag(path, arm.topic) if is_bag(path) else read_table(path)
     columns, notes = find_columns(table.header, arm, table.file)
     values, more = table.numbers([column.index for column in columns.values()])
     kept, told = _full_rows(table, list(columns), values)

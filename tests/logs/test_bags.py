@@ -1,0 +1,138 @@
+"""ROS 2 bags: joint states read as the same numbers in a CSV file do."""
+
+import sqlite3
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_example import RATE, assert_same, columns, recording, text
+
+from repro.errors import InputError
+from repro.logs.armfile import Arm
+from repro.logs.reading import read_log
+
+GOOD = recording(np.arange(600) / RATE)
+START = 1_700_000_000_123_456_789
+
+
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+typesys = pytest.importorskip("rosbags.typesys")
+STORE = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+JointState, Header, Time = (
+    STORE.types[name] for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+)
+
+
+def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True):
+    """Messages of a recording, each with the time at which it is received, ns."""
+    nothing = np.zeros(0)
+    for k, t in enumerate(r.t):
+        at = START + round(1e9 * t)
+        stamp = Time(*divmod(at, 10**9)) if stamped else Time(0, 0)
+        dq = r.dq[:, k].copy() if velocity else nothing
+        yield (
+            at + (250_000_000 if stamped else 0),  # received late
+            JointState(Header(stamp, ""), list(names), r.q[:, k].copy(), dq, r.tau[:, k].copy()),
+        )
+
+
+def write(folder, topics, storage="MCAP"):
+    with rosbag2.Writer(folder, version=9, storage_plugin=rosbag2.StoragePlugin[storage]) as writer:
+        for topic, messages in topics.items():
+            to = writer.add_connection(topic, JointState.__msgtype__, typestore=STORE)
+            for at, message in messages:
+                writer.write(to, at, STORE.serialize_cdr(message, JointState.__msgtype__))
+    return folder
+
+
+def told(path, arm=None):
+    with pytest.raises(InputError) as caught:
+        read_log(path, arm or Arm())
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+@pytest.mark.parametrize("velocity", [True, False])
+def test_a_bag_and_a_table_of_the_same_numbers_are_the_same_log(tmp_path, storage, velocity):
+    folder = write(tmp_path / "arm", {"/joint_states": states(velocity=velocity)}, storage)
+    table = columns(GOOD)
+    if not velocity:
+        table = {name: values for name, values in table.items() if not name.startswith("d")}
+    (tmp_path / "log.csv").write_text(text(table, 17))
+    plain = read_log(tmp_path / "log.csv", Arm())
+    (file,) = (path for path in folder.iterdir() if path.suffix != ".yaml")
+    for path in (folder, file):
+        log = read_log(path, Arm())
+        assert log.name == path.name
+        np.testing.assert_allclose(log.t, plain.t, atol=1e-12)
+        for one, other in ((log.q, plain.q), (log.tau, plain.tau), (log.dq, plain.dq)):
+            np.testing.assert_array_equal(one, other)
+        assert log.notes[0] == "600 messages of /joint_states, counted as lines"
+
+
+def test_a_bag_of_a_recorder_that_kept_no_definitions(tmp_path):
+    folder = write(tmp_path / "arm", {"/joint_states": states()}, "SQLITE3")
+    with sqlite3.connect(folder / "arm.db3") as database:
+        database.execute("DELETE FROM message_definitions")
+    database.close()
+    assert_same(read_log(folder, Arm()), GOOD)
+
+
+def test_messages_without_stamps_and_of_other_joints(tmp_path):
+    gripper = states(recording(GOOD.t + 1e-3), ("finger", "thumb"), stamped=False)
+    mixed = sorted([*states(stamped=False), *gripper], key=lambda pair: pair[0])
+    log = read_log(write(tmp_path / "arm", {"/joint_states": mixed}), Arm())
+    assert_same(log, GOOD)
+    assert "the messages have no stamps; the times at which they were received are taken" in log.notes
+    assert any(note.startswith("600 rows with empty cells left out: lines 2, 4, 6") for note in log.notes)
+    assert any(note.startswith("columns ignored: finger.position") for note in log.notes)
+
+
+def test_joints_of_any_name_are_named_in_the_arm_file(tmp_path):
+    path = write(tmp_path / "arm", {"/joint_states": states(names=("a", "b"))})
+    assert "found the columns time, a.position, b.position, a.velocity" in told(path)
+    named = {"q1": "a.position", "q2": "b.position", "tau1": "a.effort", "tau2": "b.effort"}
+    assert_same(replace(read_log(path, Arm(columns=named)), dq=None), GOOD)
+
+
+def test_of_two_topics_the_arm_file_says_which(tmp_path):
+    path = write(tmp_path / "arm", {"/b": states(), "/a": states(recording(GOOD.t + 1.0))})
+    where = "topics of sensor_msgs/JointState: found /a, /b, expected "
+    assert told(path).endswith(where + "one, or the one to read, as topic in the arm file")
+    assert told(path, Arm(topic="/c")).endswith(where + "/c, as topic in the arm file")
+    assert_same(read_log(path, Arm(topic="/b")), GOOD)
+
+
+def test_bags_that_cannot_be_read(tmp_path):
+    assert told(tmp_path / "none.mcap").endswith("none.mcap: found no such file, expected a ROS 2 bag")
+    assert "topics of sensor_msgs/JointState: found none" in told(write(tmp_path / "empty", {}))
+    assert "/joint_states: found no messages" in told(write(tmp_path / "silent", {"/joint_states": ()}))
+    whole = (write(tmp_path / "arm", {"/joint_states": states()}) / "arm.mcap").read_bytes()
+    for content in (b"", b"no bag", whole[: len(whole) // 2]):
+        (tmp_path / "bad.mcap").write_bytes(content)
+        assert "expected a whole ROS 2 bag" in told(tmp_path / "bad.mcap")
+    (tmp_path / "metadata.yaml").write_text("- nothing\n")
+    assert "expected a whole ROS 2 bag" in told(tmp_path)
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
+    rng, content = np.random.default_rng(seed), bytearray(arm.read_bytes())
+    for place in rng.integers(0, len(content), 20):
+        content[place] = int(rng.integers(256))
+    damaged = arm.with_name("damaged.mcap")
+    damaged.write_bytes(content)
+    try:
+        assert np.isfinite(read_log(damaged, Arm()).q).all()
+    except InputError as error:
+        assert "\n" not in str(error)
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    """The file of a good bag."""
+    return write(tmp_path_factory.mktemp("bags") / "arm", {"/joint_states": states()}) / "arm.mcap"
