@@ -6,10 +6,12 @@ half, noise and what Eq. 1 leaves out move the torque more than the motion does.
 controller answers the noise of the position with torque, and the two then agree on nothing but noise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import coherence, welch
+from numpy.typing import NDArray
+from scipy.signal import csd
 
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.solve import solve
@@ -64,7 +66,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Parameters
     ----------
     log : Log
-        Uniformly sampled; of several pieces the longest is looked at.
+        Uniformly sampled.
     settings : FilterSettings
         Filter; its own cut-off is not used.
 
@@ -73,22 +75,28 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     Cutoff
         Between 1 and 10 Hz, but at most a tenth of the sampling rate.
     """
-    log = log.longest
     rate = 1.0 / period(log)
     highest = min(HIGHEST, rate / 10.0)
-    segment = min(round(SEGMENT * rate), log.t.size // 4)
-    frequency, density = welch(log.q, rate, window="blackmanharris", nperseg=segment, axis=-1)
+    segment = min(round(SEGMENT * rate), log.longest.t.size // 4)
+    q = [piece.q for piece in log.pieces]
+    frequency, density = _density(q, q, rate, segment, "blackmanharris")
     # The noise is that of the upper half of the spectrum, where an arm does not move.
-    noise = np.median(density[:, frequency > 0.25 * rate], axis=-1, keepdims=True)
-    position = np.sqrt(density / np.where(noise > 0.0, noise, np.finfo(np.float64).tiny))
+    noise = np.median(density.real[:, frequency > 0.25 * rate], axis=-1, keepdims=True)
+    position = np.sqrt(density.real / np.where(noise > 0.0, noise, np.finfo(np.float64).tiny))
     band = (frequency >= LOWEST) & (frequency <= highest)
     known = _first_below(frequency[band], position.max(0)[band], ABOVE_NOISE)
 
     beta_at = prepare(log, replace(settings, cutoff=min(3.0, highest)))
     beta = solve(beta_at.y, beta_at.tau)
-    wide = prepare(log, replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf))
-    there, squared = coherence(wide.tau, wide.y @ beta, rate, nperseg=min(segment, wide.t.size // 4), axis=-1)
-    explained = np.stack([np.interp(frequency, there, joint) for joint in np.nan_to_num(squared)])
+    every = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
+    wide = [prepare(piece, every) for piece in log.pieces]
+    tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
+    segment = min(segment, max(piece.t.size for piece in wide) // 4)
+    pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
+    (there, across), (_, one), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
+    with np.errstate(divide="ignore", invalid="ignore"):  # no torque at all
+        squared = np.nan_to_num(np.abs(across) ** 2 / one.real / other.real)
+    explained = np.stack([np.interp(frequency, there, joint) for joint in squared])
     fits = _first_below(frequency[band], explained.mean(0)[band], EXPLAINED)
 
     hertz = min(known, fits, highest)
@@ -99,6 +107,16 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     else:
         reason = f"above {hertz:.3g} Hz the position is less than {ABOVE_NOISE:g} times its noise"
     return Cutoff(hertz, reason, frequency, explained, position, highest)
+
+
+def _density(
+    x: Sequence[Array], y: Sequence[Array], rate: float, segment: int, window: str
+) -> tuple[Array, NDArray[np.complex128]]:
+    """Frequency and cross-spectral density of the pieces of a log that hold a segment, each by its length."""
+    long = [(a, b) for a, b in zip(x, y, strict=True) if a.shape[-1] >= segment]
+    found = [csd(a, b, rate, window=window, nperseg=segment, axis=-1) for a, b in long]
+    weight = np.array([a.shape[-1] for a, _ in long]) / sum(a.shape[-1] for a, _ in long)
+    return found[0][0], sum(part * w for (_, part), w in zip(found, weight, strict=True))
 
 
 def _first_below(frequency: Array, curve: Array, limit: float) -> float:
