@@ -1,14 +1,17 @@
-"""Check that a run left nothing which no rule makes.
+"""Check that a run left nothing which no rule makes, and that its record has all that the rules made.
 
 Usage, after the run: ``python .ci/every_file_has_a_rule.py config/smoke.yaml results/smoke paper_figures/smoke``
 """
 
+import hashlib
+import json
 import subprocess
 import sys
 from pathlib import Path
 
-#: Written by a run that succeeded, not by a rule: who made it, and when.
-SIDECARS = {"logs/provenance.json"}
+#: Written by a run that succeeded, not by a rule: who made it, when, from what, at what cost, and by which workflow.
+RECORD = "ro-crate-metadata.json"
+SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD}
 
 
 def outputs(overlay: str) -> set[str]:
@@ -19,20 +22,33 @@ def outputs(overlay: str) -> set[str]:
     return {line.split("\t")[0] for line in lines if "\t" in line}
 
 
-def strays(overlay: str, folders: list[Path]) -> list[str]:
+def strays(made: set[str], folders: list[Path]) -> list[str]:
     """Files in the folders that are no rule's output, log or benchmark."""
-    made = outputs(overlay)
     found = []
     for folder in folders:
         for path in sorted(folder.rglob("*")):
             name = str(path.relative_to(folder))
             beside = name.startswith(("logs/", "benchmarks/")) and path.suffix in (".log", ".tsv")
+            beside |= name.startswith("workflow/")
             if path.is_file() and str(path) not in made and name not in SIDECARS and not beside:
                 found.append(f"{path}: found a file, expected none, because no rule makes it")
     return found
 
 
+def unrecorded(made: set[str], results: Path) -> list[str]:
+    """Outputs that are not there, or that the record does not have as they are."""
+    graph = json.loads((results / RECORD).read_text(encoding="utf-8"))["@graph"]
+    recorded = {entity["name"]: entity["sha256"] for entity in graph if "sha256" in entity}
+    found = []
+    for name in sorted(made):
+        there = hashlib.sha256(Path(name).read_bytes()).hexdigest() if Path(name).is_file() else "no file"
+        if recorded.get(name) != there:
+            found.append(f"{results / RECORD}: {name}: found {recorded.get(name, 'nothing')}, expected {there}")
+    return found
+
+
 if __name__ == "__main__":
-    problems = strays(sys.argv[1], [Path(name) for name in sys.argv[2:]])
-    print("\n".join(problems) if problems else "every file comes from a rule")
+    rules, places = outputs(sys.argv[1]), [Path(name) for name in sys.argv[2:]]
+    problems = strays(rules, places) + unrecorded(rules, places[0])
+    print("\n".join(problems) if problems else "every file comes from a rule, and is recorded")
     sys.exit(bool(problems))

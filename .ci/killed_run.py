@@ -1,7 +1,7 @@
 """Kill the smoke run with SIGKILL while it trains, start it again, and compare every byte with an undisturbed run.
 
-Expects an undisturbed smoke run in place; leaves the second one there. Logs, benchmarks and model cards hold wall
-times and are left out.
+Expects an undisturbed smoke run in place; leaves the second one there. Logs, benchmarks, model cards and the
+record of the run hold wall times and are left out.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ KINDS = {".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
 def digests() -> dict[str, str]:
     """SHA-256 of every result."""
     found = [f for folder in FOLDERS for f in sorted(folder.rglob("*")) if f.suffix in KINDS and "logs" not in f.parts]
-    files = [f for f in found if not f.name.startswith((".", "model-card"))]
+    files = [f for f in found if not f.name.startswith((".", "model-card", "ro-crate"))]
     return {str(f): hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
 
 

@@ -16,7 +16,8 @@ SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "explain", "check_coverage"}
 WITH_NETWORK |= {"ablation_train", "ablation_run"}
 #: What the Snakefile and the command line load.
-OUTSIDE_JOBS = ("repro.pipeline.start", "repro.pipeline.provenance", "repro.cli", "repro.pipeline.experiment")
+LOADED = ("start", "provenance", "jobs", "crate", "costs", "experiment")
+OUTSIDE_JOBS = ("repro.cli", *(f"repro.pipeline.{name}" for name in LOADED))
 
 
 def modules_of(script):

@@ -3,6 +3,8 @@
 Each run of Snakemake takes seconds, so there are few, all in folders of their own.
 """
 
+import hashlib
+import json
 import os
 import re
 import subprocess
@@ -160,6 +162,11 @@ def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
     expected |= {"results/logs/table02.log", "results/benchmarks/table02.tsv"}
     assert expected <= made
     assert not [name for name in made if "/tables/" in name and "table02" not in name]
+    record = json.loads((folder / "results/ro-crate-metadata.json").read_text(encoding="utf-8"))
+    sums = {entity["name"]: entity["sha256"] for entity in record["@graph"] if "sha256" in entity}
+    tables = {name for name in expected if "/tables/" in name}
+    assert tables == {name for name in sums if name.startswith("results/tables/")}
+    assert all(sums[name] == hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in tables)
     assert not (folder / "paper_figures").exists()
 
 
