@@ -33,6 +33,7 @@ def refresh_gallery() -> None:
 
 #: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
+COSTS = "logs/costs.csv"
 #: Targets that `all` does not make: what they made is kept from their own run if this one has none.
 ASKED_FOR = ("ablation", "paper_recipe")
 OPTIONAL = (
@@ -63,6 +64,8 @@ def refresh_reference() -> None:
             write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
+    (REFERENCE / COSTS).parent.mkdir()
+    shutil.copy(results / COSTS, REFERENCE / COSTS)
     sources = [REFERENCE / name for name in (*KEPT, *tables)]
     write_ledger(REFERENCE, config, [*sources, Path("data/captures/SHA256SUMS")])
 

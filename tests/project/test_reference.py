@@ -109,6 +109,22 @@ def test_the_readme_shows_the_reference(label, method):
     np.testing.assert_allclose(found, 100 * np.array(expected), atol=0.00501)
 
 
+def test_every_claim_has_its_cost_and_the_page_shows_it():
+    claims, costs = (pd.read_csv(REFERENCE / name).set_index("id") for name in ("claims.csv", "logs/costs.csv"))
+    pd.testing.assert_series_equal(costs["target"], claims["target"])
+    figures = costs.drop(columns="target")
+    assert (figures[costs["target"].notna()] > 0).all(axis=None)
+    assert figures[costs["target"].isna()].isna().all(axis=None)
+    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    for label, target in (
+        ("`table04` to `table07`", "table06"),
+        ("`table10`, `stability`", "table10"),
+        ("`train`", "train"),
+    ):
+        expected = figures[costs["target"] == target].iloc[0].to_numpy()
+        np.testing.assert_allclose(shown(page, label)[1:], expected, atol=0.0501, rtol=1e-3)
+
+
 def test_tracked_motions_bring_the_published_level_back_on_the_arm():
     """On ID nearly what the paper prints (93.55, 94.51), with the literal search and no refinement."""
     rows = table("table10").query("method == 'algorithm1+tracked'").pivot(index="case", columns="joint", values="total")
