@@ -30,6 +30,7 @@ class Stream(IntEnum):
     SPREAD_ARMS = 19
     COVERAGE_ARMS = 20
     COVERAGE_GUESSES = 21
+    SELF_TEST = 22
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -114,6 +114,30 @@ def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
 
+def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_figures):
+    common = (log, "--method", "ordinary")
+    assert identify(*common, "-o", tmp_path / "without") == 0
+    assert json.loads((tmp_path / "without" / "parameters.json").read_text())["selftest"] is None
+    told = []
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        capsys.readouterr()
+        assert identify(*common, "--self-test", "--seed", seed, "-o", tmp_path / name) == 0
+        told.append(capsys.readouterr().out.partition("self-test: ")[2].partition("WARNING")[0])
+    assert told[0] == told[1] != told[2]
+    assert [line.split()[0] for line in told[0].splitlines()[2:11]] == list(NAMES)
+    first, again = ((tmp_path / name / "parameters.json").read_bytes() for name in ("a", "b"))
+    assert first == again
+    test = json.loads(first)["selftest"]
+    assert [row["true"] for row in test["parameters"]] == pytest.approx(found(tmp_path / "without", "ordinary"))
+    assert 'id="self-test"' in (tmp_path / "a" / "report.html").read_text()
+
+
+def test_a_self_test_of_algorithm_1_alone_is_refused(log, tmp_path, capsys):
+    assert identify(log, "--method", "algorithm1", "--self-test", "-o", tmp_path / "out") == 2
+    assert capsys.readouterr().err.startswith("--self-test: found Algorithm 1 alone")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.fixture
 def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""

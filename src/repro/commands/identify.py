@@ -48,6 +48,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cutoff", type=_hertz, help="cut-off in Hz (default: chosen from the log)")
     parser.add_argument("--seed", type=whole_number, default=1, help="of standard errors and search (default: 1)")
     parser.add_argument(
+        "--self-test",
+        action="store_true",
+        help="what comes out of this motion, noise and delay where the parameters are known",
+    )
+    parser.add_argument(
         "--steps", type=positive_integer, default=2500, help="training steps of the CNN (default: 2500)"
     )
     parser.add_argument("--threads", type=positive_integer, default=2, help="threads of the CNN (default: 2)")
@@ -77,7 +82,7 @@ def _hertz(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Read, tell, prepare, solve, judge, write."""
     from repro.logs.armfile import read_arm
-    from repro.ownarm.job import assemble, resolve, solve_all
+    from repro.ownarm.job import assemble, resolve, solve_all, with_self_test
     from repro.ownarm.outputs import check_folder, write_all, write_sidecar
     from repro.ownarm.prepared import make_problem, read
     from repro.ownarm.settings import Options
@@ -94,6 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
             "Algorithm 1 for several logs",
             "--method least-squares, or one log: a network is trained for one motion",
         )
+    if arguments.self_test and not set(chosen) - set(NETWORKS):
+        raise InputError.at("--self-test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
     options = Options(
         chosen,
         arguments.cache.expanduser(),
@@ -129,6 +136,8 @@ def run(arguments: argparse.Namespace) -> int:
     if not found:
         raise InputError.at(fitted.description.name, "no solution by any method", "a log that tells more, see above")
     result, curves = assemble(problem, found, arm)
+    if arguments.self_test:
+        result = with_self_test(result, problem, arm, options, report)
     print(summary(result), flush=True)
     files = [*write_all(arguments.out, result, curves, arm), write_sidecar(arguments.out, options.threads)]
     print(f"written to {arguments.out}: {', '.join(files)}")
@@ -220,5 +229,11 @@ def summary(result: "Result") -> str:
         errors = ", ".join(f"{name} {_errors(s)}" for name, s in parts)
         mark = "*" if m.method == result.recommended else " "
         lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
+    if result.selftest:
+        t = result.selftest
+        lines.append(f"self-test: {t.draws} logs made of this motion with the parameters of {t.method}")
+        heads = ("", "true", "median found", "range", "held by the interval")
+        lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *t.rows)]
+        lines.append(t.verdict)
     lines += [f"WARNING: {warning}" for warning in result.warnings]
     return "\n".join(lines)

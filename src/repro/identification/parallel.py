@@ -54,6 +54,11 @@ class FilterSettings:
     samples_per_cycle: float = 8.0
 
 
+def wide(settings: FilterSettings, h: float) -> float:
+    """Half-power frequency of the motion's own filter, Hz."""
+    return min(settings.width * settings.cutoff, 0.45 / h)
+
+
 def motion(q: Array, h: float, settings: FilterSettings) -> tuple[Array, Array, Array]:
     """Smoothed position and its derivatives.
 
@@ -72,8 +77,8 @@ def motion(q: Array, h: float, settings: FilterSettings) -> tuple[Array, Array, 
         rad, rad/s, rad/s^2.
     """
     smooth = FILTERS[settings.name].apply
-    wide = min(settings.width * settings.cutoff, 0.45 / h)
-    return smooth(q, h, wide, 0), smooth(q, h, wide, 1), smooth(q, h, wide, 2)
+    top = wide(settings, h)
+    return smooth(q, h, top, 0), smooth(q, h, top, 1), smooth(q, h, top, 2)
 
 
 def narrow(columns: Array, h: float, settings: FilterSettings) -> Array:
@@ -89,7 +94,7 @@ def filtered_regressor(moved: tuple[Array, Array, Array], h: float, settings: Fi
 def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
     """Torque through both filters and moved by the delay, shape (2, N)."""
     smooth = FILTERS[settings.name].apply
-    tau = smooth(smooth(tau, h, min(settings.width * settings.cutoff, 0.45 / h), 0), h, settings.cutoff, 0)
+    tau = smooth(smooth(tau, h, wide(settings, h), 0), h, settings.cutoff, 0)
     if settings.delay == 0.0:
         return tau
     t = h * np.arange(tau.shape[-1])

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from repro.ownarm.judge import Found, find, judge
 from repro.ownarm.prepared import Problem
 from repro.ownarm.recommend import against_least_squares, recommend, warnings
 from repro.ownarm.result import Curves, Excitation, MethodResult, Preparation, Result, Signals
+from repro.ownarm.selftest import self_test
 from repro.ownarm.settings import Options
 from repro.signals.dct import spectrum
 
@@ -96,6 +98,21 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         setup=tuple(log.faults for log in problem.logs),
     )
     return result, _curves(problem, methods, betas)
+
+
+def with_self_test(result: Result, problem: Problem, arm: Arm, options: Options, report: Report) -> Result:
+    """Add what the recommended method, of those with intervals, makes of logs with the parameters that it found."""
+    able = [m for m in result.methods if m.claims_intervals]
+    if not able:
+        _LOG.warning("self-test: no result, for want of a method with intervals")
+        return result
+    name, _ = recommend(able)
+    beta = np.array([p.estimate for m in able if m.method == name for p in m.parameters])
+    try:
+        return replace(result, selftest=self_test(problem, METHODS[name], beta, arm, options, report))
+    except NoSolutionError as error:
+        _LOG.warning("self-test: no result, %s", error)
+        return result
 
 
 def _excitation(problem: Problem, beta: Array) -> Excitation:

@@ -38,10 +38,13 @@ class Told:
         Evenly sampled.
     description : Description
         Of the log as it was recorded.
+    recorded : Log or None
+        Before it was evenly sampled, where that is known.
     """
 
     log: Log
     description: Description
+    recorded: Log | None = None
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,7 @@ def read(path: Path, arm: Arm) -> Told:
     description = describe(raw, arm)
     log = uniform(raw)
     fresh = tuple(note for note in log.notes if note not in description.notes)
-    return Told(log, replace(description, notes=description.notes + fresh))
+    return Told(log, replace(description, notes=description.notes + fresh), raw)
 
 
 def _check_rate(log: Log, cutoff: Cutoff) -> None:
@@ -154,7 +157,7 @@ def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutof
     return replace(settings, delay=delay), chosen, late
 
 
-def _ready(told: Told, arm: Arm, options: Options) -> Ready:
+def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
     """Put right what the set-up gets wrong in a log, choose what is not given, and filter it."""
     settings, chosen, late = _choose(told.log, arm, options)
     faults = find_faults(told.log, settings)
@@ -189,7 +192,7 @@ def make_problem(
     fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options, more: tuple[Told, ...] = ()
 ) -> Problem:
     """Make the logs to fit ready, each for itself, and filter the others as the first."""
-    logs = tuple(_ready(told, arm, options) for told in (fitted, *more))
+    logs = tuple(make_ready(told, arm, options) for told in (fitted, *more))
     first = logs[0]
     others = tuple(replace(told, log=corrected(told.log, values_of(first.faults))) for told in others)
     for told in others:

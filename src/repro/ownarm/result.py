@@ -6,6 +6,7 @@ from repro.identification.cutoff import Cutoff
 from repro.identification.setup import Fault
 from repro.logs.description import Description
 from repro.model.parameters import Array
+from repro.ownarm.selftest import SelfTest
 
 #: Halves of a log, each predicted from the other; methods without intervals would train a network for each.
 HALVES = ("second half", "first half")
@@ -195,6 +196,8 @@ class Result:
         Logs that were fitted together with `log`.
     setup : tuple of tuple of Fault
         What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
+    selftest : SelfTest or None
+        What comes out of known parameters, where it was asked for.
     """
 
     arm: str
@@ -209,6 +212,7 @@ class Result:
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
     setup: tuple[tuple[Fault, ...], ...] = ()
+    selftest: SelfTest | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,182 @@
+"""The self-test says that noise makes the error on a log of Eq. 1, and that it does not on one with other friction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from log_example import BETA
+from ownarm_example import example_curves, example_result
+from ownarm_problem import ARM, silent
+from regression_example import broadband, log_from
+
+from repro.identification.methods.every import METHODS
+from repro.identification.parallel import prepare
+from repro.identification.scores import relative_rms
+from repro.logs.description import Description
+from repro.logs.log import Log
+from repro.logs.quantisation import quantisation_step
+from repro.logs.uniform import uniform
+from repro.model.parameters import NAMES
+from repro.ownarm.job import assemble, solve_all, with_self_test
+from repro.ownarm.page import render_page
+from repro.ownarm.prepared import Told, make_problem
+from repro.ownarm.selftest import Returned, SelfTest, made_log, self_test
+from repro.ownarm.settings import Options
+
+pytestmark = pytest.mark.slow
+
+OPTIONS = Options(("ordinary", "consistent"), "unused")
+STEP, NOISE, LATE = 1e-4, 0.05, 0.004
+
+
+def slow(t):
+    """Sines up to 3 Hz, so that the torque at the frequencies looked at is nearly all of the motion."""
+    return broadband(t, 3.0, 20)
+
+
+def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
+    """A log of the known arm: noise in the torque, encoder steps, a torque that is recorded too early."""
+    rng = np.random.default_rng(seed)
+    log = log_from(slow, seconds=20.0, delay=LATE)
+    speed = slow(log.t + LATE)[1]
+    more = stribeck * np.tanh(20.0 * speed) * np.exp(-((speed / 0.3) ** 2))
+    t = log.t + np.append(0.0, jitter * rng.uniform(-1.0, 1.0, log.t.size - 1))
+    q = np.stack([np.interp(t, log.t, joint) for joint in log.q]) + np.array([[zero], [0.0]])
+    tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
+    tau += NOISE * rng.normal(size=tau.shape)
+    raw = Log("log.csv", t, STEP * np.rint(q / STEP), tau)
+    return Told(uniform(raw), Description(raw.name, ()), raw)
+
+
+def problem_of(*told, options=OPTIONS):
+    return make_problem(told[0], (), ARM, options, told[1:])
+
+
+def outcome(*told, seed=1, name="ordinary", draws=5):
+    problem, options = problem_of(*told), replace(OPTIONS, seed=seed)
+    beta = METHODS[name].estimate(problem.moving).beta
+    return beta, self_test(problem, METHODS[name], beta, ARM, options, silent, draws)
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return outcome(recorded())
+
+
+def test_the_truth_is_the_estimate_and_comes_out_again(clean):
+    beta, test = clean
+    assert [p.name for p in test.parameters] == list(NAMES)
+    assert [p.true for p in test.parameters] == pytest.approx(beta.tolist())
+    for p in test.parameters:
+        assert p.low <= p.median <= p.high
+        assert p.intervals == test.draws == 5
+        assert p.median == pytest.approx(p.true, rel=0.1, abs=0.02)
+    assert np.mean([p.hold / p.intervals for p in test.parameters]) >= 0.9
+    # Not the same numbers, as they would be if the noise were left out.
+    assert all(p.low < p.high for p in test.parameters)
+
+
+def test_where_eq_1_is_right_noise_makes_the_error(clean):
+    _, test = clean
+    assert not test.model_wrong
+    assert "no sign that Eq. 1 is wrong" in test.verdict
+    # Each log's noise is another draw: their errors agree to a quarter.
+    assert test.error == pytest.approx(test.real, rel=0.25)
+
+
+def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
+    """White noise of the torque through both filters leaves a share of its size that only the filters decide."""
+    _, test = clean
+    problem = problem_of(recorded())
+    log, settings = problem.fitted.log, problem.settings
+    noise = replace(log, tau=NOISE * np.random.default_rng(9).normal(size=log.tau.shape))
+    filtered = np.sqrt(np.mean(prepare(noise, settings).tau ** 2, axis=-1))
+    torque = np.sqrt(np.mean(problem.regression.tau**2, axis=-1))
+    assert test.error == pytest.approx(filtered / torque, rel=0.3)
+
+
+def test_stribeck_friction_is_told_from_noise():
+    _, test = outcome(recorded(stribeck=0.6), draws=3)
+    assert test.model_wrong
+    assert "the rest is the model" in test.verdict
+    assert max(test.noise) < 0.5
+    assert max(test.real) > 2 * max(test.error)
+
+
+def test_the_same_seed_gives_the_same_and_another_does_not():
+    first, again, other = (outcome(recorded(), seed=seed, draws=2)[1] for seed in (1, 1, 2))
+    assert first == again
+    assert [p.median for p in first.parameters] != [p.median for p in other.parameters]
+
+
+def test_a_made_log_is_recorded_as_the_real_one_was():
+    told = recorded(jitter=2e-4, zero=0.08)
+    (ready,) = problem_of(told).logs
+    assert [fault.name for fault in ready.faults] == ["zero1"]
+    made = made_log(ready, BETA, np.random.default_rng(0))
+    assert made.recorded.t == pytest.approx(told.recorded.t)
+    assert [quantisation_step(q) for q in made.recorded.q] == pytest.approx([STEP, STEP], rel=1e-3)
+    inside = slice(60, -60)  # without the ends, where filters do not see both sides
+    assert made.recorded.q[:, inside] == pytest.approx(told.recorded.q[:, inside], abs=20 * STEP)
+    # Differences of neighbours are nearly all noise, which is taken a little too large rather than too small.
+    made_noise, noise = (np.std(np.diff(log.tau, 2)[:, inside], axis=-1) for log in (made.recorded, told.recorded))
+    assert (0.95 * noise < made_noise).all()
+    assert (made_noise < 1.5 * noise).all()
+    (again,) = problem_of(made, options=replace(OPTIONS, cutoff=ready.settings.cutoff)).logs
+    assert [fault.name for fault in again.faults] == ["zero1"]
+    assert again.faults[0].value == pytest.approx(ready.faults[0].value, abs=0.005)
+    assert again.settings.delay == pytest.approx(ready.settings.delay, abs=1e-3)
+
+
+def test_rounded_time_stamps_are_no_jitter():
+    """Taken for the instants, stamps rounded to 1 ms would move a sample by up to 0.5 ms."""
+    told = recorded()
+    t = np.round(np.arange(told.log.t.size) / 210.0, 3)
+    raw = replace(told.recorded, t=t)
+    (ready,) = problem_of(Told(uniform(raw), told.description, raw)).logs
+    made = made_log(ready, BETA, np.random.default_rng(0))
+    assert made.recorded.t == pytest.approx(t)
+    rough = [np.std(np.diff(q, 3), axis=-1) for q in (made.recorded.q, raw.q)]
+    assert rough[0] == pytest.approx(rough[1], rel=0.1)
+
+
+def test_without_noise_the_torque_is_that_of_the_parameters():
+    told = log_from(slow, seconds=20.0)
+    beta = 1.3 * BETA
+    problem = problem_of(Told(told, Description("log.csv", ())))
+    (ready,) = problem.logs
+    made = made_log(ready, beta, np.random.default_rng(0))
+    assert max(relative_rms(prepare(made.log, ready.settings), beta)) < 0.01
+    assert min(relative_rms(ready.regression, beta)) > 0.1
+
+
+def test_several_logs_are_made_each_with_its_own_noise():
+    _, test = outcome(recorded(0), recorded(1, zero=0.08), name="consistent", draws=2)
+    assert not test.model_wrong
+    assert sum(p.hold for p in test.parameters) >= 0.85 * sum(p.intervals for p in test.parameters)
+
+
+def test_the_recommended_method_with_intervals_is_outcome():
+    problem = problem_of(recorded())
+    found = solve_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent, silent)
+    result, _ = assemble(problem, found, ARM)
+    assert result.selftest is None
+    (best,) = (m for m in result.methods if m.method == result.recommended)
+    test = with_self_test(result, problem, ARM, OPTIONS, silent).selftest
+    assert test.method == best.method
+    assert [p.true for p in test.parameters] == [p.estimate for p in best.parameters]
+    assert test.real == pytest.approx(best.fit.relative_rms)
+    mute = replace(result, methods=tuple(replace(m, claims_intervals=False) for m in result.methods))
+    assert with_self_test(mute, problem, ARM, OPTIONS, silent) == mute
+
+
+def test_the_page_has_a_section_where_it_was_asked_for():
+    rows = tuple(Returned(name, 1.25, 1.5, 1.0, 2.0, 4, 5) for name in NAMES[:-1])
+    rows += (Returned(NAMES[-1], 0.0, 0.0, 0.0, 0.0, 0, 0),)
+    test = SelfTest("consistent", 5, rows, (0.012, 0.034), (0.074, 0.034), (0.026, 1.0), True)
+    page = render_page(example_result(selftest=test), example_curves(), {})
+    assert page.count('id="self-test"') == 1
+    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise makes 3/100 % of its square" in page
+    assert page.count('<td class="right">4 of 5</td>') == 8
+    assert page.count("none claimed</td>") == 1
+    assert "self-test" not in render_page(example_result(), example_curves(), {})
