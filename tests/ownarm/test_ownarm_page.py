@@ -16,6 +16,8 @@ from matplotlib.figure import Figure
 from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example_result, method, parameters, score
 from PIL import Image
 
+from repro.commands.identify import summary
+from repro.identification.friction import Term
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
@@ -259,6 +261,15 @@ def test_what_cannot_be_shown_is_refused():
         render_page(example_result(recommended="nobody"), Curves(), {})
     with pytest.raises(ValueError, match="overlay-0 must be a PNG"):
         render_page(example_result(), Curves(), {"overlay-0": b"<svg/>"})
+
+
+def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
+    terms = (Term("load1", 0.0618, 0.005, 0.23, True), Term("load2", 0.056, 0.008, 0.11, False))
+    result = example_result(friction=(terms,))
+    row = "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; takes 23 % of the squared error"
+    for text in (render_page(result, Curves(), {}), summary(result)):
+        assert text.count(row) == 1
+        assert "beyond Eq. 1 of joint 2" not in text  # a warning, where it is left out
 
 
 def test_a_page_without_figures_validation_or_intervals_is_whole():

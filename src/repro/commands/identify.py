@@ -53,6 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what comes out of this motion, noise and delay where the parameters are known",
     )
     parser.add_argument(
+        "--friction", action="store_true", help="take out friction beyond Eq. 1 where the log asks for it"
+    )
+    parser.add_argument(
         "--steps", type=positive_integer, default=2500, help="training steps of the CNN (default: 2500)"
     )
     parser.add_argument("--threads", type=positive_integer, default=2, help="threads of the CNN (default: 2)")
@@ -109,6 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.seed,
         arguments.steps,
         arguments.threads,
+        arguments.friction,
     )
     if set(chosen) & set(NETWORKS):
         _check_cache(options.cache)
@@ -219,10 +223,13 @@ def _errors(score: "Score") -> str:
 
 def summary(result: "Result") -> str:
     """What to know without opening the report."""
+    from repro.ownarm.setup import friction
+
     best = next(m for m in result.methods if m.method == result.recommended)
     lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     for p in best.parameters:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
+    lines += [f"  {friction(term)}" for terms in result.friction for term in terms if term.taken]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
         parts = [("fit", m.fit), *((_left_out(s), s) for s in m.halves), *((s.log, s) for s in m.validation)]

@@ -95,7 +95,7 @@ def _columns(log: Log, settings: FilterSettings, beta: Array) -> Array:
     return columns_of(made, log, settings, beta)
 
 
-def _rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
+def rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
     """Regressor with further columns as rows, joints weighted by their residual, and the torque."""
     left = regression.tau - regression.y @ solve(regression.y, regression.tau)
     size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.moving.sum(-1, keepdims=True), 1))
@@ -113,7 +113,7 @@ def _fitted(a: Array, b: Array) -> Array:
     return solution
 
 
-def _unseen(a: Array, b: Array) -> float:
+def unseen(a: Array, b: Array) -> float:
     """Squared error of parts of the log, each predicted from the rest."""
     n = b.shape[1]
     part = np.arange(n) * PARTS // n
@@ -130,6 +130,27 @@ def _by_parts(a: Array, b: Array) -> Array:
     found = [_fitted(a[:, part != k], b[:, part != k]) for k in range(PARTS)]
     error: Array = np.sqrt((PARTS - 1) * np.var(found, axis=0))
     return error
+
+
+def fitted_with_errors(a: Array, b: Array, h: float) -> tuple[Array, Array]:
+    """Least squares of rows `h` apart, and its standard errors: by samples that are independent or by parts."""
+    x, flat = _fitted(a, b), a.reshape(-1, a.shape[-1])
+    left = b - a @ x
+    independent = left.size * h / correlation_time(left, h)
+    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(flat.T @ flat))) * np.sum(left**2) / max(independent, 1.0))
+    return x, np.maximum(spread, _by_parts(a, b))
+
+
+def beside(a: Array, chosen: Sequence[int]) -> Array:
+    """The nine columns and some of those behind them."""
+    return a[..., [*range(len(NAMES)), *(len(NAMES) + k for k in chosen)]]
+
+
+def best_set(a: Array, b: Array, able: Sequence[int]) -> list[int]:
+    """Those of the columns behind the nine with which parts are best predicted, each for `ENOUGH` of the error."""
+    sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
+    error = [unseen(beside(a, chosen), b) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
+    return list(sets[int(np.argmin(error))])
 
 
 def _relative(regression: Regression) -> float:
@@ -152,12 +173,8 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
     errors = dict.fromkeys(names, np.inf)
     for _ in range(ITERATIONS):
         r, columns = _prepared(corrected(log, found), settings)
-        a, b = _rows(r, columns[..., chosen])
-        x, flat = _fitted(a, b), a.reshape(-1, a.shape[-1])
-        left = b - a @ x
-        independent = left.size * r.h / correlation_time(left, r.h)
-        spread = np.sqrt(np.diag(np.linalg.pinv(flat.T @ flat)) * np.sum(left**2) / max(independent, 1.0))
-        spread = np.maximum(spread, _by_parts(a, b))
+        a, b = rows(r, columns[..., chosen])
+        x, spread = fitted_with_errors(a, b, r.h)
         for name, step, error in zip(names, x[len(NAMES) :], spread[len(NAMES) :], strict=True):
             size = found[name] if name == "scale2" else 1.0
             found[name] += size * float(step)
@@ -182,11 +199,7 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
     """
     r, columns = _prepared(log, settings)
     able = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)]
-    sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
-    (a, b), nine = _rows(r, columns), len(NAMES)
-    seen = [a[..., [*range(nine), *(nine + k for k in chosen)]] for chosen in sets]
-    error = [_unseen(part, b) * (1.0 - ENOUGH) ** -len(chosen) for part, chosen in zip(seen, sets, strict=True)]
-    names = [FAULTS[k] for k in sets[int(np.argmin(error))]]
+    names = [FAULTS[k] for k in best_set(*rows(r, columns), able)]
     while names:
         values = _settle(log, settings, names)
         found = [_judged(log, settings, values, name) for name in names]

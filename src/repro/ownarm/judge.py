@@ -86,7 +86,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
     return MethodResult(
         method=found.method.name,
         title=found.method.title,
-        parameters=_parameters(found, torque_share(problem.moving, beta), problem.excited.determined),
+        parameters=_parameters(found, torque_share(problem.moving, beta), problem),
         claims_intervals=found.spread is not None,
         consistent=consistent,
         why_not_consistent="" if consistent else why_not_consistent(beta),
@@ -114,9 +114,10 @@ def why_not_consistent(beta: Array) -> str:
     return "; ".join(broken)
 
 
-def _parameters(found: Found, share: Array, determined: tuple[bool, ...]) -> tuple[Parameter, ...]:
+def _parameters(found: Found, share: Array, problem: Problem) -> tuple[Parameter, ...]:
     """The nine with their verdicts; what is held, or not determined by itself, gets no interval."""
-    beta, spread = found.estimate.beta, found.spread
+    beta, spread, determined = found.estimate.beta, found.spread, problem.excited.determined
+    more = {term.name[-1] for log in problem.logs for term in log.terms if not term.taken}
     rows = []
     for k, name in enumerate(NAMES):
         held = bool(beta[k] == 0.0)
@@ -134,5 +135,7 @@ def _parameters(found: Found, share: Array, determined: tuple[bool, ...]) -> tup
             determined[k],
             name in EITHER_SIGN or beta[k] > 0.0,
         )
+        if name[0] in "bk" and name[1] in more:
+            words += "; other friction is in it too"
         rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, words))
     return tuple(rows)

@@ -16,6 +16,7 @@ from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
+from repro.ownarm.setup import friction
 from repro.render.markup import unit
 from repro.report.embed import Picture
 from repro.report.template import environment, policy
@@ -80,6 +81,7 @@ def _environment() -> Environment:
         "unit": lambda text: unit(text).md,
         "symbols": symbols,
         "sentence": sentence,
+        "friction": friction,
         "printed": printed,
         "percent": percent,
         "significant": significant,

@@ -11,6 +11,7 @@ from repro.identification.alternatives import Alternative, alternatives, without
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
+from repro.identification.friction import Term, columns_of_terms, eased, find_terms
 from repro.identification.methods.interface import joint_variance
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression, joined
@@ -25,6 +26,7 @@ from repro.logs.log import Log
 from repro.logs.reading import read_log
 from repro.logs.speed import period
 from repro.logs.uniform import uniform
+from repro.model.parameters import Array
 from repro.ownarm.settings import Options
 
 
@@ -67,6 +69,10 @@ class Ready:
         How the cut-off was chosen.
     faults : tuple of Fault
         What the set-up got wrong.
+    terms : tuple of Term
+        Friction beyond Eq. 1; that taken is out of the torque of `told`, and projected out of `moving`.
+    load : array of shape (9,) or None
+        Parameters that give the load of that friction.
     """
 
     told: Told
@@ -76,6 +82,8 @@ class Ready:
     settings: FilterSettings
     cutoff: Cutoff
     faults: tuple[Fault, ...] = ()
+    terms: tuple[Term, ...] = ()
+    load: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -168,11 +176,17 @@ def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
         settings, chosen, late = _choose(told.log, arm, options)
     regression = without_rest(prepare(told.log, settings))
     moving = without_standstill(regression)
+    terms, load = find_terms(told.log, settings, options.friction), solve(moving.y, moving.tau)
+    taken = [term for term in terms if term.taken]
+    if taken:
+        told = replace(told, log=eased(told.log, settings, load, taken))
+        regression = without_rest(prepare(told.log, settings))
+        moving = without(without_standstill(regression), columns_of_terms(told.log, settings, load, taken))
     as_good = alternatives(told.log, settings, late)
     if faults:
         columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Alternative((without(moving, columns),))
-    return Ready(told, regression, moving, as_good, settings, chosen, faults)
+    return Ready(told, regression, moving, as_good, settings, chosen, faults, terms, load)
 
 
 def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]:
@@ -188,13 +202,19 @@ def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]
     return joined([log.moving for log in logs], weights), as_good
 
 
+def _as_first(log: Log, first: Ready) -> Log:
+    """A log put right, and without the friction, as the first is."""
+    right, taken = corrected(log, values_of(first.faults)), [term for term in first.terms if term.taken]
+    return eased(right, first.settings, first.load, taken) if taken and first.load is not None else right
+
+
 def make_problem(
     fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options, more: tuple[Told, ...] = ()
 ) -> Problem:
     """Make the logs to fit ready, each for itself, and filter the others as the first."""
     logs = tuple(make_ready(told, arm, options) for told in (fitted, *more))
     first = logs[0]
-    others = tuple(replace(told, log=corrected(told.log, values_of(first.faults))) for told in others)
+    others = tuple(replace(told, log=_as_first(told.log, first)) for told in others)
     for told in others:
         _check_rate(told.log, first.cutoff)
     predicted = tuple((told, prepare(told.log, first.settings)) for told in others)

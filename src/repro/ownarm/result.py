@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from repro.identification.cutoff import Cutoff
+from repro.identification.friction import Term
 from repro.identification.setup import Fault
 from repro.logs.description import Description
 from repro.model.parameters import Array
@@ -196,6 +197,8 @@ class Result:
         Logs that were fitted together with `log`.
     setup : tuple of tuple of Fault
         What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
+    friction : tuple of tuple of Term
+        Friction beyond Eq. 1 that was taken out of the torque or would help, of each log as in `setup`.
     selftest : SelfTest or None
         What comes out of known parameters, where it was asked for.
     """
@@ -212,6 +215,7 @@ class Result:
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
     setup: tuple[tuple[Fault, ...], ...] = ()
+    friction: tuple[tuple[Term, ...], ...] = ()
     selftest: SelfTest | None = None
 
 

@@ -191,4 +191,4 @@ def self_test(
 def _again(log: Ready, beta: Array, arm: Arm, options: Options, rng: np.random.Generator) -> Ready:
     """A made log prepared as the real one was."""
     same = replace(arm, friction_steepness=log.settings.friction_steepness)
-    return make_ready(made_log(log, beta, rng), same, replace(options, cutoff=log.settings.cutoff))
+    return make_ready(made_log(log, beta, rng), same, replace(options, cutoff=log.settings.cutoff, friction=False))

@@ -26,6 +26,8 @@ class Options:
         Threads of torch.
     cache : Path
         Folder of trained networks.
+    friction : bool
+        Whether friction beyond Eq. 1 is taken out of the torque where a log asks for it.
     """
 
     methods: tuple[str, ...]
@@ -35,6 +37,7 @@ class Options:
     seed: int = 1
     steps: int = 2500
     threads: int = 2
+    friction: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what cannot be done."""

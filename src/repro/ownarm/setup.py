@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from repro.identification.friction import Term
 from repro.identification.setup import Fault
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
@@ -32,8 +33,16 @@ def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
     return tuple(
         f"in {log.told.description.name} {line}" if len(logs) > 1 else line
         for log in logs
-        for line in words(log.faults, arm)
+        for line in (*words(log.faults, arm), *(friction(term) for term in log.terms if not term.taken))
     )
+
+
+def friction(term: Term) -> str:
+    """A row of its own for friction beyond Eq. 1."""
+    what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
+    size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
+    done = "takes" if term.taken else "left out, would take"
+    return f"{size}; {done} {100 * term.gain:.0f} % of the squared error of parts not fitted"
 
 
 def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:

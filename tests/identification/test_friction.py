@@ -1,0 +1,105 @@
+"""Friction beyond Eq. 1: found in logs that hold it, in none that do not, and taken out only where it is asked for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from log_example import BETA, motion
+from ownarm_problem import ARM, silent
+from regression_example import log_from
+
+from repro.identification.friction import Term, eased, find_terms
+from repro.identification.methods.every import METHODS
+from repro.identification.parallel import FilterSettings
+from repro.identification.solve import solve
+from repro.logs.description import Description
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import NAMES
+from repro.ownarm.job import assemble, solve_all
+from repro.ownarm.prepared import Told, make_problem
+from repro.ownarm.settings import Options
+
+SETTINGS = FilterSettings(cutoff=4.0, delay=0.004)
+RIGID = np.where(np.arange(9) < 5, BETA, 0.0)
+
+
+def late(t):
+    """The motion when the torque recorded at `t` acts."""
+    return motion(t + SETTINGS.delay)
+
+
+def load_friction(t):
+    q, dq, ddq = late(t)
+    return np.abs(inverse_dynamics(q, dq, ddq, RIGID)) * np.tanh(20.0 * dq)
+
+
+def stribeck(t):
+    dq = late(t)[1]
+    return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
+
+
+def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02):
+    log = log_from(motion, seconds=40.0, delay=SETTINGS.delay)
+    more = np.array(load)[:, None] * load_friction(log.t) + np.array(rest)[:, None] * stribeck(log.t)
+    return replace(log, tau=log.tau + more + noise * np.random.default_rng(seed).normal(size=log.tau.shape))
+
+
+def ready_of(log, friction):
+    told = Told(log, Description(log.name, ()))
+    return make_problem(told, (told,), ARM, Options(("ordinary",), "unused", friction=friction))
+
+
+@pytest.mark.parametrize(
+    ("load", "rest", "names"),
+    [
+        ((0.1, 0.0), (0.0, 0.0), ["load1"]),
+        ((0.1, 0.15), (0.0, 0.0), ["load1", "load2"]),
+        ((0.0, 0.0), (0.0, 0.2), ["stribeck2"]),
+        ((0.1, 0.0), (0.0, 0.2), ["load1", "stribeck2"]),
+    ],
+)
+def test_what_is_there_is_found_with_its_size(load, rest, names):
+    found = {term.name: term for term in find_terms(log_with(load, rest), SETTINGS, True) if term.taken}
+    assert list(found) == names
+    true = dict(zip(("load1", "load2", "stribeck1", "stribeck2"), (*load, *rest), strict=True))
+    for name, term in found.items():
+        assert term.value == pytest.approx(true[name], rel=0.2)
+        assert term.gain > 0.2
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nothing_is_found_where_there_is_nothing(seed):
+    assert find_terms(log_with(seed=seed), SETTINGS, True) == ()
+
+
+def test_taken_out_is_what_was_put_in():
+    terms = [Term("load1", 0.1, 0.0, 0.0, True), Term("stribeck2", 0.2, 0.0, 0.0, True)]
+    inside = slice(100, -100)  # the ends, where filters do not see both sides, apart
+    left = eased(log_with((0.1, 0.0), (0.0, 0.2), noise=0.0), SETTINGS, BETA, terms).tau - log_with(noise=0.0).tau
+    put_in = 0.1 * load_friction(log_with().t)[0], 0.2 * stribeck(log_with().t)[1]
+    for joint in (0, 1):
+        assert np.std(left[joint, inside]) < 0.1 * np.std(put_in[joint][inside])
+
+
+def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_out_right():
+    log = log_with((0.15, 0.0))
+    without, asked = (ready_of(log, friction) for friction in (False, True))
+    assert [(term.name, term.taken) for term in without.logs[0].terms] == [("load1", False)]
+    assert [(term.name, term.taken) for term in asked.logs[0].terms] == [("load1", True)]
+    assert np.array_equal(without.logs[0].told.log.tau, log.tau)
+    k1 = [solve(problem.moving.y, problem.moving.tau)[7] for problem in (without, asked)]
+    assert abs(k1[0] - BETA[7]) > 0.05
+    assert k1[1] == pytest.approx(BETA[7], rel=0.15)
+    verdicts = []
+    for problem in (without, asked):
+        (found,) = solve_all(problem, [METHODS["ordinary"]], 1, silent, silent)
+        result, _ = assemble(problem, [found], ARM)
+        verdicts.append([p.verdict.endswith("other friction is in it too") for p in result.methods[0].parameters])
+        told = any("friction beyond Eq. 1 of joint 1" in line for line in result.warnings)
+        assert told == (problem is without)
+        assert result.friction == (problem.logs[0].terms,)
+    assert [name for name, more in zip(NAMES, verdicts[0], strict=True) if more] == ["b1", "k1"]
+    assert not any(verdicts[1])
+    # The other log, here the same, is put right the same way.
+    ((told, _),) = asked.others
+    assert told.log.tau == pytest.approx(asked.logs[0].told.log.tau)
