@@ -50,6 +50,14 @@ def estimate(case, method, seed):
     return (NUMERIC.arms[case] * (1.0 + 0.01 * seed + 0.1 * METHODS.index(method))).tolist()
 
 
+def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
+    labels = [exhibit.label for exhibit in catalogue.EXHIBITS if exhibit.label[-1].isdigit()]
+    assert labels == [*(f"Table {n}" for n in range(1, 11)), *(f"Figure {n}" for n in range(1, 25))]
+    names = [(exhibit.kind, exhibit.name) for exhibit in catalogue.EXHIBITS]
+    assert len(set(names)) == len(names)
+    assert len({exhibit.target for exhibit in catalogue.EXHIBITS}) == len(names)
+
+
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wiring")

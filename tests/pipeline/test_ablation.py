@@ -10,6 +10,7 @@ from repro.config import check_config
 from repro.files import read_json
 from repro.pipeline.ablation import run_reading, train_reading
 from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, read_as
+from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,6 +46,12 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     budget = CONFIG["ablation"]["paper_steps" if reading.network == "paper-recipe" else "steps"]
     assert changed["training"]["steps"] == reading.longer * budget
     assert CONFIG["training"]["steps"] != CONFIG["ablation"]["steps"]  # the default is left as it was
+
+
+@pytest.mark.parametrize("name", [name for name, reading in READINGS.items() if not reading.trained])
+def test_a_reading_without_a_network_of_its_own_would_train_the_one_it_takes(name):
+    own, taken = (read_as(CONFIG, READINGS[which]) for which in (name, READINGS[name].of))
+    assert configuration_digest(own) == configuration_digest(taken)
 
 
 def test_every_open_question_of_the_notes_has_a_reading():

@@ -87,6 +87,13 @@ def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tab
     assert (own["low"] < own["centre"]).all()
     assert (own["centre"] < own["high"]).all()
     assert (own["warned"] == 0).all()
+    assert (own["level"] == 0.9).all()
+    # As wide, in units of the largest torque, as those of the arms it was calibrated on; half that at level 0.5.
+    recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
+    largest = np.abs(recording.regression(signal_settings(config)).tau).max()
+    half = (own["high"] - own["low"]).to_numpy() / 2 / largest
+    known = tables[0]["coverage"].query("arms == 'unmodelled' and level == 0.9")["width"].to_numpy()
+    assert 0.7 < np.median(half / known) < 1.4
     assert tables[0]["coverage"]["warned"].max() < 0.2
 
 

@@ -13,10 +13,11 @@ from repro.errors import InputError
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
-from repro.pipeline.experiment import control_constants, program_from_config
+from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance
-from repro.pipeline.spread import read_spread, simulate_spread
+from repro.pipeline.spread import read_spread, simulate_spread, spread_arms
 from repro.pipeline.verdict import verdict
+from repro.signals.limits import check_limits, peaks
 
 pytestmark = pytest.mark.slow
 
@@ -65,6 +66,17 @@ def test_specimens_differ_and_the_random_motion_with_them(recorded):
     for name in MOTIONS:
         assert (first[name].tau != second[name].tau).any()
         assert (first[name].program.q == second[name].program.q).all() == (name != "T1")
+
+
+def test_every_arm_can_make_every_motion():
+    config = copy.deepcopy(CONFIG)
+    motions = [program_from_config(config, name, seed) for name in MOTIONS for seed in config["spread"]["seeds"]]
+    torque = np.max([peaks(motion, true_parameters(config))[1] for motion in motions], axis=0)
+    # Motors that just carry the nominal arm: of those that are drawn, not all can.
+    config["board"]["full_torque_nm"] = (1.05 * torque / config["experiment"]["torque_share"]).tolist()
+    for beta in spread_arms(config):
+        for motion in motions:
+            check_limits(motion, beta, *limits(config))
 
 
 @pytest.mark.parametrize("name", ["ID", "T1"])

@@ -105,8 +105,11 @@ def test_f_of_the_image_is_on_the_motion_that_was_sent(tau_mean, steps):
 
 
 def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, tau_mean):
+    seen = []
+
     def estimate(self, guess):
         self.images += len(guess)
+        seen.append(guess)
         return np.tile(TRUE / self.largest, (len(guess), 1))
 
     class Reader:
@@ -115,11 +118,19 @@ def test_a_perfect_reader_is_perfect_where_eq_1_holds(monkeypatch, tau_mean):
 
     Reader.estimate = estimate
     monkeypatch.setattr("repro.pipeline.why.ResidualReader", Reader)
-    config = CONFIG | {"why": {"seeds": [1], "guesses": 3, "near": 0.05}}
+    config = CONFIG | {"why": {"seeds": [1], "guesses": 30, "near": 0.05}}
     search = SearchSettings(executions=2, inner_limit=2)
     algorithm1 = Algorithm1("published", None, ImageSettings(), search, RefinementSettings())
     table = explain(algorithm1, tau_mean, [1, 2], config)
     assert len(table) == 2 * len(STEPS)
+    uniform, near = seen[-2:]
+    assert uniform.shape == near.shape == (30, 9)
+    assert search.low <= uniform.min() < search.low + 0.05 * (search.high - search.low)
+    assert search.high - 0.05 * (search.high - search.low) < uniform.max() <= search.high
+    assert (
+        np.abs(near - TRUE / Reader(None, None, dissect(tau_mean, config, "measured")["recording"]).largest).std()
+        < 0.05
+    )
     assert table["error_uniform"].max() < 1e-12
     assert table["error_near"].max() < 1e-12
     ideal = table[table["step"] == "ideal"]

@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -275,6 +276,40 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
         assert captions_of(rule)[0].endswith(f"report/{target}.rst")
         assert rule.params.exhibit == exhibit
         assert set(rule.params.config) == {*exhibit.sections}
+
+
+#: Values of every wildcard, for what depends on one.
+ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked"}
+
+
+def of_a_job(told):
+    """What a rule says, or a function of its wildcards says for one job."""
+    value = told(SimpleNamespace(**ONE)) if callable(told) else told
+    return (
+        sorted(value)
+        if isinstance(value, dict)
+        else [str(part) for part in ([value] if isinstance(value, str) else value)]
+    )
+
+
+def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regression):
+    """Files and sections of the configuration of one job of each computing rule, as they are kept beside this test."""
+    found = {}
+    for rule in working:
+        if rule.name in EXHIBITS:
+            continue
+        files = [file for told in rule.input for file in of_a_job(told)]
+        params = dict(rule.params.items())
+        found[rule.name] = {
+            "script": Path(rule.script).name,
+            "input": [str(Path(file)).replace(str(ROOT), ".") for file in files],
+            "output": [re.sub(r",[^}]*", "", file) for file in rule.output],
+            "sections": of_a_job(params.pop("config", [])),
+            "params": sorted(params),
+            "seeds": of_a_job(params.get("seeds", [])),
+        }
+        assert re.fullmatch(r"[0-9a-f]{64}", params["code"]), rule.name
+    data_regression.check(found)
 
 
 def test_no_script_is_left_over(working):
