@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from repro import __version__, contract
-from repro.commands import compare, decode, identify, record, simulate, upgrade, verify
+from repro.commands import compare, decode, excite, identify, record, simulate, upgrade, verify
 from repro.errors import InputError
 
 #: Subcommands in the order of a user's work.
@@ -16,6 +16,7 @@ COMMANDS = {
     "record": record,
     "decode": decode,
     "upgrade": upgrade,
+    "excite": excite,
     "identify": identify,
     "verify": verify,
     "compare": compare,

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 import yaml
 
@@ -32,6 +33,9 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         "zero": [0, -1.5708],
         "second_joint_absolute": True,
         "torque_limit": [6, 5.5],
+        "position_limit": [[-1, 2], [0.5, 1]],
+        "speed_limit": [3, 4.5],
+        "workspace": [[-0.5, 0.5], [-1, 0]],
         "gravity": 9.81,
         "link_lengths": [0.3, 0.2],
         "friction_steepness": "auto",
@@ -42,8 +46,9 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
     arm = read_arm(path)
     assert {field.name for field in dataclasses.fields(Arm)} == {*content, "file"}
     for key, value in content.items():
-        expected = None if value == "auto" else tuple(value) if isinstance(value, list) else value
-        assert getattr(arm, key) == expected
+        expected = None if value == "auto" else value
+        assert np.array_equal(getattr(arm, key), expected), key
+        assert not isinstance(getattr(arm, key), list)
     path.write_text("friction_steepness: 1e2\ndelay: auto\n")  # no point, which YAML 1.1 takes for text
     assert (read_arm(path).friction_steepness, read_arm(path).delay) == (100.0, None)
 
@@ -65,6 +70,9 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("sign: [1, true]\n", "sign[1]: found True, expected two numbers"),
         ("zero: [.nan, 0]\n", "zero[0]: found nan, expected a finite number"),
         ("zero: [a, 0]\n", "zero[0]: found 'a', expected two numbers"),
+        ("position_limit: [-1, 1]\n", "position_limit[0]: found -1, expected two ranges, lowest and highest angle"),
+        ("workspace: [[-1, 1], [0, -1]]\n", "workspace[1]: found [0, -1], expected the lower one first"),
+        ("speed_limit: [1, 0]\n", "speed_limit[1]: found 0, expected two numbers above 0, the largest speed"),
         ("gravity: .inf\n", "gravity: found inf, expected a finite number"),
         ("gravity: -9.81\n", "gravity: found -9.81, expected a number above 0"),
         ("gravity: 9,81\n", "gravity: found '9,81', expected a number above 0"),

@@ -55,6 +55,12 @@ class Arm:
         Whether ``q2`` was measured from the vertical instead of from link 1.
     torque_limit : tuple of 2 floats or None
         Largest torque of each joint, N m.
+    position_limit : tuple of 2 pairs of floats or None
+        Lowest and highest angle of Eq. 1 of each joint, rad.
+    speed_limit : tuple of 2 floats or None
+        Largest speed of each joint, rad/s.
+    workspace : tuple of 2 pairs of floats or None
+        Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`.
     gravity : float
         Gravitational acceleration, m/s^2.
     link_lengths : tuple of 2 floats or None
@@ -80,6 +86,9 @@ class Arm:
     zero: Pair = (0.0, 0.0)
     second_joint_absolute: bool = False
     torque_limit: Pair | None = None
+    position_limit: tuple[Pair, Pair] | None = None
+    speed_limit: Pair | None = None
+    workspace: tuple[Pair, Pair] | None = None
     gravity: float = STANDARD_GRAVITY
     link_lengths: Pair | None = None
     friction_steepness: float | None = LAMBDA
@@ -135,6 +144,10 @@ def read_arm(path: Path | None) -> Arm:
         twin = next(other for other in columns if columns[other] == header)
         if twin != signal:
             raise InputError.at(f"{path}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
+    for key in ("position_limit", "workspace"):
+        for row, (low, high) in enumerate(content.get(key, ())):
+            if not low < high:
+                raise InputError.at(f"{path}: {key}[{row}]", [low, high], "the lower one first")
     for joint, zero in enumerate(content.get("zero", ())):
         if abs(zero) > 2.0 * np.pi:
             expected = (
@@ -168,5 +181,5 @@ def _value(key: str, value: Any) -> Any:  # noqa: ANN401
     if value == "auto" and key in ("friction_steepness", "delay"):
         return None
     if isinstance(value, list):
-        return tuple(float(item) for item in value)
+        return tuple(_value(key, item) for item in value)
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

@@ -1,6 +1,7 @@
 """The files of a result: all of them or none."""
 
 import shutil
+from collections.abc import Callable, Set
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -65,15 +66,20 @@ def _unwritable(out: Path, error: OSError) -> InputError:
 
 
 def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
-    """Write every file, then put them in place."""
+    """Write every file of a result, then put them in place."""
+    return put(out, lambda made: _fill(made, result, curves, arm), EITHER)
+
+
+def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset()) -> list[str]:
+    """Let `fill` write into a folder beside `out`, then put its files in place; of `either` no older one stays."""
     made = _beside(out)
     shutil.rmtree(made, ignore_errors=True)
     try:
         made.mkdir()
-        _fill(made, result, curves, arm)
+        fill(made)
         names = sorted(path.name for path in made.iterdir())
         out.mkdir(parents=True, exist_ok=True)
-        for name in EITHER - set(names):  # of an earlier run, which this one contradicts
+        for name in either - set(names):  # of an earlier run, which this one contradicts
             (out / name).unlink(missing_ok=True)
         for name in names:
             (made / name).replace(out / name)

@@ -1,0 +1,189 @@
+"""Design a motion to identify your own arm by, within its limits."""
+
+import argparse
+import logging
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from repro.commands.options import positive_integer, positive_seconds, whole_number
+from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from repro.identification.envelope import Envelope
+    from repro.model.parameters import Array
+    from repro.signals.trajectories import Motion
+
+_MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro excite``."""
+    parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
+    parser.add_argument("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
+    parser.add_argument("-o", "--out", required=True, type=Path, help="folder for the motion and what it would tell")
+    parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    parser.add_argument(
+        "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"
+    )
+    parser.add_argument("--duration", type=positive_seconds, default=20.0, help="of the motion, s (default: 20)")
+    parser.add_argument(
+        "--harmonics", type=positive_integer, default=12, help="highest multiple of 1/duration in it (default: 12)"
+    )
+    parser.add_argument("--rate", type=_positive, default=400.0, help="samples per second (default: 400, the board's)")
+    parser.add_argument(
+        "--noise",
+        nargs=2,
+        type=_positive,
+        default=(0.05, 0.05),
+        metavar=("TAU1", "TAU2"),
+        help="standard deviation of a sample of each torque, N m (default: 0.05 0.05)",
+    )
+    parser.add_argument("--seed", type=whole_number, default=1, help="of the starts of the search (default: 1)")
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number above 0")
+    return value
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Design, compare with Eq. 10, write."""
+    import numpy as np
+
+    from repro.identification.envelope import Envelope
+    from repro.identification.excite import design, published
+    from repro.logs.armfile import read_arm
+    from repro.ownarm.outputs import check_folder, put
+    from repro.progress import Progress
+    from repro.streams import Stream, stream
+
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it tells of every glyph
+    check_folder(arguments.out, arguments.overwrite)
+    harmonics, noise = arguments.harmonics, np.array(arguments.noise)
+    steps, h = round(arguments.duration * arguments.rate), 1.0 / arguments.rate
+    if not 3 <= harmonics <= _MOST_HARMONICS:
+        raise InputError.at("--harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
+    if not 4 * harmonics <= steps < _MOST_SAMPLES:
+        expectation = f"{4 * harmonics} to {_MOST_SAMPLES - 1} with these harmonics"
+        raise InputError.at("--duration times --rate", f"{steps} samples", expectation)
+    arm = read_arm(arguments.arm)
+    limits = Envelope(arm, read_guess(arguments.guess))
+    rng, progress = stream(arguments.seed, Stream.EXCITE), Progress("searching for a motion")
+    ours = design(limits, (steps, h), harmonics, noise, rng, progress)
+    motions = {"optimised": ours, "eq10": published(limits, (steps, h), harmonics / (steps * h), noise)}
+    settings = {key: getattr(arguments, key) for key in ("harmonics", "rate", "noise", "seed")}
+    content = {
+        "settings": {
+            **settings,
+            "duration": steps * h,
+            "guess": None if limits.beta is None else limits.beta.tolist(),
+        },
+        "arm": {**asdict(arm), "file": arguments.arm.name},
+        **{name: told(motion, limits, noise) for name, motion in motions.items()},
+    }
+    if not math.isfinite(content["optimised"]["condition"]):
+        raise InputError.at(str(arguments.arm), "limits that let no motion tell the parameters apart", "wider ones")
+    files = put(arguments.out, lambda folder: _fill(folder, content, ours, limits))
+    print(summary(content))
+    print(f"written to {arguments.out}: {', '.join(files)}")
+    return 0
+
+
+def read_guess(given: list[str] | None) -> "Array | None":
+    """Parameters that ``--guess`` states."""
+    import numpy as np
+
+    from repro.files import read_json
+
+    if given is None:
+        return None
+    numbers: list[Any] = given
+    if len(given) == 1:
+        content: Any = read_json(Path(given[0]))
+        try:
+            best = next(m for m in content["methods"] if m["method"] == content["recommended"])
+            numbers = [parameter["estimate"] for parameter in best["parameters"]]
+        except (KeyError, StopIteration, TypeError) as error:
+            raise InputError.at(given[0], "no recommended method", "parameters.json of repro identify") from error
+    try:
+        beta = np.array([float(number) for number in numbers])
+    except (TypeError, ValueError):
+        beta = np.empty(0)
+    if beta.shape != (9,) or not np.isfinite(beta).all():
+        raise InputError.at("--guess", " ".join(given), "parameters.json of repro identify, or nine numbers")
+    return beta
+
+
+def told(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:
+    """What a motion reaches, and what it lets expect."""
+    import numpy as np
+
+    from repro.identification.excite import expected
+    from repro.model.dynamics import inverse_dynamics
+    from repro.model.parameters import NAMES
+
+    moved = motion.q, motion.dq, motion.ddq
+    torque = None if limits.beta is None else inverse_dynamics(*moved, limits.beta, limits.steepness)
+    peaks = {"speed_rad_s": motion.dq, "acceleration_rad_s2": motion.ddq, "torque_nm": torque}
+    half, condition, log_det = expected(moved, noise, limits.steepness)
+    return {
+        "position_rad": np.stack([motion.q.min(axis=1), motion.q.max(axis=1)], axis=1).tolist(),
+        **{key: None if x is None else np.abs(x).max(axis=1).tolist() for key, x in peaks.items()},
+        "condition": condition,
+        "log_det": log_det,
+        "half_widths": dict(zip(NAMES, half.tolist(), strict=True)),
+    }
+
+
+def _fill(folder: Path, content: dict[str, Any], motion: "Motion", limits: "Envelope") -> None:
+    import numpy as np
+    import pandas as pd
+
+    from repro.files import write_csv, write_json
+    from repro.render import lines, style
+
+    arm, series, columns = limits.arm, [], {"time_s": motion.time}
+    own = np.array([[1.0, 0.0], [float(arm.second_joint_absolute), 1.0]]) * np.array(arm.sign)[:, None]
+    zeros = (np.array(arm.zero), np.zeros(2), np.zeros(2))
+    names = ("q{}_rad", "dq{}_rad/s", "ddq{}_rad/s^2")
+    for panel, name, zero, x in zip(lines.MOTION, names, zeros, (motion.q, motion.dq, motion.ddq), strict=True):
+        for j, joint in enumerate(lines.JOINTS):
+            columns[name.format(j + 1)] = own[j] @ x + zero[j]
+            series.append(pd.DataFrame({"panel": panel, "series": joint, "x": motion.time, "y": x[j]}))
+    write_json(folder / "excite.json", content)
+    write_csv(folder / "motion.csv", pd.DataFrame(columns))
+    with style.house_style():
+        style.save(lines.motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")
+
+
+def summary(content: dict[str, Any]) -> str:
+    """What is reached and what to expect, beside Eq. 10's motion."""
+    from repro.model.parameters import UNITS
+
+    ours, theirs = content["optimised"], content["eq10"]
+    duration, harmonics, rate = (content["settings"][key] for key in ("duration", "harmonics", "rate"))
+    lines = [f"{content['arm']['name']}: {duration:g} s, {harmonics} harmonics of {1.0 / duration:.4g} Hz"]
+    for j, (low, high) in enumerate(ours["position_rad"]):
+        torque = "not limited without --guess" if ours["torque_nm"] is None else f"up to {ours['torque_nm'][j]:.3g} N m"
+        lines.append(
+            f"  joint {j + 1}: {low:.3g} to {high:.3g} rad, up to {ours['speed_rad_s'][j]:.3g} rad/s and "
+            f"{ours['acceleration_rad_s2'][j]:.3g} rad/s^2; torque {torque}"
+        )
+    noise = " and ".join(f"{sigma:g}" for sigma in content["settings"]["noise"])
+    lines.append(f"expected 95 % intervals, +- (Eq. 1 exact, white noise of {noise} N m, {rate:g} samples a second):")
+    lines.append(f"  {'':<16}{'this motion':>12}{'Eq. 10':>12}{'ratio':>8}")
+    half = zip(ours["half_widths"].items(), theirs["half_widths"].values(), UNITS, strict=True)
+    rows = [(f"{name}, {unit}", a, b) for (name, a), b, unit in half]
+    for name, a, b in (*rows, ("condition number", ours["condition"], theirs["condition"])):
+        lines.append(f"  {name:<16}{a:>12.3g}{b:>12.3g}{a / b:>8.2f}")
+    lines.append(
+        f"(Eq. 10 at its best pace and amplitude: the same limits and duration, up to {harmonics / duration:.3g} Hz)"
+    )
+    return "\n".join(lines)

@@ -1,0 +1,127 @@
+"""`repro excite` as a user runs it: the files it writes are of the motion it tells of, and what is wrong is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from pytest import approx
+
+from repro.cli import main
+from repro.commands.record import program_of
+from repro.logs.armfile import read_arm
+from repro.logs.reading import read_log
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import NAMES
+from repro.pipeline.experiment import load_config
+
+pytestmark = pytest.mark.slow
+
+BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])
+LIMITS = {"position_limit": [[-1.4, 1.4], [-1.2, 1.2]], "speed_limit": [4, 5], "torque_limit": [1.9, 0.9]}
+SHORT = ("--duration", "8", "--harmonics", "4")
+CONFIG = Path(__file__).resolve().parents[2] / "config" / "config.yaml"
+FILES = {"excite.json", "motion.csv", "motion.pdf", "motion.png"}
+
+
+def excite(tmp_path, *options, out="out", **keys):
+    """Exit code of the command with an arm file of these keys beside `LIMITS`."""
+    content = {key: value for key, value in (LIMITS | keys).items() if value is not None}
+    (tmp_path / "arm.yaml").write_text(yaml.safe_dump(content))
+    return main(["excite", "--arm", str(tmp_path / "arm.yaml"), "-o", str(tmp_path / out), *map(str, options)])
+
+
+def test_what_is_written_is_the_motion_that_is_told_of(tmp_path, capsys):
+    assert excite(tmp_path, *SHORT, "--guess", *BETA) == 0
+    out = tmp_path / "out"
+    assert {path.name for path in out.iterdir()} == FILES
+    table, content = pd.read_csv(out / "motion.csv"), json.loads((out / "excite.json").read_text())
+    assert list(table) == [
+        *("time_s", "q1_rad", "q2_rad", "dq1_rad/s", "dq2_rad/s", "ddq1_rad/s^2", "ddq2_rad/s^2"),
+    ]
+    assert len(table) == 8 * 400 + 1
+    q, dq, ddq = (table.iloc[:, k : k + 2].to_numpy().T for k in (1, 3, 5))
+    told = content["optimised"]
+    assert told["position_rad"] == approx(np.stack([q.min(1), q.max(1)], axis=1))
+    assert told["speed_rad_s"] == approx(np.abs(dq).max(1))
+    assert told["acceleration_rad_s2"] == approx(np.abs(ddq).max(1))
+    assert told["torque_nm"] == approx(np.abs(inverse_dynamics(q, dq, ddq, BETA)).max(1))
+    assert (np.array(told["torque_nm"]) <= LIMITS["torque_limit"]).all()
+    assert content["settings"]["guess"] == BETA.tolist()
+    lines = capsys.readouterr().out.splitlines()
+    for name in NAMES:
+        ours, theirs, ratio = (
+            float(word) for word in next(line for line in lines if line.startswith(f"  {name}, ")).split()[-3:]
+        )
+        assert ours == approx(told["half_widths"][name], rel=0.01)
+        assert theirs == approx(content["eq10"]["half_widths"][name], rel=0.01)
+        assert ratio == approx(ours / theirs, abs=0.02)
+    # The board takes the table as it is, and the configured arm can do it.
+    assert program_of(load_config(CONFIG), str(out / "motion.csv")).q == approx(q)
+
+
+def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
+    """A log of the motion, read with the same arm file, holds the angles of Eq. 1 again."""
+    keys = {"sign": [1, -1], "zero": [0.5, -0.7], "second_joint_absolute": True}
+    assert excite(tmp_path, *SHORT, out="plain") == 0
+    assert excite(tmp_path, *SHORT, out="own", **keys) == 0
+    eq1, own = (pd.read_csv(tmp_path / name / "motion.csv") for name in ("plain", "own"))
+    log = own[["time_s", "q1_rad", "q2_rad", "dq1_rad/s", "dq2_rad/s"]].assign(tau1=np.sin(own.time_s), tau2=own.time_s)
+    log.to_csv(tmp_path / "log.csv", index=False)
+    read = read_log(tmp_path / "log.csv", read_arm(tmp_path / "arm.yaml"))
+    assert read.q == approx(eq1[["q1_rad", "q2_rad"]].to_numpy().T, abs=1e-8)
+    assert read.dq == approx(eq1[["dq1_rad/s", "dq2_rad/s"]].to_numpy().T, abs=1e-8)
+
+
+def test_a_guess_is_read_from_an_identification(tmp_path):
+    rows = [{"name": name, "estimate": value} for name, value in zip(NAMES, BETA.tolist(), strict=True)]
+    methods = [{"method": "ordinary", "parameters": []}, {"method": "consistent", "parameters": rows}]
+    (tmp_path / "parameters.json").write_text(json.dumps({"recommended": "consistent", "methods": methods}))
+    assert excite(tmp_path, *SHORT, "--guess", tmp_path / "parameters.json", out="a") == 0
+    assert excite(tmp_path, *SHORT, "--guess", *BETA, out="b") == 0
+    for name in FILES:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    ("options", "keys", "words"),
+    [
+        ((), {"position_limit": None}, "arm.yaml: position_limit: found nothing, expected two ranges, rad"),
+        ((), {"speed_limit": None}, "arm.yaml: speed_limit: found nothing, expected two numbers above 0, rad/s"),
+        (("--guess", *BETA), {"torque_limit": None}, "arm.yaml: torque_limit: found nothing, expected two numbers"),
+        ((), {"position_limit": [[-1, 1], [1, -1]]}, "position_limit[1]: found [1, -1], expected the lower one first"),
+        ((), {"position_limit": [-1, 1]}, "position_limit[0]: found -1, expected two ranges"),
+        ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "let no motion tell the parameters apart, expected wider ones"),
+        ((), {"workspace": [[-1, 1], [-1, 1]]}, "link_lengths: found nothing"),
+        (("--guess", 1, 2), {}, "--guess: found 1 2, expected parameters.json of repro identify, or nine numbers"),
+        (("--guess", *BETA[:8], "nan"), {}, "expected parameters.json of repro identify, or nine numbers"),
+        (("--guess", "arm.yaml"), {}, "arm.yaml: found No such file"),
+        (("--harmonics", 2), {}, "--harmonics: found 2, expected 3 to 20"),
+        (("--rate", 1), {}, "--duration times --rate: found 8 samples, expected 16 to 99999"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, words):
+    assert excite(tmp_path, *SHORT, *options, **keys) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert words in told[-1]
+    assert {path.name for path in tmp_path.iterdir()} == {"arm.yaml"}
+
+
+def test_a_folder_of_the_user_is_kept(tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "motion.csv").write_text("mine")
+    assert excite(tmp_path, *SHORT) == 2
+    assert "found a folder with files in it, expected a new or empty folder, or --overwrite" in capsys.readouterr().err
+    assert (tmp_path / "out" / "motion.csv").read_text() == "mine"
+    assert excite(tmp_path, *SHORT, "--overwrite") == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
+
+
+@pytest.mark.parametrize("option", [("--noise", "0", "1"), ("--noise", "a", "1"), ("--rate", "nan")])
+def test_numbers_that_are_none_are_refused(tmp_path, capsys, option):
+    with pytest.raises(SystemExit) as caught:
+        excite(tmp_path, *option)
+    assert caught.value.code == 2
+    assert "expected a number above 0" in capsys.readouterr().err
