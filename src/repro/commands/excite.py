@@ -62,7 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.logs.armfile import read_arm
     from repro.ownarm.outputs import check_folder, put
     from repro.progress import Progress
-    from repro.streams import Stream, stream
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it tells of every glyph
     check_folder(arguments.out, arguments.overwrite)
@@ -75,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError.at("--duration times --rate", f"{steps} samples", expectation)
     arm = read_arm(arguments.arm)
     limits = Envelope(arm, read_guess(arguments.guess))
-    rng, progress = stream(arguments.seed, Stream.EXCITE), Progress("searching for a motion")
+    rng, progress = np.random.default_rng(arguments.seed), Progress("searching for a motion")
     ours = design(limits, (steps, h), harmonics, noise, rng, progress)
     motions = {"optimised": ours, "eq10": published(limits, (steps, h), harmonics / (steps * h), noise)}
     settings = {key: getattr(arguments, key) for key in ("harmonics", "rate", "noise", "seed")}

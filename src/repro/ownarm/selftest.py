@@ -23,7 +23,8 @@ from repro.identification.setup import corrected, values_of
 from repro.logs.armfile import Arm
 from repro.logs.quantisation import quantisation_step
 from repro.logs.speed import period
-from repro.logs.uniform import longest_stretch, uniform
+from repro.logs.log import Log
+from repro.logs.uniform import stretches, uniform
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepared import Problem, Ready, Told, make_ready, together
@@ -127,10 +128,16 @@ def _undone(found: Mapping[str, float]) -> dict[str, float]:
     return {name: 1.0 / value if name == "scale2" else -factor.get(name, 1.0) * value for name, value in found.items()}
 
 
+def _from_zero(log: Log) -> Log:
+    return replace(log, t=log.t - log.t[0])
+
+
 def made_log(ready: Ready, beta: Array, rng: np.random.Generator) -> Told:
-    """The log as it would have been recorded of an arm with known parameters, with the real one's time stamps."""
-    s, log, recorded = ready.settings, ready.told.log, ready.told.recorded or ready.told.log
-    (piece, _), even, h, top = longest_stretch(recorded), uniform(recorded), period(log), wide(s, period(log))
+    """The log, or its longest piece, as it would have been recorded of an arm with known parameters."""
+    s, log = ready.settings, _from_zero(ready.told.log.longest)
+    pieces = stretches(ready.told.recorded or ready.told.log)[0]
+    piece = _from_zero(max(pieces, key=lambda one: one.t.size))
+    even, h, top = uniform(piece), period(log), wide(s, period(log))
     moved = motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
     late = acting(np.clip(log.t + s.delay, 0.0, log.t[-1]))
