@@ -112,16 +112,13 @@ TRACKED = {
 }
 
 
-#: Figures that hold words alone, each with a column of its table, and figures without axes.
-WORDS = {"fig01": "unit", "fig02": "label", "fig03": "label", "fig04": "label", "fig18": "value"}
-WITHOUT_AXES = {*WORDS, "fig07"}
+WITHOUT_AXES = {"fig01", "fig02", "fig03", "fig04", "fig07", "fig18"}
 
 #: Figures that must say so.
 SIMULATED = ("fig18", "fig19", "fig20", "fig21", "fig22", "fig23", "fig24", "spread", "why", "coverage", "ablation")
 
-#: Tables that go on over pages, and the columns that may be blank.
+#: Tables that go on over pages.
 LONG = ("audit",)
-MAY_BE_BLANK = {"audit": ("found", "printed", "unit", "note")}
 
 
 def setup_frame() -> pd.DataFrame:

@@ -1,12 +1,10 @@
 """Readings of the paper: the numbers given, beside the default's, and what lies far below them written out."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
-from render_examples import FRAMES, TABLES, drawn, laid_out, made, refused
+from render_examples import FRAMES, TABLES, laid_out, made
 
 SHOWN = {
     "id_mean": "Identification trajectory",
@@ -65,28 +63,3 @@ def test_table_holds_the_numbers_by_question(tmp_path: Path) -> None:
     caption = md.splitlines()[0]
     for words in ("literal Algorithm 1", "median of the seeds", "Simulated arm", "do not compare with Tables 6 and 7"):
         assert words in caption
-
-
-@pytest.mark.parametrize(
-    ("spoil", "words"),
-    [
-        (lambda f: f[f["question"] != "default"], "0 readings"),
-        (lambda f: f.replace({"question": {"training ranges": "default"}}), "2 readings"),
-        (lambda f: pd.concat([f, f.iloc[3:4]]), "again"),
-    ],
-)
-def test_readings_stand_once_beside_one_default(
-    spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
-) -> None:
-    assert words in refused(laid_out, tmp_path, "ablation", spoil(TABLES["ablation"]()))
-    assert words in refused(drawn, tmp_path, "ablation", spoil(FRAMES["ablation"]()))
-
-
-def test_wrong_numbers_are_named(tmp_path: Path) -> None:
-    table, figure = TABLES["ablation"](), FRAMES["ablation"]()
-    assert "fraction of 1" in refused(laid_out, tmp_path, "ablation", table.assign(arm_true=96.7))
-    assert "0 or more" in refused(laid_out, tmp_path, "ablation", table.assign(held_out_loss=-1e-4))
-    assert "at least 1 step" in refused(laid_out, tmp_path, "ablation", table.assign(steps=0))
-    assert "fraction of 1" in refused(drawn, tmp_path, "ablation", figure.assign(value=96.7))
-    assert "'speed'" in refused(drawn, tmp_path, "ablation", figure.replace({"quantity": {"arm_true": "speed"}}))
-    assert "every quantity once" in refused(drawn, tmp_path, "ablation", figure.drop(index=3))

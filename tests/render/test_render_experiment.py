@@ -2,7 +2,6 @@
 
 import itertools
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +15,11 @@ from render_examples import (
     RIVALS,
     TABLES,
     control_frame,
-    drawn,
     laid_out,
     made,
-    refused,
     similarity_frame,
 )
 
-from repro.errors import InputError
 from repro.render import result_tables, style
 
 LAYOUTS = ("table08", "table09", "table10", "stability", "verdict")
@@ -158,38 +154,6 @@ def test_spread_shows_every_run_its_median_and_what_was_published() -> None:
     assert not any("published" in text.get_text() for text in made("spread", alone).legends[0].get_texts())
 
 
-@pytest.mark.parametrize(
-    ("name", "spoil", "words"),
-    [
-        ("fig18", lambda f: f.replace({"component": {"pwm": "pump"}}), "'pump'"),
-        ("fig18", lambda f: f[f["component"] != "arm"], "'arm'"),
-        ("fig18", lambda f: pd.concat([f] * 6), "lines of words"),
-        ("fig19", lambda f: f.replace({"series": {"true": "truth"}}), "'truth'"),
-        ("fig19", lambda f: f[f["series"] != "desired2"], "'desired2'"),
-        ("fig19", lambda f: f[~f["series"].isin(RIVALS)], "no method"),
-        ("fig20", lambda f: f[f["series"] != "measured"], "'measured'"),
-        ("fig20", lambda f: f[(f["series"] != "true") | (f["panel"] == "torque1")], "'true'"),
-        ("fig21", lambda f: f.replace({"series": {"actual": "real"}}), "'real'"),
-        ("fig21", lambda f: f[f["panel"] != "T3"], "'T3'"),
-        ("fig22", lambda f: f.replace({"panel": {"T4 velocity": "T4 speed"}}), "'T4 speed'"),
-        ("fig23", lambda f: f.replace({"series": {"least-squares": "joint1"}}), "'joint1'"),
-        ("fig23", lambda f: f.iloc[::-1], "rise"),
-        ("fig24", lambda f: f[f["panel"] != "T1 torque2"], "'T1 torque2'"),
-        ("spread", lambda f: f.replace({"method": {"true": "truth"}}), "'truth'"),
-        ("spread", lambda f: f.replace({"case": {"T4": "T5"}}), "'T5'"),
-        ("spread", lambda f: f.assign(joint=3), "'3'"),
-        ("spread", lambda f: f.assign(total=97.0), "fraction of 1"),
-        ("spread", lambda f: f.drop(index=7), "9 rows"),
-        ("spread", lambda f: pd.concat([f, f[:1]]), "11 rows"),
-        ("spread", lambda f: f[f["seed"].isna()], "published values alone"),
-    ],
-)
-def test_figures_name_what_is_wrong(
-    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
-) -> None:
-    assert words in refused(drawn, tmp_path, name, spoil(FRAMES[name]()))
-
-
 def test_control_table(tmp_path: Path) -> None:
     tex, md = laid_out(tmp_path, "table08", control_frame())
     assert r"$q_{2}$ & $96.99 \pm 0.42$ & $30.6819$ & $102.2730$ & $1$ & $1 \times 10^{-4}$ \\" in tex
@@ -216,8 +180,6 @@ def test_table_9_shows_what_fits_a_page_and_says_what_it_left_out(tmp_path):
     _, md = laid_out(tmp_path, "table09", pd.concat([frame, more], ignore_index=True))
     assert "1 further methods are in the CSV" in md
     assert "scale-aware" not in md
-    with pytest.raises(InputError, match="none to show"):
-        laid_out(tmp_path, "table09", more)
 
 
 def test_similarities_of_the_experiment(tmp_path: Path) -> None:
@@ -243,26 +205,3 @@ def test_stability_and_verdict_tables(tmp_path: Path) -> None:
     both = pd.concat([frame.assign(method=method) for method in ("algorithm1+refinement", "algorithm1")])
     _, md = laid_out(tmp_path, "verdict", both)
     assert len(re.findall(r"^\| Algorithm 1 \+ refinement", md, flags=re.MULTILINE)) == 4
-
-
-@pytest.mark.parametrize(
-    ("name", "spoil", "words"),
-    [
-        ("table08", lambda f: f.assign(case="ID"), "'ID'"),
-        ("table08", lambda f: f.assign(method="pid"), "'pid'"),
-        ("table08", lambda f: pd.concat([f, f]), "2 rows"),
-        ("table09", lambda f: f.assign(case="T1"), "'T1'"),
-        ("table09", lambda f: f[1:], "0 rows"),
-        ("table09", lambda f: f.assign(estimate_sd=-1.0), "0 or more"),
-        ("table10", lambda f: f[f["case"] != "ID"], "'ID'"),
-        ("stability", lambda f: f.assign(holds="perhaps"), "'perhaps'"),
-        ("verdict", lambda f: f[f["motion"] != "T2"], "'T2'"),
-        ("verdict", lambda f: f.drop(index=4), "7 rows"),
-        ("verdict", lambda f: f.assign(wins=13), "wins"),
-        ("verdict", lambda f: f.assign(win_share=1.2), "fraction of 1"),
-    ],
-)
-def test_tables_name_what_is_wrong(
-    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
-) -> None:
-    assert words in refused(laid_out, tmp_path, name, spoil(TABLES[name]()))

@@ -6,10 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from repro.errors import InputError
 from repro.render import style
 from repro.render.ablation_table import DEFAULT, grouped
-from repro.render.contract import check_names, check_range, check_table
 from repro.signals.programs import SPAN
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
@@ -49,16 +47,11 @@ _REST = 1.0
 
 def figure(frame: pd.DataFrame) -> Figure:
     """Headline numbers under each reading of the paper, beside those of the default reading."""
-    checked = check_table(frame, ("question", "reading", "quantity"), ("value",))
     every = [name for names in _PANELS.values() for name in names]
-    check_names(checked["quantity"], every, "quantity")
-    check_range(checked, ("value",), 0.0, 1.0, "a fraction of 1")
     labels: dict[float, str] = {}
     headings, rows, place = [], {}, 0.0
-    for question, chosen in grouped(checked, "quantity"):
+    for question, chosen in grouped(frame):
         wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value").reindex(columns=every)
-        if wide.isna().any(axis=None):
-            raise InputError.at(f"question {question}", "a reading without a quantity", "every quantity once")
         if question != DEFAULT:
             place += _GAP
             headings.append(len(labels))

@@ -2,8 +2,6 @@
 
 import pandas as pd
 
-from repro.errors import InputError
-from repro.render.contract import check_range, check_table
 from repro.render.markup import Table, Text, number, plain
 from repro.signals.programs import SPAN
 
@@ -11,16 +9,9 @@ from repro.signals.programs import SPAN
 DEFAULT = "default"
 
 
-def grouped(checked: pd.DataFrame, *columns: str) -> list[tuple[str, pd.DataFrame]]:
+def grouped(frame: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """Rows of each question in the order of the file, the default reading first."""
-    twice = checked.duplicated(["question", "reading", *columns]).to_numpy()
-    if twice.any():
-        row = int(twice.argmax())
-        raise InputError.at(f"line {row + 2}: reading", f"{checked['reading'][row]!r} again", "each reading once")
-    readings = checked.loc[checked["question"] == DEFAULT, "reading"].nunique()
-    if readings != 1:
-        raise InputError.at(f"question {DEFAULT}", f"{readings} readings", "exactly one")
-    groups = [(str(question), rows) for question, rows in checked.groupby("question", sort=False)]
+    groups = [(str(question), rows) for question, rows in frame.groupby("question", sort=False)]
     return sorted(groups, key=lambda group: group[0] != DEFAULT)
 
 
@@ -28,12 +19,8 @@ def table(frame: pd.DataFrame) -> Table:
     """Headline numbers under each reading of the paper."""
     of_arm = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
     shares = ("id_mean", "id_lowest", "validation_mean", *of_arm)
-    checked = check_table(frame, ("question", "reading"), ("steps", "held_out_loss", *shares))
-    check_range(checked, ("steps",), 1.0, float("inf"), "at least 1 step")
-    check_range(checked, ("held_out_loss",), 0.0, float("inf"), "a loss of 0 or more")
-    check_range(checked, shares, 0.0, 1.0, "a fraction of 1")
     blocks = []
-    for question, chosen in grouped(checked):
+    for question, chosen in grouped(frame):
         rows = []
         for row in chosen.to_dict("records"):
             cells = [plain(row["reading"]), number(row["steps"], 0), number(1e4 * row["held_out_loss"], 2)]

@@ -4,7 +4,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.render import style
-from repro.render.contract import check_table, flags
 
 #: Candidates shown of each factor; the chosen one is added if it is not among them.
 _SHOWN = 12
@@ -12,12 +11,10 @@ _SHOWN = 12
 
 def metric_search(frame: pd.DataFrame) -> Figure:
     """Best candidate formulas of each factor of the similarity metric."""
-    table = check_table(frame, text=("factor", "candidate"), numbers=("rms_log_error",))
-    table["chosen"] = flags(frame, "chosen")
-    factors = list(dict.fromkeys(table["factor"]))
+    factors = list(dict.fromkeys(frame["factor"]))
     shown = []
     for factor in factors:
-        ranked = table[table["factor"] == factor].sort_values("rms_log_error", kind="stable").reset_index(drop=True)
+        ranked = frame[frame["factor"] == factor].sort_values("rms_log_error", kind="stable").reset_index(drop=True)
         shown.append(ranked[(ranked.index < _SHOWN) | ranked["chosen"]])
     figure = style.new_figure(style.PAGE, 0.8 + 0.165 * max(len(rows) for rows in shown))
     panels = figure.subplots(1, len(factors), squeeze=False)[0]

@@ -7,7 +7,6 @@ from matplotlib.patches import StepPatch
 
 from repro.model.parameters import NAMES, UNITS
 from repro.render import style
-from repro.render.contract import check_names, check_range, check_table
 from repro.render.experiment_tables import with_unit
 from repro.render.markup import Table, Text, formula, number, plain
 
@@ -21,19 +20,15 @@ def table(frame: pd.DataFrame) -> Table:
 
     Columns ``arms, parameter, level, raw, calibrated, factor, width, warned``.
     """
-    checked = check_table(frame, ("arms", "parameter"), ("level", "raw", "calibrated", "factor", "width", "warned"))
-    check_names(checked["arms"], ARMS, "arms")
-    check_names(checked["parameter"], NAMES, "parameter")
-    check_range(checked, ("level", "raw", "calibrated", "warned"), 0.0, 1.0, "a fraction of 1")
-    levels = sorted(set(checked["level"]))
-    cells = checked.set_index(["arms", "parameter", "level"])
+    levels = sorted(set(frame["level"]))
+    cells = frame.set_index(["arms", "parameter", "level"])
     rows = []
     for name in NAMES:
         row = [formula(name)]
         for arms, column in (("unmodelled", "raw"), ("Eq. 1", "calibrated"), ("unmodelled", "calibrated")):
             row += [number(100.0 * float(cells.loc[(arms, name, level), column]), 0) for level in levels]
         rows.append([*row, number(float(cells.loc[("unmodelled", name, levels[-1]), "width"]), 3)])
-    warned = [100.0 * float(checked.loc[checked["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
+    warned = [100.0 * float(frame.loc[frame["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
     caption = plain(
         "Shares of simulated arms (%) whose true parameter lies in an interval of "
         + ", ".join(f"{100 * level:g}" for level in levels)
@@ -56,8 +51,6 @@ def intervals(frame: pd.DataFrame) -> Table:
 
     Columns ``parameter, true, centre, low, high, level, warned``.
     """
-    checked = check_table(frame, ("parameter",), ("true", "centre", "low", "high", "level", "warned"))
-    check_names(checked["parameter"], NAMES, "parameter")
     rows = [
         [
             with_unit(formula(row["parameter"]), UNITS[NAMES.index(row["parameter"])]),
@@ -66,12 +59,12 @@ def intervals(frame: pd.DataFrame) -> Table:
             number(row["low"], 4) + Text(" to ", " to ") + number(row["high"], 4),
             plain("yes" if row["low"] <= row["true"] <= row["high"] else "no"),
         ]
-        for row in checked.to_dict("records")
+        for row in frame.to_dict("records")
     ]
-    like = "unlike the training motions" if checked["warned"].max() else "like the training motions"
+    like = "unlike the training motions" if frame["warned"].max() else "like the training motions"
     caption = plain(
         f"Parameters of the simulated arm from its recording of ID, which is {like}: median of the network's estimates "
-        f"from random guesses, and its calibrated {100 * checked['level'].max():g} % interval."
+        f"from random guesses, and its calibrated {100 * frame['level'].max():g} % interval."
     )
     names = ("Parameter", "True", "Estimate", "Interval", "Covered")
     return Table("Intervals", "tab:intervals", caption, "lrrrr", [plain(name) for name in names], [(None, rows)])
@@ -82,10 +75,7 @@ def figure(frame: pd.DataFrame) -> Figure:
 
     Columns ``arms, parameter, bin, number, known, raw, calibrated``.
     """
-    checked = check_table(frame, ("arms", "parameter"), ("bin", "number", "known", "raw", "calibrated"))
-    check_names(checked["parameter"], NAMES, "parameter")
-    check_range(checked, ("raw", "calibrated"), 0.0, 1.0, "a fraction of 1")
-    chosen = checked[checked["arms"] == "unmodelled"]
+    chosen = frame[frame["arms"] == "unmodelled"]
     bins = int(chosen["bin"].max()) + 1
     edges = np.linspace(0.0, 100.0, bins + 1)
     expected = 100.0 / bins

@@ -2,31 +2,19 @@
 
 import pandas as pd
 
-from repro.errors import InputError
-from repro.render.contract import check_table, flags
 from repro.render.markup import EMPTY, Table, Text, formula, number, plain, unit
 
 #: Candidates listed of each factor; the chosen one is added if it is not among them.
 _LISTED = 10
 
-
-#: What Table 1 says of a work.
-_ANSWERS = ("yes", "no", "not stated")
 _SET_APART = Text(r"$^{\dagger}$", "\N{DAGGER}")
 
 
 def related_work(frame: pd.DataFrame) -> Table:
     """Related work of Section I-A and the article (Table 1)."""
-    words = ("reference", "robot", "dof", "method", "identified")
-    answers = ("optimisation", "set_apart")
-    table = check_table(frame, text=(*words, *answers))
-    for name in answers:
-        unknown = ~table[name].isin(_ANSWERS)
-        if unknown.any():
-            row = int(unknown.to_numpy().argmax())
-            raise InputError.at(f"line {row + 2}: {name}", repr(table[name][row]), f"one of {', '.join(_ANSWERS)}")
+    columns = ["reference", "robot", "dof", "method", "identified", "optimisation", "set_apart"]
     rows = []
-    for reference, robot, dof, *cells, apart in table.itertuples(index=False):
+    for reference, robot, dof, *cells, apart in frame[columns].itertuples(index=False):
         work = plain(reference)
         work = Text(f"{{{work.tex}}}", work.md)  # LaTeX would read a bracket at the start of a row as an option
         freedom = plain("\N{EN DASH}" if dof == "not stated" else dof)
@@ -45,10 +33,10 @@ def related_work(frame: pd.DataFrame) -> Table:
 
 def parameters(frame: pd.DataFrame) -> Table:
     """Dynamic parameters (Table 2)."""
-    table = check_table(frame, text=("parameter", "description", "expression", "unit"))
+    columns = ["parameter", "description", "expression", "unit"]
     rows = [
         (formula(name), plain(description), formula(expression), unit(si))
-        for name, description, expression, si in table.itertuples(index=False)
+        for name, description, expression, si in frame[columns].itertuples(index=False)
     ]
     header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
     return Table("Table 2", "tab:table02", plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
@@ -56,22 +44,20 @@ def parameters(frame: pd.DataFrame) -> Table:
 
 def characteristics(frame: pd.DataFrame) -> Table:
     """Characteristics of the network (Table 3)."""
-    table = check_table(frame, text=("feature", "value"))
-    rows = [(plain(feature), plain(value)) for feature, value in table.itertuples(index=False)]
+    rows = [
+        (plain(feature), plain(str(value))) for feature, value in frame[["feature", "value"]].itertuples(index=False)
+    ]
     caption = plain("Characteristics of the convolutional neural network.")
     return Table("Table 3", "tab:table03", caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
 
 
 def metric_search(frame: pd.DataFrame) -> Table:
     """Best candidate formulas of each factor of the similarity metric."""
-    errors = ("rms_log_error_best", "rms_log_error_mean")
-    table = check_table(
-        frame, ("factor", "candidate", "formula"), (*errors, "best_bandwidth", "rank", "abstract_mean_total")
-    )
-    table["chosen"] = flags(frame, "chosen")
+    columns = ["rank", "candidate", "formula", "rms_log_error_best", "best_bandwidth", "rms_log_error_mean"]
+    columns += ["abstract_mean_total", "chosen"]
     blocks = []
-    for factor in dict.fromkeys(table["factor"]):
-        ranked = table[table["factor"] == factor].sort_values("rank", kind="stable")
+    for factor in dict.fromkeys(frame["factor"]):
+        ranked = frame[frame["factor"] == factor].sort_values("rank", kind="stable")
         listed = ranked[(ranked["rank"] <= _LISTED) | ranked["chosen"]]
         rows = [
             (
@@ -84,7 +70,7 @@ def metric_search(frame: pd.DataFrame) -> Table:
                 number(100 * total, 2),
                 plain("yes") if chosen else EMPTY,
             )
-            for _, candidate, text, best, mean, bandwidth, rank, total, chosen in listed.itertuples(index=False)
+            for rank, candidate, text, best, bandwidth, mean, total, chosen in listed[columns].itertuples(index=False)
         ]
         blocks.append((plain(f"{factor[:1].upper()}{factor[1:]} factor"), rows))
     caption = plain(

@@ -11,14 +11,8 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import check_names, check_table
 from repro.render.layout import INSET, Box, Layout, Route
 from repro.render.markup import formula, plain
-
-#: Columns of the table of a diagram; ``-`` stands for nothing.
-COLUMNS = ("element", "name", "start", "end", "label", "source", "basis")
-#: How far the paper's text says what is drawn.
-BASES = ("stated", "inferred")
 
 _FILLS: Mapping[str, str] = {
     "block": style.FILL_LIGHT,
@@ -68,16 +62,8 @@ def _wrap(label: str, letters: int) -> list[str]:
 
 
 def _read(frame: pd.DataFrame, layout: Layout) -> tuple[dict[str, list[tuple[str, bool]]], dict[str, tuple[str, bool]]]:
-    """Check the table; return lines of each box and label of each link, each with whether it is only inferred."""
-    table = check_table(frame, text=COLUMNS)
-    check_names(table["element"], ("box", "link"), "element")
-    unknown = ~table["basis"].isin(BASES)
-    if unknown.any():
-        row = int(unknown.to_numpy().argmax())
-        raise InputError.at(f"line {row + 2}: basis", repr(table["basis"][row]), f"one of {', '.join(BASES)}")
-    of_boxes, of_links = (table[table["element"] == kind] for kind in ("box", "link"))
-    check_names(of_boxes["name"], list(layout.boxes), "box: name")
-    check_names(of_links["name"], list(layout.routes), "link: name")
+    """Lines of each box and label of each link, each with whether it is only inferred; ``-`` stands for nothing."""
+    of_boxes, of_links = (frame[frame["element"] == kind] for kind in ("box", "link"))
     lines: dict[str, list[tuple[str, bool]]] = {name: [] for name in layout.boxes}
     for name, label, basis in of_boxes[["name", "label", "basis"]].itertuples(index=False):
         width, height = layout.boxes[name].room
@@ -87,15 +73,8 @@ def _read(frame: pd.DataFrame, layout: Layout) -> tuple[dict[str, list[tuple[str
         room = int(height / (_LEADING * layout.type_size)) - 1
         if len(lines[name]) > room:
             raise InputError.at(f"box {name}: label", f"{len(lines[name])} lines of words", f"at most {room}")
-    links: dict[str, tuple[str, bool]] = {}
-    for name, start, end, label, basis in of_links[["name", "start", "end", "label", "basis"]].itertuples(index=False):
-        route = layout.routes[name]
-        if (start, end) != (route.start, route.end):
-            raise InputError.at(f"link {name}: start, end", f"{start}, {end}", f"{route.start}, {route.end}")
-        if name in links:
-            raise InputError.at(f"link {name}", "two rows", "one")
-        links[name] = (" ".join(_wrap(label, len(label))), basis == "inferred")
-    return lines, links
+    rows = of_links[["name", "label", "basis"]].itertuples(index=False)
+    return lines, {name: (" ".join(_wrap(label, len(label))), basis == "inferred") for name, label, basis in rows}
 
 
 def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:

@@ -1,15 +1,13 @@
 """The experiment on the simulated arm: torques, spectra, motions and paths (Fig. 19-24)."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import check_table, read_curves
-from repro.render.lines import JOINTS, MOTION, TIME, plot_panel
+from repro.render.lines import JOINTS, MOTION, TIME, curves_of, plot_panel
 from repro.render.torques import page, spectrum_panels, torque_panels
 from repro.signals.programs import VALIDATION
 
@@ -24,22 +22,15 @@ _IDENTIFICATION = {"torque1": "Joint 1", "torque2": "Joint 2"}
 _VALIDATION = {f"{case} torque{j}": f"{case}, joint {j}" for case in CASES for j in (1, 2)}
 
 
-def _compared(frame: pd.DataFrame, panels: Iterable[str]) -> tuple[str, ...]:
+def _compared(frame: pd.DataFrame) -> tuple[str, ...]:
     """Series of the torque panels: the measured one, then the methods that the table holds."""
-    table = check_table(frame, text=("panel", "series"))
-    found = dict.fromkeys(table["series"][table["panel"].isin(list(panels))])
-    for name in found:
-        if name not in ("measured", *style.METHODS):
-            raise InputError.at("torque series", repr(name), f"one of measured, {', '.join(style.METHODS)}")
-    methods = [name for name in style.METHODS if name in found]
-    if not methods:
-        raise InputError.at("torque series", "no method", f"at least one of {', '.join(style.METHODS)}")
-    return ("measured", *methods)
+    found = set(frame["series"])
+    return ("measured", *(name for name in style.METHODS if name in found))
 
 
 def _torques(frame: pd.DataFrame, titles: Mapping[str, str], draw: Callable[..., None]) -> Figure:
     """Measured and rebuilt signals, a column for each joint."""
-    curves = read_curves(frame, dict.fromkeys(titles, _compared(frame, titles)))
+    curves = curves_of(frame, dict.fromkeys(titles, _compared(frame)))
     figure = page(len(titles))
     draw(figure, curves, titles, legend_title=style.SIMULATED)
     return figure
@@ -47,8 +38,8 @@ def _torques(frame: pd.DataFrame, titles: Mapping[str, str], draw: Callable[...,
 
 def identification(frame: pd.DataFrame) -> Figure:
     """Torques on the identification trajectory, rebuilt by each method, and the motion (Fig. 19)."""
-    torque_series = dict.fromkeys(_IDENTIFICATION, _compared(frame, _IDENTIFICATION))
-    curves = read_curves(frame, {**torque_series, **_TRACKED})
+    torque_series = dict.fromkeys(_IDENTIFICATION, _compared(frame))
+    curves = curves_of(frame, {**torque_series, **_TRACKED})
     figure = style.new_figure(style.PAGE, 4.4)
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.15, 1.0))[:, 0]
     torque_panels(upper, curves, _IDENTIFICATION, style.SIMULATED)
@@ -67,7 +58,7 @@ def identification_spectra(frame: pd.DataFrame) -> Figure:
 
 def paths(frame: pd.DataFrame) -> Figure:
     """Desired and actual paths of the tip on the validation motions (Fig. 21)."""
-    curves = read_curves(frame, dict.fromkeys(CASES, ("actual", "desired")), rising=False)
+    curves = curves_of(frame, dict.fromkeys(CASES, ("actual", "desired")))
     figure = style.new_figure(style.PAGE, 2.35)
     panels = figure.subplots(1, len(CASES))
     for axes, case in zip(panels, CASES, strict=True):
@@ -82,7 +73,7 @@ def paths(frame: pd.DataFrame) -> Figure:
 def validation_motion(frame: pd.DataFrame) -> Figure:
     """Validation motions of both joints (Fig. 22)."""
     wanted: dict[str, Sequence[str]] = {f"{case} {panel}": _TRACKED[panel] for panel in MOTION for case in CASES}
-    curves = read_curves(frame, wanted)
+    curves = curves_of(frame, wanted)
     figure = style.new_figure(style.PAGE, 4.3)
     grid = figure.subplots(len(MOTION), len(CASES), sharex="col")
     for row, (panel, label) in zip(grid, MOTION.items(), strict=True):

@@ -13,7 +13,6 @@ from matplotlib.patches import Arc, Circle, FancyBboxPatch, Rectangle
 
 from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import check_names, check_table
 
 # Measures of the drawing, in.
 _HEIGHT = 3.12
@@ -83,11 +82,9 @@ _NOTES = (
 
 
 def _read(frame: pd.DataFrame) -> dict[str, list[str]]:
-    """Check the table and return the lines of words of each component."""
-    table = check_table(frame, text=("component", "label", "value", "unit"))
-    check_names(table["component"], list(_BOXES), "component")
+    """Lines of words of each component."""
     lines: dict[str, list[str]] = {name: [] for name in _BOXES}
-    for name, label, value, unit in table.itertuples(index=False):
+    for name, label, value, unit in frame[["component", "label", "value", "unit"]].itertuples(index=False):
         words = [part for part in (label, value, unit.replace(" ", "·")) if part != "-"]
         text = " ".join(words).replace(" x ", style.TIMES)
         _, (_, _, width, height) = _BOXES[name]

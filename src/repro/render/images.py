@@ -1,6 +1,7 @@
 """Image figures: example training images (Fig. 8) and the power spectra of the kernels (Fig. 11)."""
 
 import string
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,6 @@ from matplotlib.figure import Figure
 
 from repro.model.parameters import Array
 from repro.render import style
-from repro.render.contract import check_names, check_range, check_table, dense
 
 _KINDS = {"Mp": "$M_p$: the parameters match the torque", "Mn": "$M_n$: they do not match"}
 _IMAGES = tuple(string.ascii_lowercase[:9])
@@ -23,11 +23,16 @@ _CELL = 45
 _GAP = 6
 
 
+def _dense(table: pd.DataFrame, axes: Sequence[str], values: Sequence[str]) -> Array:
+    """A long table with integer indices as an array."""
+    index = table[list(axes)].to_numpy(dtype=np.intp)
+    array = np.full((*(index.max(axis=0) + 1), len(values)), np.nan)
+    array[tuple(index.T)] = table[list(values)]
+    return array
+
+
 def examples(frame: pd.DataFrame) -> Figure:
     """Nine images of each kind of training data (Fig. 8)."""
-    table = check_table(frame, text=("kind", "image"), numbers=("row", "column", *_COLOURS))
-    check_names(table["kind"], list(_KINDS), "kind")
-    check_range(table, _COLOURS, 0.0, 1.0, "a colour between 0 and 1")
     figure = style.new_figure(style.PAGE, 3.95)
     spec = figure.add_gridspec(1, 2, wspace=0.02)
     for column, (kind, title) in enumerate(_KINDS.items()):
@@ -35,12 +40,10 @@ def examples(frame: pd.DataFrame) -> Figure:
         half.suptitle(title, fontsize=style.TEXT_SIZE)
         half.supxlabel(r"Sample of $\alpha$ (index)", fontsize=style.TEXT_SIZE)
         half.supylabel(r"Sample of $\psi$ (index)", fontsize=style.TEXT_SIZE)
-        pictures = table[table["kind"] == kind]
-        check_names(pictures["image"], _IMAGES, f"kind {kind}: image")
+        pictures = frame[frame["kind"] == kind]
         grid = half.subplots(3, 3, sharex=True, sharey=True)
         for axes, name in zip(grid.flat, _IMAGES, strict=True):
-            place = f"kind {kind}, image {name}"
-            pixels = dense(pictures[pictures["image"] == name], ("row", "column"), _COLOURS, place)
+            pixels = _dense(pictures[pictures["image"] == name], ("row", "column"), _COLOURS)
             axes.imshow(pixels, interpolation="none")
             axes.set_title(f"{name})", pad=1.5)
             axes.grid(visible=False)
@@ -61,11 +64,8 @@ def _mosaic(power: Array) -> Array:
 
 def kernels(frame: pd.DataFrame) -> Figure:
     """Normalised power spectrum of every convolution kernel (Fig. 11)."""
-    table = check_table(frame, text=("layer",), numbers=("input", "output", "row", "column", "power"))
-    check_names(table["layer"], _LAYERS, "layer")
-    check_range(table, ("power",), 0.0, 1.0, "a normalised power between 0 and 1")
     indices = ("output", "input", "row", "column")
-    powers = [dense(table[table["layer"] == name], indices, ("power",), f"layer {name}")[..., 0] for name in _LAYERS]
+    powers = [_dense(frame[frame["layer"] == name], indices, ("power",))[..., 0] for name in _LAYERS]
     figure = style.new_figure(style.PAGE, 3.3)
     panels = figure.subplots(1, 3, width_ratios=[power.shape[1] for power in powers])
     norm = Normalize(0.0, 1.0)

@@ -9,9 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import check_names, check_range, check_table
 
 KINDS = ("input", "convolution", "max pool", "fully connected", "output")
 
@@ -73,10 +71,7 @@ class _Layer:
     @property
     def window(self) -> tuple[int, int]:
         """Height and width of the kernel."""
-        try:
-            height, width = (int(size) for size in self.kernel.split("x")[:2])
-        except ValueError:
-            raise InputError.at(f"layer {self.name}: kernel", repr(self.kernel), "sizes such as 9x9x2x10") from None
+        height, width = (int(size) for size in self.kernel.split("x")[:2])
         return height, width
 
     @property
@@ -87,21 +82,10 @@ class _Layer:
 
 
 def _read(frame: pd.DataFrame) -> list[_Layer]:
-    """Check the table and return its layers in drawing order."""
-    sizes = ("height", "width", "channels", "parameters")
-    if "kernel" not in frame.columns:
-        raise InputError.at("header", "no column kernel", f"columns layer, kind, kernel, {', '.join(sizes)}")
-    table = check_table(frame.assign(kernel=frame["kernel"].fillna("")), ("layer", "kind", "kernel"), sizes)
-    check_names(table["layer"], list(_ACTIVATIONS), "layer")
-    check_names(table["kind"], KINDS, "kind")
-    check_range(table, sizes[:3], 1, float("inf"), "a size of at least 1")
-    check_range(table, sizes[3:], 0, float("inf"), "a number of parameters")
-    if len(table) != len(_ACTIVATIONS):
-        raise InputError.at("layer", f"{len(table)} rows", f"one for each of {', '.join(_ACTIVATIONS)}")
-    layers = {}
-    for name, kind, kernel, height, width, channels, parameters in table.itertuples(index=False):
-        layers[name] = _Layer(name, kind, int(height), int(width), int(channels), kernel, int(parameters))
-    return [layers[name] for name in _ACTIVATIONS]
+    """Layers in drawing order."""
+    columns = ["layer", "kind", "height", "width", "channels", "kernel", "parameters"]
+    layers = [_Layer(*row) for row in frame[columns].fillna({"kernel": ""}).itertuples(index=False)]
+    return sorted(layers, key=lambda layer: list(_ACTIVATIONS).index(layer.name))
 
 
 class _Drawn:

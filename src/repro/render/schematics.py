@@ -6,10 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
 from matplotlib.text import Annotation
 
-from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import read_curves
-from repro.render.lines import COEFFICIENT, TIME, TORQUE
+from repro.render.lines import COEFFICIENT, TIME, TORQUE, curves_of
 
 #: Bands in view, as a multiple of the bands kept: enough of the dropped ones to see how small they are.
 _VIEW = 1.5
@@ -51,12 +49,9 @@ def _arrow(figure: Figure, left: tuple[Axes, Annotation], right: tuple[Axes, Ann
 
 def subsampling(frame: pd.DataFrame) -> Figure:
     """Subsampling by the DCT-II in three steps (Fig. 5)."""
-    curves = read_curves(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
+    curves = curves_of(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
     x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
-    first, last = float(dropped[0][0]), float(kept[0][-1])
-    if first <= last:
-        raise InputError.at("panel spectrum, series dropped: x", f"band {first:g}", f"bands above {last:g}")
 
     figure = style.new_figure(style.PAGE, 2.55)
     figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, _PANEL_PART))
@@ -72,7 +67,7 @@ def subsampling(frame: pd.DataFrame) -> Figure:
     seen = dropped[0] <= end
     spectrum.vlines(*kept[:1], 0.0, kept[1], color=blue, lw=0.9, label="Kept bands")
     spectrum.vlines(dropped[0][seen], 0.0, dropped[1][seen], color=style.SET_ASIDE, lw=0.9, label="Dropped bands")
-    spectrum.axvline((first + last) / 2, color=style.INK, lw=0.8, ls="--", label="Cut to $M$ bands")
+    spectrum.axvline(float(kept[0][-1] + dropped[0][0]) / 2, color=style.INK, lw=0.8, ls="--", label="Cut to $M$ bands")
     spectrum.set(xlabel="Band $k$ (index)", ylabel=COEFFICIENT, xlim=(-0.02 * end, end))
     for axes in (signal, spectrum, subsampled):
         style.few_ticks(axes)

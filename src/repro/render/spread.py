@@ -5,9 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from repro.errors import InputError
 from repro.render import style
-from repro.render.contract import check_names, check_range, check_table
 from repro.render.experiment import CASES
 
 _CASES = ("ID", *CASES)
@@ -18,33 +16,6 @@ _PUBLISHED = {f"published {method}": method for method in ("algorithm1", "least-
 #: Widths in units of one duration's group: all methods together, and the points of one of them.
 _GROUP = 0.8
 _SCATTER = 0.5
-
-
-def _read(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Check the table; return our runs and the published values."""
-    filled = frame
-    if {"method", "duration", "seed"} <= set(frame.columns):
-        published = frame["method"].isin(list(_PUBLISHED))
-        filled = frame.assign(
-            **{name: frame[name].where(~published, 0) for name in ("duration", "seed", "median") if name in frame}
-        )
-    table = check_table(filled, ("case", "method"), ("joint", "duration", "seed", "total", "median"))
-    check_names(table["case"], _CASES, "case")
-    check_names(table["joint"].map("{:g}".format), ("1", "2"), "joint")
-    check_range(table, ("total", "median"), 0.0, 1.0, "a fraction of 1")
-    allowed = (*style.METHODS, *_PUBLISHED)
-    for name in table["method"]:
-        if name not in allowed:
-            raise InputError.at("method", repr(name), f"one of {', '.join(allowed)}")
-    known = table["method"].isin(list(_PUBLISHED))
-    if known.all():
-        raise InputError.at("method", "published values alone", f"at least one of {', '.join(style.METHODS)}")
-    key = ["method", "duration", "seed"]
-    for values, rows in table.groupby(key, sort=False):
-        if len(rows) != 2 * len(_CASES) or rows.duplicated(["case", "joint"]).any():
-            place = ", ".join(f"{name} {value}" for name, value in zip(key, values, strict=True))
-            raise InputError.at(place, f"{len(rows)} rows", "each case and joint once")
-    return table[~known], table[known]
 
 
 def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: list[float]) -> None:
@@ -77,7 +48,8 @@ def _plot_published(axes: Axes, known: pd.DataFrame) -> None:
 
 def spread(frame: pd.DataFrame) -> Figure:
     """Total similarity of every run of the experiment, by motion, joint, method and ID duration."""
-    runs, published = _read(frame)
+    is_published = frame["method"].isin(list(_PUBLISHED))
+    runs, published = frame[~is_published], frame[is_published]
     methods = [name for name in style.METHODS if name in set(runs["method"])]
     durations = sorted(set(runs["duration"]))
     figure = style.new_figure(style.PAGE, 4.2)

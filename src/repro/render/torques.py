@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 
 from repro.render import style
-from repro.render.contract import Curve, read_curves
-from repro.render.lines import COEFFICIENT, JOINTS, TIME, TORQUE, plot_panel
+from repro.render.lines import COEFFICIENT, JOINTS, TIME, TORQUE, Curve, curves_of, plot_panel
 
 _PAIR = ("actual", "rebuilt")
 
@@ -133,7 +132,7 @@ def spectrum_panels(
 def _numeric(frame: pd.DataFrame, cases: Sequence[str], draw: Callable[..., None]) -> Figure:
     """Actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS}
-    curves = read_curves(frame, dict.fromkeys(titles, _PAIR))
+    curves = curves_of(frame, dict.fromkeys(titles, _PAIR))
     figure = page(len(titles))
     draw(figure, curves, titles)
     return figure

@@ -11,19 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Rectangle
 
 from repro.render import style
-from repro.render.contract import check_names, check_table
 from repro.render.markup import formula, plain, unit
 
 Point = tuple[float, float]
-
-#: What a symbol names in the drawing.
-MARKS = ("axis", "gravity", "angle", "torque", "mass", "inertia", "length", "centre", "friction")
-SYMBOLS = (
-    "x",
-    "y",
-    "g",
-    *(f"{name}{joint}" for name in ("q", "tau", "m", "J", "l", "lc", "b", "k") for joint in (1, 2)),
-)
 
 # Measures of the drawing, in; the pose is any that keeps all symbols apart.
 _HEIGHT = 3.72
@@ -113,9 +103,6 @@ def _key(axes: Axes, table: pd.DataFrame) -> None:
 
 def schematic(frame: pd.DataFrame) -> Figure:
     """Two-link arm with its symbols (Fig. 1)."""
-    table = check_table(frame, text=("symbol", "mark", "description", "unit", "source", "basis"))
-    check_names(table["symbol"], SYMBOLS, "symbol")
-    check_names(table["mark"], MARKS, "mark")
     figure = style.new_figure(style.COLUMN, _HEIGHT)
     figure.set_layout_engine("none")  # everything is placed in inches
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, style.COLUMN), ylim=(0.0, _HEIGHT))
@@ -140,7 +127,7 @@ def schematic(frame: pd.DataFrame) -> Figure:
         _write(axes, (end[0] + 0.07, end[1]), (symbol,))
     _arrow(axes, _GRAVITY, (_GRAVITY[0], _GRAVITY[1] - 0.5), lw=1.2, mutation_scale=9)
     _write(axes, (_GRAVITY[0] + 0.1, _GRAVITY[1] - 0.25), ("g",))
-    _key(axes, table)
+    _key(axes, frame)
     axes.plot((), (), **_JOINT, label="Joint with its motor")
     axes.plot((), (), **_MASS, label="Centre of mass")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=style.SMALL_SIZE)

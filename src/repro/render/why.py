@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 
 from repro.identification.registry import METHODS
 from repro.render import style
-from repro.render.contract import check_range, check_table
 from repro.render.markup import Table, number, plain
 
 #: What each step adds, in words of a table and of an axis.
@@ -28,22 +27,19 @@ def table(frame: pd.DataFrame) -> Table:
 
     Columns ``network, step, seeds, total1, total2, spread1, spread2, lost, error_uniform, error_near``.
     """
-    totals, errors = ("total1", "total2"), ("error_uniform", "error_near")
-    checked = check_table(frame, ("network", "step"), ("seeds", "spread1", "spread2", "lost", *totals, *errors))
-    check_range(checked, totals, 0.0, 1.0, "a fraction of 1")
     blocks = []
-    for network, rows in checked.groupby("network", sort=False):
+    for network, rows in frame.groupby("network", sort=False):
         cells = [
             [
                 plain(STEPS[row["step"]][0]),
                 *(number(100.0 * row[f"total{j}"], 1, 100.0 * row[f"spread{j}"]) for j in (1, 2)),
                 number(100.0 * row["lost"], 1),
-                *(number(row[name], 3) for name in errors),
+                *(number(row[name], 3) for name in ("error_uniform", "error_near")),
             ]
             for row in rows.to_dict("records")
         ]
         blocks.append((plain(METHODS[_method(str(network))].title), cells))
-    seeds = int(checked["seeds"].min())
+    seeds = int(frame["seeds"].min())
     caption = plain(
         "From the ideal case to the simulated recording of ID, one cause at a time: total similarity (%) of the "
         f"literal Algorithm 1 on the signals of each step, median of {seeds} seeds ± their standard deviation; points "
@@ -60,15 +56,13 @@ def figure(frame: pd.DataFrame) -> Figure:
 
     Columns ``network, step, seed, total1, total2``.
     """
-    checked = check_table(frame, ("network", "step"), ("seed", "total1", "total2"))
-    check_range(checked, ("total1", "total2"), 0.0, 1.0, "a fraction of 1")
     drawn = style.new_figure(style.COLUMN, 3.9)
     panels = drawn.subplots(2, 1, sharex=True)
-    networks = list(dict.fromkeys(checked["network"]))
+    networks = list(dict.fromkeys(frame["network"]))
     places = {step: k for k, step in enumerate(STEPS)}
     for axes, joint in zip(panels, (1, 2), strict=True):
         for offset, network in zip(np.linspace(-0.12, 0.12, len(networks)), networks, strict=True):
-            rows = checked[checked["network"] == network]
+            rows = frame[frame["network"] == network]
             look = _method(network)
             at = rows["step"].map(places).to_numpy(dtype=np.float64) + offset
             totals = 100.0 * rows[f"total{joint}"].to_numpy()
