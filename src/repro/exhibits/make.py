@@ -33,13 +33,20 @@ def make_exhibit(exhibit: Exhibit, named_inputs: Named, named_outputs: Named, co
         draw(made.drawing, exhibit.name, out["csv"], out["pdf"], out["png"])  # type: ignore[arg-type]
 
 
-def lay_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path, tex_path: Path, md_path: Path) -> None:
-    """Lay out a table from its CSV as a LaTeX table environment and as Markdown."""
+def laid_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path) -> Table:
+    """A table laid out from its CSV."""
     frame = read_csv(csv_path)
     try:
-        table = layout(frame)
+        return layout(frame)
     except InputError as error:
         raise InputError(f"{csv_path}: {error}") from error
+    except KeyError as error:  # of another version
+        raise InputError.at(str(csv_path), f"no {error}", "the columns and names that this version writes") from error
+
+
+def lay_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path, tex_path: Path, md_path: Path) -> None:
+    """Write a table from its CSV as a LaTeX table environment and as Markdown."""
+    table = laid_out(layout, csv_path)
     write_text(tex_path, table.tex())
     write_text(md_path, table.md())
 

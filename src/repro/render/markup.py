@@ -72,6 +72,11 @@ class Text:
         """Join two pieces."""
         return Text(self.tex + other.tex, self.md + other.md)
 
+    @property
+    def bare(self) -> str:
+        """As Markdown shows it."""
+        return re.sub(r"\\(.)", r"\1", self.md)
+
 
 EMPTY = Text("", "")
 

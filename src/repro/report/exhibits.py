@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from markupsafe import Markup, escape
-
 from repro.exhibits.catalogue import Exhibit
+from repro.exhibits.make import laid_out, made_of
+from repro.render.markup import Table
 from repro.report.embed import Link, Picture, link, pictures
 from repro.report.inputs import ReportInputs, read_rows, read_text
-from repro.report.text import MarkdownTable, markdown_table, paragraphs, plain
 
 
 @dataclass(frozen=True)
@@ -20,41 +19,37 @@ class Shown:
     ----------
     exhibit : Exhibit
         What it is.
-    caption : list of Markup
-        Paragraphs.
-    alt : str
-        Caption without markup.
+    caption : str
+        Empty where there is none.
     links : list of Link
         Its data.
     missing : list of str
         Names of its files that are not there.
-    table : MarkdownTable or None
+    table : Table or None
         Of a table that is there.
     picture : Picture or None
         Of a figure that is there.
     """
 
     exhibit: Exhibit
-    caption: list[Markup]
-    alt: str
+    caption: str
     links: list[Link]
     missing: list[str]
-    table: MarkdownTable | None = None
+    table: Table | None = None
     picture: Picture | None = None
 
 
 def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
-    """Read every table's layout and link its CSV and LaTeX."""
+    """Lay out every table from its CSV and link it and its LaTeX."""
     return [_show_table(exhibit, inputs) for exhibit in exhibits]
 
 
 def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
-    layout, *data = (inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".md", ".csv", ".tex"))
-    found, missing = _present([layout, *data], inputs.partial or exhibit.optional)
-    table = markdown_table(read_text(layout, "a Markdown table"), str(layout)) if layout in found else None
-    caption, alt = _caption(exhibit, inputs, table)
-    links = [link(path, inputs.page) for path in data if path in found]
-    return Shown(exhibit, caption, alt, links, missing, table=table)
+    data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
+    found, missing = _present(data, inputs.partial or exhibit.optional)
+    links = [link(path, inputs.page) for path in found]
+    table = laid_out(made_of(exhibit).drawing, data[0]) if data[0] in found else None  # type: ignore[arg-type]
+    return Shown(exhibit, _caption(exhibit, inputs), links, missing, table=table)
 
 
 def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
@@ -66,9 +61,9 @@ def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Show
     for exhibit in exhibits:
         data = [inputs.results / "figures" / f"{exhibit.name}.csv", inputs.figures / f"{exhibit.name}.pdf"]
         found, missing = _present([images[exhibit.name], *data], may_miss[exhibit.name])
-        caption, alt = _caption(exhibit, inputs, None)
         links = [link(path, inputs.page) for path in data if path in found]
-        shown.append(Shown(exhibit, caption, alt, links, missing, picture=embedded.get(exhibit.name)))
+        picture = embedded.get(exhibit.name)
+        shown.append(Shown(exhibit, _caption(exhibit, inputs), links, missing, picture=picture))
     return shown
 
 
@@ -79,15 +74,12 @@ def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[st
     return [path for path in paths if path.exists()], [path.name for path in paths if not path.exists()]
 
 
-def _caption(exhibit: Exhibit, inputs: ReportInputs, table: MarkdownTable | None) -> tuple[list[Markup], str]:
-    """Caption from its file; without one a table's own, and in a partial report the title."""
+def _caption(exhibit: Exhibit, inputs: ReportInputs) -> str:
+    """Caption from its file, on one line."""
     path = inputs.captions / f"{exhibit.target}.rst"
-    if not path.exists() and table:
-        return [escape(table.caption)], table.caption
     if not path.exists() and (inputs.partial or exhibit.optional):
-        return [], exhibit.title
-    text = read_text(path, "a caption")
-    return paragraphs(text), plain(text)
+        return ""
+    return " ".join(read_text(path, "a caption").split())
 
 
 @dataclass(frozen=True)
