@@ -13,8 +13,7 @@ from strategies import seeds
 
 from repro.export.bibtex import METHODS_FILE, bibtex, entries
 from repro.export.links import links_of, principal_inertia
-from repro.export.mjcf import mjcf
-from repro.export.urdf import urdf
+from repro.export.models import mjcf, urdf
 from repro.model.dynamics import inverse_dynamics, mass_matrix
 from repro.model.parameters import STANDARD_GRAVITY, inertial_from_links
 

@@ -13,13 +13,12 @@ from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
+from repro.identification.best_fit import choose_steepness, estimate_delay
 from repro.identification.cutoff import choose_cutoff
-from repro.identification.delay import estimate_delay
 from repro.identification.filters.interface import FILTERS
 from repro.identification.parallel import FilterSettings, motion, prepare
 from repro.identification.solve import nine_rows, snap, solve, unit_columns
 from repro.identification.standstill import without_standstill
-from repro.identification.steepness import choose_steepness
 from repro.model.dynamics import inverse_dynamics, regressor
 
 LOG = log_from(log_example.motion)

@@ -11,8 +11,7 @@ from log_example import RATE, assert_same, log_of, recording
 from repro.errors import InputError
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe
-from repro.logs.quantisation import quantisation_step
-from repro.logs.saturation import saturated_share
+from repro.logs.saturation import quantisation_step, saturated_share
 from repro.logs.uniform import uniform
 
 GOOD = recording()

@@ -15,9 +15,8 @@ from scripts_run import run_script
 from repro.cli import main
 from repro.errors import InputError
 from repro.exhibits import paper
-from repro.paper.ledger import sums, verification
-from repro.paper.ledger.sums import PUBLISHED_NAME
-from repro.paper.ledger.verification import CLAIMS, PAGE, SOURCES, write_ledger
+from repro.paper.ledger import verification
+from repro.paper.ledger.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, write_ledger
 from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow
@@ -299,7 +298,7 @@ def test_the_stage_fails_on_tampering_even_if_promises_are_not_enforced(project,
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
     with pytest.raises(InputError, match=r"gone\.csv"):
-        sums.write_sources(tmp_path / SOURCES, [Path("gone.csv")], tmp_path)
+        verification.write_sources(tmp_path / SOURCES, [Path("gone.csv")], tmp_path)
 
 
 def test_the_audit_is_laid_out():

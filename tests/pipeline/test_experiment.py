@@ -17,13 +17,7 @@ from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.endpoint import PtyEndpoint
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.pipeline.acquire import acquire
-from repro.pipeline.experiment import (
-    check_program,
-    control_constants,
-    describe,
-    load_config,
-    program_from_config,
-)
+from repro.pipeline.experiment import check_program, control_constants, describe, load_config, program_from_config
 from repro.pipeline.provenance import recorded_fingerprint
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import board_from_config, disturbance

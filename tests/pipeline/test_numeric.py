@@ -19,12 +19,12 @@ from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.numeric import (
     MEAN_ARMS,
+    identify_arms,
     mean_training_torque,
     motion_of,
     score_estimates,
     validation_motion,
 )
-from repro.pipeline.numeric_identification import identify_arms
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory

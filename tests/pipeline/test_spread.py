@@ -10,13 +10,13 @@ from experiment_example import short_config, spread_table
 from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
+from repro.exhibits.study import verdict
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import read_spread, simulate_spread, spread_arms
-from repro.pipeline.verdict import verdict
 from repro.signals.limits import check_limits, peaks
 
 pytestmark = pytest.mark.slow

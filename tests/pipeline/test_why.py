@@ -9,6 +9,7 @@ import pytest
 from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
+from repro.exhibits.study import why_table
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
@@ -19,7 +20,6 @@ from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.why import STEPS, dissect, explain, simulate_states
-from repro.pipeline.why_table import why_table
 from repro.settings import data_settings, signal_settings
 
 pytestmark = pytest.mark.slow

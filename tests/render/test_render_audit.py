@@ -8,7 +8,7 @@ import pytest
 from render_examples import TABLES, laid_out
 
 from repro.render import style
-from repro.render.long_table import LongTable
+from repro.render.audit_table import LongTable
 from repro.render.markup import plain
 
 

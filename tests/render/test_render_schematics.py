@@ -12,10 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from render_examples import FRAMES, drawn, made, refused, shown_texts, words_of
 
 from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD
-from repro.render import flow_charts, hardware
+from repro.render import flow_charts
 from repro.render.layout import Box, Layout
 
-LAYOUTS = {"fig02": hardware.LAYOUT, "fig03": flow_charts.CONTROL, "fig04": flow_charts.METHOD}
+LAYOUTS = {"fig02": flow_charts.HARDWARE, "fig03": flow_charts.CONTROL, "fig04": flow_charts.METHOD}
 SCHEMATICS = ["fig01", *LAYOUTS]
 
 

@@ -1,7 +1,7 @@
 """The report: every table, figure and published number in one page."""
 
 from repro.pipeline.job import job
-from repro.report.made import make_report
+from repro.report.page import make_report
 
 with job(snakemake.log[0], snakemake.threads):
     make_report(

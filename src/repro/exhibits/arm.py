@@ -9,7 +9,7 @@ from repro.pipeline import experiment_data as data
 from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.experiment_runs import CASE, every_seed, tracking
 from repro.pipeline.identified import read_identifications
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.summary import median_cells, parameter_table
 from repro.render import experiment, experiment_setup, experiment_tables, result_tables

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.pipeline.identified import read_scores
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.render.markup import Table
 
 #: Files by the name of the input.

@@ -11,7 +11,7 @@ from repro.errors import InputError
 from repro.exhibits.catalogue import Exhibit
 from repro.exhibits.inputs import Family, Made
 from repro.files import read_csv, write_csv, write_text
-from repro.pipeline.named import Config, Named, paths
+from repro.pipeline.job import Config, Named, paths
 from repro.render import style
 from repro.render.markup import Table
 

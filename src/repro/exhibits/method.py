@@ -10,11 +10,9 @@ from repro.pipeline.description import architecture, network_features, parameter
 from repro.render import (
     description_tables,
     flow_charts,
-    hardware,
     images,
     lines,
     network,
-    schematics,
     two_link_arm,
 )
 from repro.settings import data_settings, network_settings, numeric_settings, signal_settings, training_settings
@@ -27,11 +25,11 @@ MADE: Family = {
         lambda _, c: network_features(network_settings(c), training_settings(c)), description_tables.characteristics
     ),
     ("figure", "fig01"): Made(lambda _, __: schematic.arm(), two_link_arm.schematic),
-    ("figure", "fig02"): Made(lambda _, __: schematic.hardware(), hardware.hardware),
+    ("figure", "fig02"): Made(lambda _, __: schematic.hardware(), flow_charts.hardware),
     ("figure", "fig03"): Made(lambda _, __: schematic.control(), flow_charts.control),
     ("figure", "fig04"): Made(lambda _, __: schematic.method(), flow_charts.method),
     ("figure", "fig05"): Made(
-        lambda _, c: data.subsampling(signal_settings(c), numeric_settings(c).arms["N1"]), schematics.subsampling
+        lambda _, c: data.subsampling(signal_settings(c), numeric_settings(c).arms["N1"]), lines.subsampling
     ),
     ("figure", "fig06"): Made(
         lambda _, c: data.trajectory(identification_trajectory(signal_settings(c).duration, signal_settings(c).h)),

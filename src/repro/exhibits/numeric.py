@@ -9,7 +9,7 @@ from repro.exhibits.inputs import SCORES, Family, Inputs, Made
 from repro.files import read_csv
 from repro.pipeline import figure_data as data
 from repro.pipeline.identified import read_identifications, read_scores
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
 from repro.render import lines, result_tables, torques

@@ -1,19 +1,20 @@
 """Beyond the paper: causes, intervals, the spread and its verdict, and other readings."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made
 from repro.files import read_csv, read_json
 from repro.identification.registry import OPPONENTS
+from repro.model.parameters import Array
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
-from repro.pipeline.verdict import verdict
-from repro.pipeline.why_table import why_table
 from repro.render import ablation, coverage, experiment_tables, spread, why
-from repro.render import ablation_table as ablation_layout
+from repro.streams import Stream, stream
 
 SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
 EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
@@ -63,8 +64,54 @@ MADE: Family = {
         lambda i, _: verdict(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
     ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
-    ("table", "ablation"): Made(lambda i, _: _readings(i), ablation_layout.table),
+    ("table", "ablation"): Made(lambda i, _: _readings(i), ablation.table),
     ("figure", "ablation"): Made(
         lambda i, _: ablation_figure(read_csv(i["table"][0], ("question", "reading", *HEADLINES))), ablation.figure
     ),
 }
+
+
+def why_table(explained: pd.DataFrame) -> pd.DataFrame:
+    """Medians over the seeds, and what each step costs."""
+    groups = explained.groupby(["network", "step"], sort=False)
+    table = groups[["total1", "total2", "error_uniform", "error_near"]].median()
+    table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=1).fillna(0.0).to_numpy()
+    table["seeds"] = groups.size()
+    mean = table[["total1", "total2"]].mean(axis=1)
+    table["lost"] = mean.groupby("network", sort=False).transform(lambda totals: 0.0 - totals.diff().fillna(0.0))
+    columns = ["network", "step", "seeds", "total1", "total2", "spread1", "spread2", "lost"]
+    return table.reset_index()[[*columns, "error_uniform", "error_near"]]
+
+
+#: Resamples of the bootstrap.
+RESAMPLES = 9999
+
+
+def verdict(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
+    """Is a method better than an opponent: in how many runs, and by how much?
+
+    From columns ``case, joint, method, duration, arm, seed, total``.
+    """
+    index = ["motion", "joint", "duration", "arm", "seed"]
+    totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
+    rows = []
+    for method in methods:
+        for opponent in opponents:
+            difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
+            for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
+                of_arms = [arm.to_numpy() for _, arm in group.groupby("arm")["difference"]]
+                d = np.stack(of_arms)  # (arms, specimens)
+                won = (int((d > 0).sum()), float((d > 0).mean()))
+                rows.append((*list(key), method, opponent, len(d), d.size, *won, *_median(d, k)))
+    columns = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
+    columns += ["win_share", "difference_median", "difference_low", "difference_high"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _median(values: Array, index: int) -> tuple[float, float, float]:
+    """Median with its 95 % bootstrap percentile interval; equal values are their own interval."""
+    rng, (arms, specimens) = stream(0, Stream.BOOTSTRAP, index), values.shape
+    arm = rng.integers(arms, size=(RESAMPLES, arms, 1))
+    drawn = values[arm, rng.integers(specimens, size=(RESAMPLES, arms, specimens))]
+    low, high = np.quantile(np.median(drawn.reshape(RESAMPLES, -1), axis=1), [0.025, 0.975])
+    return float(np.median(values)), float(low), float(high)

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from repro.identification.correlation import correlation_time
 from repro.identification.parallel import FilterSettings, kept, motion, narrow, prepare
 from repro.identification.regression import Regression
+from repro.identification.residuals import correlation_time
 from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
 

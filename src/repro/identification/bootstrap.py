@@ -17,9 +17,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from repro.identification.alternatives import BEYOND, Alternative
-from repro.identification.correlation import correlation_time
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
+from repro.identification.residuals import correlation_time
 from repro.model.parameters import Array
 
 REPLICATES = 200

@@ -15,8 +15,7 @@ from scipy.signal import csd
 
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.solve import solve
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.parameters import Array
 
 #: Squared coherence of the torque that a frequency must have to be kept.

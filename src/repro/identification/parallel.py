@@ -14,8 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from repro.identification.filters.interface import FILTERS
 from repro.identification.regression import Regression, joined
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 

@@ -10,8 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from repro.identification.parallel import FilterSettings, motion
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.dynamics import acceleration
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import Array

@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 
 from repro.identification.alternatives import bias, columns_of, zero_position
-from repro.identification.correlation import correlation_time
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression
+from repro.identification.residuals import correlation_time
 from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
 from repro.logs.log import Log

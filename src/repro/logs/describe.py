@@ -1,18 +1,42 @@
 """What a recording holds, told before anything is computed."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from repro.logs.armfile import Arm
-from repro.logs.description import Description
-from repro.logs.log import Log
-from repro.logs.quantisation import quantisation_step
-from repro.logs.saturation import saturated_share
-from repro.logs.speed import period, speed
+from repro.logs.log import Log, period, speed
+from repro.logs.saturation import quantisation_step, saturated_share
 from repro.logs.suspicions import suspicions
 from repro.logs.uniform import missing_samples
 from repro.model.parameters import Array
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a log holds, told before anything is computed.
+
+    Attributes
+    ----------
+    name : str
+        File name.
+    facts : tuple of (str, str)
+        What was found and its value with unit: rate, length, motion range, gaps, saturation, quantisation ...
+    notes : tuple of str
+        Assumptions and conversions on reading.
+    warnings : tuple of str
+        What may spoil the result, one line each.
+    simulated : bool
+        Whether the simulated board made it.
+    """
+
+    name: str
+    facts: tuple[tuple[str, str], ...]
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    simulated: bool = False
+
 
 #: Speed below which a joint is at rest, rad/s.
 AT_REST = 0.02

@@ -7,10 +7,9 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.logs.checks import STILL
-from repro.logs.log import Log
+from repro.logs.log import Log, period, spanned, speed
 from repro.logs.readings import late_torque, other_reading
 from repro.logs.saturation import saturated_share
-from repro.logs.speed import period, spanned, speed
 from repro.logs.uniform import GAP
 from repro.model.parameters import Array
 

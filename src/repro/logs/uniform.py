@@ -8,8 +8,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from repro.errors import InputError
 from repro.logs.checks import FEWEST, SHORTEST
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.parameters import Array
 
 #: Most samples in a row that may be missing and are bridged.

@@ -12,8 +12,7 @@ import pandas as pd
 from repro.errors import InputError
 from repro.export.bibtex import bibtex
 from repro.export.links import links_of
-from repro.export.mjcf import mjcf
-from repro.export.urdf import urdf
+from repro.export.models import mjcf, urdf
 from repro.files import write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm

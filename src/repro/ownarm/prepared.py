@@ -8,8 +8,8 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.identification.alternatives import Alternative, alternatives, without
+from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
 from repro.identification.cutoff import Cutoff, choose_cutoff
-from repro.identification.delay import REACH, estimate_delay
 from repro.identification.excitation import Excited, excitation
 from repro.identification.friction import Term, columns_of_terms, eased, find_terms
 from repro.identification.methods.interface import joint_variance
@@ -18,13 +18,10 @@ from repro.identification.regression import Regression, joined
 from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, values_of
 from repro.identification.solve import solve
 from repro.identification.standstill import without_rest, without_standstill
-from repro.identification.steepness import choose_steepness
 from repro.logs.armfile import Arm
-from repro.logs.describe import describe
-from repro.logs.description import Description
-from repro.logs.log import Log
+from repro.logs.describe import Description, describe
+from repro.logs.log import Log, period
 from repro.logs.reading import read_log
-from repro.logs.speed import period
 from repro.logs.uniform import uniform
 from repro.model.parameters import Array
 from repro.ownarm.settings import Options

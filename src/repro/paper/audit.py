@@ -9,14 +9,12 @@ import pandas as pd
 from repro.paper.checks import (
     arms,
     hardware,
-    misprints,
+    printed,
     proof,
-    repeated,
     signals,
     similarities,
     stability_numbers,
     torque,
-    totals,
     training,
 )
 from repro.paper.checks.finding import Finding, findings_frame
@@ -27,14 +25,14 @@ def findings(published: Published | None = None) -> tuple[Finding, ...]:
     """Every finding, by subject."""
     p = load_published() if published is None else published
     return (
-        *totals.totals_against_factors(p),
+        *printed.totals_against_factors(p),
         *similarities.numeric_claims(p),
         *similarities.experimental_claims(p),
         *similarities.comparison_with_least_squares(p),
         *similarities.lost_table(p),
         *arms.definiteness(p),
         *arms.training_ranges(p),
-        *repeated.repeated_numbers(p),
+        *printed.repeated_numbers(p),
         *signals.sampling(p),
         *signals.image_and_trajectory(p),
         *signals.random_trajectories(p),
@@ -46,7 +44,7 @@ def findings(published: Published | None = None) -> tuple[Finding, ...]:
         *stability_numbers.numbers_against_each_other(p),
         *proof.bounds(p),
         *proof.matrices(p),
-        *misprints.misprints(),
+        *printed.misprints(),
     )
 
 

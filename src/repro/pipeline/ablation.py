@@ -12,10 +12,9 @@ from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
-from repro.pipeline.numeric import mean_training_torque, score_estimates
-from repro.pipeline.numeric_identification import identify_arms
+from repro.pipeline.numeric import identify_arms, mean_training_torque, score_estimates
 from repro.pipeline.readings import READINGS, read_as
 from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.tracked import training_motion

@@ -9,7 +9,7 @@ from repro.files import write_whole
 from repro.fpga.capture import Capture, files_of, read_capture, write_capture
 from repro.fpga.link import LinkSettings, record
 from repro.pipeline.experiment import control_constants, describe, download, program_from_config
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.recordings import check_recorded
 from repro.pipeline.specimen import board_from_config
 from repro.progress import Progress

@@ -22,7 +22,7 @@ from repro.identification.algorithm1.uncertainty import (
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.tracked import Tracked, derived_motion, simulate_arms, training_motion
 from repro.progress import Progress

@@ -14,7 +14,7 @@ from repro.fpga.about import About, Host
 from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import Gains, encode_program, encode_start
 from repro.model.parameters import Array
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.limits import check_limits, permitted_program
 from repro.signals.programs import PROGRAMS, Program, ProgramSettings

@@ -34,7 +34,7 @@ def _check_arms(path: Path, arms: object) -> None:
 
 
 def read_identifications(paths: Sequence[Path | str]) -> list[dict[str, Any]]:
-    """Results of `repro.pipeline.numeric_identification.identify_arms`, checked for what later stages need."""
+    """Results of `repro.pipeline.numeric.identify_arms`, checked for what later stages need."""
     runs = []
     for path in map(Path, paths):
         run = read_json(path)

@@ -1,14 +1,23 @@
-"""What every workflow script runs inside: a log with the traceback, one line for bad input, fixed threads."""
+"""What every workflow script runs inside: its files by name, a log with the traceback, one line for bad input."""
 
 import logging
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from repro.errors import InputError
 from repro.pipeline.alive import join_run
+
+Config = Mapping[str, Any]
+Named = Iterable[tuple[str, str | Sequence[str]]]
+
+
+def paths(named: Named) -> dict[str, list[Path]]:
+    """Named inputs or outputs of a rule as lists of paths."""
+    return {name: [Path(value)] if isinstance(value, str) else [Path(v) for v in value] for name, value in named}
 
 
 def _worth_telling(record: logging.LogRecord) -> bool:

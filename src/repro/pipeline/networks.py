@@ -5,7 +5,7 @@ from pathlib import Path
 
 from repro.cnn.checkpoint import load_network
 from repro.identification.algorithm1.run import Algorithm1
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.settings import data_settings, network_settings, refinement_settings, search_settings
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from repro.config import merged
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.settings import of_network
 
 

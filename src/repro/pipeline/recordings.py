@@ -15,7 +15,7 @@ from repro.identification.algorithm1.listing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.experiment import program_from_config
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.signals.programs import Program
 
 

@@ -8,7 +8,7 @@ from repro.fpga.board import Board
 from repro.fpga.plant import Plant, Unmodelled
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, true_parameters
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.streams import Stream, stream
 
 

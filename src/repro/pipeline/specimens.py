@@ -8,7 +8,7 @@ import pandas as pd
 from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.spread import read_spread
 from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings

@@ -1,4 +1,4 @@
-"""The whole experiment over many specimens of several arms: their recordings; `repro.pipeline.verdict` draws from them.
+"""The whole experiment over many specimens of several arms: their recordings.
 
 A specimen is one arm with its own share of what Eq. 1 leaves out and its own random motion T1.
 """
@@ -18,7 +18,7 @@ from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.tracked import draw_arms, tracking_error

@@ -11,7 +11,7 @@ from safetensors import SafetensorError, safe_open
 
 from repro.errors import InputError
 from repro.files import write_text, write_whole
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"

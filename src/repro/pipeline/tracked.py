@@ -22,7 +22,7 @@ from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.dct import dct2dev

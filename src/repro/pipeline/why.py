@@ -21,7 +21,7 @@ from repro.identification.algorithm1.search import ImageMotion, search, select
 from repro.model.dynamics import LAMBDA, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
-from repro.pipeline.named import Config
+from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.progress import Progress

@@ -1,6 +1,7 @@
-"""Files inside the page: pictures and downloads as data URIs."""
+"""What all self-contained pages share: templates, a policy that forbids every request, files as data URIs."""
 
 import base64
+import hashlib
 import io
 import os
 from collections.abc import Mapping
@@ -8,10 +9,36 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from PIL import Image, UnidentifiedImageError
 
 from repro.errors import InputError
 from repro.report.inputs import read_bytes
+
+
+def environment(folder: Path) -> Environment:
+    """Jinja environment that escapes everything and refuses unknown names."""
+    return Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+
+
+def policy(style: str, script: str | None = None) -> str:
+    """Content security policy: this style, this script if any, pictures in data URIs, nothing else."""
+    allowed = [f"style-src 'sha256-{_digest(style)}'"]
+    if script is not None:
+        allowed.append(f"script-src 'sha256-{_digest(script)}'")
+    return "; ".join(["default-src 'none'", "img-src data:", *allowed, "base-uri 'none'", "form-action 'none'"])
+
+
+def _digest(text: str) -> str:
+    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
 
 #: Pictures together, in characters of base64, before they are made smaller.
 IMAGE_BUDGET = 13_000_000

@@ -1,7 +1,11 @@
-"""The report as one HTML text, and writing it."""
+"""The report of a run as one HTML text: every result, with what it was made by."""
 
-from collections.abc import Iterator, Mapping
+import hashlib
+import json
+import platform
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment
 from markupsafe import Markup
@@ -10,12 +14,13 @@ from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
 from repro.files import write_text
 from repro.paper.claims import CONTRADICTS, DIFFERS
-from repro.report.embed import link
+from repro.pipeline.job import Config
+from repro.pipeline.provenance import commit, package_versions
+from repro.report.embed import environment, link, policy
 from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
 from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text
 from repro.report.ledger import MEANINGS, counts, differences, read_claims
 from repro.report.question import answer
-from repro.report.template import environment, policy
 
 _TEMPLATES = Path(__file__).parent
 
@@ -106,3 +111,28 @@ def _flat(content: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", str(value)
+
+
+#: How a reader makes one output again.
+COMMAND = "snakemake --cores 2"
+#: Where the networks come from, by ``training.source``.
+NETWORKS = {"trained": "trained in this run", "stored": "networks that come with the project, not trained in this run"}
+
+
+def make_report(captures: str, caption: str, overlays: Sequence[str], config: Config) -> None:
+    """Write ``report/index.html`` in the results folder."""
+    captions = Path(caption).parent
+    digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+    # No times: the same commit, configuration and results give the same page.
+    provenance: Mapping[str, Any] = {
+        "commit": commit(captions),
+        "networks": NETWORKS[config["training"]["source"]],
+        "packages": package_versions(),
+        "python": platform.python_version(),
+    }
+    names = ", ".join(Path(name).name for name in overlays)
+    notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
+    if config["training"]["source"] == "stored":
+        notice = f"{notice} {NETWORKS['stored'].capitalize()}.".strip()
+    folders = (Path(config["results"]), Path(config["figures"]), captions, Path(captures))
+    write_report(ReportInputs(*folders, digest, COMMAND, provenance, notice))

@@ -6,6 +6,8 @@ Eq. 10. Torque and f of the image are both columns of the filtered regressor, su
 samples first, as line 7 has it, would no longer be the motion that made the torque.
 """
 
+import ctypes
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,7 +16,6 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from repro.cnn.allocator import keep_blocks
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import DataSettings, SampledMotion
@@ -30,6 +31,29 @@ from repro.identification.methods.interface import Estimate, Method, NoSolutionE
 from repro.identification.regression import Regression
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
+
+#: Numbers of glibc's mallopt, the variables that set the same, and values in bytes.
+LIMITS = (
+    (-3, "MALLOC_MMAP_THRESHOLD_", 2**25),
+    (-1, "MALLOC_TRIM_THRESHOLD_", 2**31 - 1),
+    (-2, "MALLOC_TOP_PAD_", 2**28),
+)
+
+
+def keep_blocks() -> bool:
+    """Set the limits that the environment does not set.
+
+    Returns
+    -------
+    bool
+        Whether the allocator took them; False where it is not glibc's.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is None:
+        return False
+    taken = [mallopt(number, value) for number, variable, value in LIMITS if variable not in os.environ]
+    return all(taken)
+
 
 #: Side of the image.
 SAMPLES = 100

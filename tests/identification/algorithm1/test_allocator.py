@@ -4,7 +4,7 @@ import ctypes
 
 import pytest
 
-from repro.cnn.allocator import LIMITS, keep_blocks
+from repro.identification.algorithm1.own_network import LIMITS, keep_blocks
 
 glibc = pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallopt"), reason="the allocator is not glibc's")
 

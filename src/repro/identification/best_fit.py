@@ -1,4 +1,4 @@
-"""How much later than recorded the torque acts: where Eq. 1 fits best.
+"""Steepness of the Coulomb friction's tanh and delay of the torque: those that Eq. 1 fits the log best with.
 
 A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
 squared errors of ordinary least squares is close to a parabola about the true delay.
@@ -9,11 +9,38 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from repro.identification.correlation import correlation_time
 from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.residuals import correlation_time
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
+
+#: Values tried, s/rad: from friction that sets in over 0.2 rad/s to one that is a step for any encoder.
+TRIED = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
+
+
+def choose_steepness(log: Log, settings: FilterSettings) -> float:
+    """Lambda of Eq. 1 with the smallest sum of squared errors, each joint over its torque's energy.
+
+    Parameters
+    ----------
+    log : Log
+        Evenly sampled.
+    settings : FilterSettings
+        Filter; its own lambda is not used.
+
+    Returns
+    -------
+    float
+        One of `TRIED`, s/rad.
+    """
+    errors = []
+    for steepness in TRIED:
+        r = prepare(log, replace(settings, friction_steepness=steepness))
+        weight = 1.0 / np.mean(r.tau**2, axis=-1, keepdims=True)
+        errors.append(float(np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)))
+    return TRIED[int(np.argmin(errors))]
+
 
 #: Delays looked at, s.
 REACH = 0.02
