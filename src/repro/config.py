@@ -42,15 +42,7 @@ def _odd_keys(node: object, place: Place = ()) -> Iterator[tuple[Place, object]]
 
 
 class _Sources:
-    """Which configuration file a value came from.
-
-    Parameters
-    ----------
-    config : mapping
-        Merged configuration.
-    files : iterable of Path
-        Files in the order they were merged.
-    """
+    """Which configuration file a value came from."""
 
     def __init__(self, config: Mapping[str, Any], files: Iterable[Path]) -> None:
         self._config = config

@@ -9,20 +9,5 @@ class InputError(ValueError):
 
     @classmethod
     def at(cls, place: str, found: object, expected: str) -> "InputError":
-        """Build the message ``place: found ..., expected ...``.
-
-        Parameters
-        ----------
-        place : str
-            File and field, for example ``config/config.yaml: training.steps``.
-        found : object
-            What was there.
-        expected : str
-            What should have been there.
-
-        Returns
-        -------
-        InputError
-            Ready to be raised.
-        """
+        """Build the message ``place: found ..., expected ...``."""
         return cls(f"{place}: found {found}, expected {expected}")

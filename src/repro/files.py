@@ -15,15 +15,7 @@ CSV_FLOAT_FORMAT = "%.10g"
 
 
 def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`.
-
-    Parameters
-    ----------
-    path : Path or str
-        Destination; its folder is made if missing.
-    write : callable
-        Called with the temporary path, which keeps the suffix of `path`.
-    """
+    """Let `write` fill a temporary file beside `path`, then rename it to `path`."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -64,13 +56,7 @@ def _refuse_constant(name: str) -> None:
 
 
 def read_json(path: Path) -> object:
-    """Read JSON.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or not JSON.
-    """
+    """Read JSON."""
     try:
         return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
     except OSError as error:
@@ -80,20 +66,7 @@ def read_json(path: Path) -> object:
 
 
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
-    """Read a CSV table and check that it has the columns asked for.
-
-    Parameters
-    ----------
-    path : Path
-        File to read.
-    columns : tuple of str
-        Columns that must be there.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, empty, not a table, or lacks a column.
-    """
+    """Read a CSV table and check that it has the columns asked for."""
     try:
         frame = pd.read_csv(path)
     except OSError as error:

@@ -8,17 +8,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Progress:
-    """Logs how far a piece of work is.
-
-    Parameters
-    ----------
-    what : str
-        Name of the work.
-    every : float
-        Seconds between lines.
-    clock : callable
-        Seconds since any fixed moment.
-    """
+    """Logs how far a piece of work is."""
 
     def __init__(self, what: str, every: float = 3.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._what = what

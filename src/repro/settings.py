@@ -27,21 +27,11 @@ Config = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class NumericSettings:
-    """The numeric experiment of Section V-B.
+    """The numeric experiment of Section V-B."""
 
-    Attributes
-    ----------
-    margin : int
-        Samples recorded before and after the trajectory, which **cut** removes.
-    validation_reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in the filter that makes the validation trajectory.
-    arms : dict
-        Name of each test arm and its nine parameters, an array of shape (9,).
-    """
-
-    margin: int
-    validation_reading: FrequencyReading
-    arms: dict[str, Array]
+    margin: int  # samples recorded before and after the trajectory, which **cut** removes
+    validation_reading: FrequencyReading  # unit of omega in the filter that makes the validation trajectory
+    arms: dict[str, Array]  # name of each test arm and its nine parameters, an array of shape (9,)
 
 
 def signal_settings(config: Config) -> SignalSettings:

@@ -42,25 +42,6 @@ def stream(seed: int, name: Stream, *index: int) -> np.random.Generator:
 
     NumPy pads a short sequence of seeds with zeros, so that (seed, 1) and (seed, 1, 0) give the same numbers. One
     is added to each index: no sequence ends in a zero, so none is another one padded.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the run.
-    name : Stream
-        What the numbers are for.
-    *index : int
-        Which of them: the step, the arm ...
-
-    Returns
-    -------
-    numpy.random.Generator
-        Fresh generator; no two pairs of name and index share one.
-
-    Raises
-    ------
-    ValueError
-        If the seed or an index is negative or does not fit in 32 bits.
     """
     words = (seed, int(name), *(k + 1 for k in index))
     if not (0 <= seed < _WORD and all(0 < word < _WORD for word in words[1:])):

@@ -81,15 +81,9 @@ def kind_of(table: str, row: Mapping[str, str], column: str) -> Kind:
 
 @dataclass(frozen=True)
 class Spread:
-    """Widest differences between networks of other seeds and processors.
+    """Widest differences between networks of other seeds and processors."""
 
-    Attributes
-    ----------
-    widest : dict
-        By table, origin and column.
-    """
-
-    widest: Mapping[tuple[str, str, str], float]
+    widest: Mapping[tuple[str, str, str], float]  # by table, origin and column
 
     def allowed(self, table: str, row: Mapping[str, str], column: str) -> float:
         """How far two trained numbers may lie apart; NaN where no spread was measured."""

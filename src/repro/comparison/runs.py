@@ -16,21 +16,11 @@ LEFT_OUT = ("benchmarks", "logs")
 
 @dataclass(frozen=True)
 class Compared:
-    """What became of one file.
+    """What became of one file."""
 
-    Attributes
-    ----------
-    name : str
-        Path in the results folder.
-    cells : int
-        Cells, or bytes, that were compared.
-    found : tuple of Difference
-        All that is not the same text.
-    """
-
-    name: str
-    cells: int
-    found: tuple[Difference, ...]
+    name: str  # path in the results folder
+    cells: int  # cells, or bytes, that were compared
+    found: tuple[Difference, ...]  # all that is not the same text
 
     def largest(self) -> list[Difference]:
         """The difference of each class that lies furthest towards or beyond what is allowed."""

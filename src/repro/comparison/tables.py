@@ -14,28 +14,14 @@ Row = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Difference:
-    """A cell that is not the same text.
+    """A cell that is not the same text."""
 
-    Attributes
-    ----------
-    kind : Kind
-        Class of the cell.
-    place : str
-        Row and column.
-    a, b : str
-        The two texts.
-    size : float
-        Absolute difference; infinite if one is no number.
-    allowed : float
-        How much its class allows; NaN if that was not measured.
-    """
-
-    kind: Kind
-    place: str
-    a: str
+    kind: Kind  # class of the cell
+    place: str  # row and column
+    a: str  # the two texts
     b: str
-    size: float
-    allowed: float
+    size: float  # absolute difference; infinite if one is no number
+    allowed: float  # how much its class allows; NaN if that was not measured
 
     @property
     def broken(self) -> bool:

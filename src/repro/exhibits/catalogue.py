@@ -14,42 +14,18 @@ EXPERIMENT = "Experiment (simulated)"
 
 @dataclass(frozen=True)
 class Exhibit:
-    """One table or figure.
+    """One table or figure."""
 
-    Attributes
-    ----------
-    kind : {"table", "figure"}
-        Which of the two.
-    name : str
-        Stem of its files.
-    target : str
-        Target of the workflow that makes it; also its anchor in the page and the stem of its caption's file.
-    label : str
-        What the paper calls it; an addition of ours has a label of its own.
-    title : str
-        What it shows, in a few words.
-    category : str
-        Chapter of the workflow's own report.
-    family : str
-        Module of `repro.exhibits` that makes it.
-    inputs : tuple of str
-        What its numbers are made from: keys of SOURCES in `workflow/rules/exhibits.smk`.
-    sections : tuple of str
-        Sections of the configuration that its numbers depend on.
-    optional : bool
-        Whether it is made only when asked for: a report is whole without it.
-    """
-
-    kind: Kind
-    name: str
-    target: str
-    label: str
-    title: str
-    category: str
-    family: str
-    inputs: tuple[str, ...] = ()
-    sections: tuple[str, ...] = ()
-    optional: bool = False
+    kind: Kind  # which of the two
+    name: str  # stem of its files
+    target: str  # target of the workflow that makes it; also its anchor in the page and the stem of its caption's file
+    label: str  # what the paper calls it; an addition of ours has a label of its own
+    title: str  # what it shows, in a few words
+    category: str  # chapter of the workflow's own report
+    family: str  # module of `repro.exhibits` that makes it
+    inputs: tuple[str, ...] = ()  # what its numbers are made from: keys of SOURCES in `workflow/rules/exhibits.smk`
+    sections: tuple[str, ...] = ()  # sections of the configuration that its numbers depend on
+    optional: bool = False  # whether it is made only when asked for: a report is whole without it
 
     @property
     def simulated(self) -> bool:

@@ -44,40 +44,20 @@ SIZES = (1e-12, 1e12)
 
 @dataclass(frozen=True)
 class LinkSet:
-    """Two links and the friction of their joints.
+    """Two links and the friction of their joints."""
 
-    Attributes
-    ----------
-    m1, m2 : float
-        Masses, kg.
-    l1, l2 : float
-        Lengths, m. (l2 does not enter the dynamics.)
-    lc1, lc2 : float
-        Place of each centre of mass along its link, from its joint, m; lc1 may be negative.
-    j1, j2 : float
-        Inertia about each centre of mass and the joint's axis, kg m^2.
-    b : tuple of 2 floats
-        Viscous friction of each joint, N m s/rad.
-    k : tuple of 2 floats
-        Coulomb friction of each joint, N m.
-    gravity : float
-        Gravitational acceleration, m/s^2.
-    notes : tuple of str
-        What was chosen or found on the way, one line each.
-    """
-
-    m1: float
+    m1: float  # masses, kg
     m2: float
-    l1: float
+    l1: float  # lengths, m. (l2 does not enter the dynamics.)
     l2: float
-    lc1: float
+    lc1: float  # place of each centre of mass along its link, from its joint, m; lc1 may be negative
     lc2: float
-    j1: float
+    j1: float  # inertia about each centre of mass and the joint's axis, kg m^2
     j2: float
-    b: tuple[float, float]
-    k: tuple[float, float]
-    gravity: float = STANDARD_GRAVITY
-    notes: tuple[str, ...] = ()
+    b: tuple[float, float]  # viscous friction of each joint, N m s/rad
+    k: tuple[float, float]  # coulomb friction of each joint, N m
+    gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
+    notes: tuple[str, ...] = ()  # what was chosen or found on the way, one line each
 
     @property
     def planar(self) -> Links:

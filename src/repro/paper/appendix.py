@@ -34,26 +34,19 @@ APPENDIX_NUMBERS = ("potential", "energy", "dissipation", "coupling", "r1_min", 
 
 @dataclass(frozen=True)
 class FreeChoices:
-    """What the printed numbers leave open, by default a natural arm.
+    """What the printed numbers leave open, by default a natural arm."""
 
-    Attributes
-    ----------
-    i1 : float
-        Inertia of both links seen by joint 1, kg m^2. At least about 0.09, or no I3 gives lambda_M^min.
-    l1 : float
-        Length of link 1, m. The arm's reach of 2.52 m/s / 8 rad/s = 0.315 m (Section III) leaves l2 = 0.150 m.
-    g1 : float
-        Gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9.
-    k1, k2 : float
-        Coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at
-        k2 = 0.382). Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in
-        Table 8 settles k2, which lies near k1 as it should with the same motor and gearbox.
-    """
-
-    i1: float = 0.12
+    i1: float = 0.12  # inertia of both links seen by joint 1, kg m^2. At least about 0.09, or no I3 gives lambda_M^min
+    # length of link 1, m. The arm's reach of 2.52 m/s / 8 rad/s = 0.315 m (Section III) leaves l2 = 0.150 m
     l1: float = 0.165
-    g1: float = 0.95
+    g1: float = 0.95  # gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9
+    # coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
+    # Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in Table 8 settles k2, which
+    # lies near k1 as it should with the same motor and gearbox
     k1: float = 0.4538
+    # coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
+    # Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in Table 8 settles k2, which
+    # lies near k1 as it should with the same motor and gearbox
     k2: float = 0.31
 
 

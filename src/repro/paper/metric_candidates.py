@@ -24,24 +24,13 @@ Pair = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Candidate:
-    """One error formula.
+    """One error formula."""
 
-    Attributes
-    ----------
-    factor : {"time", "frequency"}
-        Factor of ``metr2ev`` it may explain.
-    name : str
-        Short name, unique within the factor.
-    formula : str
-        The error, readable; x and X are the actual signal and its DCT-II spectrum, y and Y the rebuilt ones.
-    error : callable
-        Maps two arrays ``(..., 2, N)`` (signals for time, spectra for frequency; joint, then sample) to
-        errors ``(..., 2)``; 0 for equal arguments.
-    """
-
-    factor: Factor
-    name: str
-    formula: str
+    factor: Factor  # factor of ``metr2ev`` it may explain
+    name: str  # short name, unique within the factor
+    formula: str  # the error, readable; x and X are the actual signal and its DCT-II spectrum, y and Y the rebuilt ones
+    # maps two arrays ``(..., 2, N)`` (signals for time, spectra for frequency; joint, then sample) to errors ``(...,
+    # 2)``; 0 for equal arguments
     error: Pair
 
 

@@ -20,22 +20,12 @@ EXPONENT = PUBLISHED_METRIC.exponent
 
 @dataclass(frozen=True)
 class AbstractCheck:
-    """The published pairs scored on the identification trajectory.
+    """The published pairs scored on the identification trajectory."""
 
-    Attributes
-    ----------
-    cells : DataFrame
-        ``case, joint, time, frequency, total``, fractions of 1, for N1 ... N4 and both joints.
-    mean, minimum : float
-        Of the eight totals.
-    published : float
-        What the abstract says the similarity exceeds.
-    """
-
-    cells: pd.DataFrame
-    mean: float
+    cells: pd.DataFrame  # ``case, joint, time, frequency, total``, fractions of 1, for N1 ... N4 and both joints
+    mean: float  # of the eight totals
     minimum: float
-    published: float
+    published: float  # what the abstract says the similarity exceeds
 
 
 def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, PublishedValue]]:

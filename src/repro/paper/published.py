@@ -30,18 +30,10 @@ NUMERIC_CASES = ("N1", "N2", "N3", "N4")
 
 @dataclass(frozen=True)
 class Published:
-    """All published numbers of one file, in its order.
+    """All published numbers of one file, in its order."""
 
-    Attributes
-    ----------
-    values : tuple of PublishedValue
-        One entry a row; ids are unique.
-    source : str
-        The file, for messages.
-    """
-
-    values: tuple[PublishedValue, ...]
-    source: str = PUBLISHED_FILE.name
+    values: tuple[PublishedValue, ...]  # one entry a row; ids are unique
+    source: str = PUBLISHED_FILE.name  # the file, for messages
 
     def __len__(self) -> int:
         """How many numbers there are."""

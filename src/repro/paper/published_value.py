@@ -48,44 +48,20 @@ _PLAIN = {"Abstract": "abstract", "Algorithm 1": "algorithm1", "Appendix A": "ap
 
 @dataclass(frozen=True)
 class PublishedValue:
-    """One number of the paper.
+    """One number of the paper."""
 
-    Attributes
-    ----------
-    id : str
-        Stable name, for example ``table07/N1/total/joint1``; it begins with the place.
-    place : str
-        Where it is printed: ``Table 7``, ``Abstract``, ``Section IV-A``, ``Eq. 10``.
-    quantity : str
-        What it is: ``parameter``, ``time``, ``frequency``, ``total``, or some words.
-    case, method, parameter : str
-        Test case, method and parameter; empty where they do not apply.
-    joint : int or None
-        1 or 2; None where it does not apply.
-    unit : str
-        Unit as printed.
-    relation : str
-        One of `RELATIONS`.
-    printed : str
-        The number, with the digits printed.
-    text : str
-        The print itself where it is not that number: ``half-million``, ``three``; else empty.
-    kind : str
-        One of `KINDS`.
-    """
-
-    id: str
-    place: str
-    quantity: str
-    case: str
+    id: str  # stable name, for example ``table07/N1/total/joint1``; it begins with the place
+    place: str  # where it is printed: ``Table 7``, ``Abstract``, ``Section IV-A``, ``Eq. 10``
+    quantity: str  # what it is: ``parameter``, ``time``, ``frequency``, ``total``, or some words
+    case: str  # like method and parameter empty where it does not apply
     method: str
-    joint: int | None
+    joint: int | None  # 1 or 2; None where it does not apply
     parameter: str
-    unit: str
-    relation: str
-    printed: str
-    text: str
-    kind: str
+    unit: str  # unit as printed
+    relation: str  # one of `RELATIONS`
+    printed: str  # the number, with the digits printed
+    text: str  # the print itself where it is not that number: ``half-million``, ``three``; else empty
+    kind: str  # one of `KINDS`
 
     @property
     def value(self) -> float:

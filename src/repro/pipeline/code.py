@@ -14,15 +14,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 
 class CodeDigests:
-    """Digests of the package's code; trees that were read before are taken from a file.
-
-    Parameters
-    ----------
-    kept : Path
-        JSON file of what was read before, by the hash of a file's bytes.
-    package : Path
-        Folder of the package.
-    """
+    """Digests of the package's code; trees that were read before are taken from a file."""
 
     def __init__(self, kept: Path, package: Path = PACKAGE) -> None:
         self._kept, self._package = kept, package

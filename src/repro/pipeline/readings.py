@@ -15,33 +15,16 @@ from repro.settings import of_network
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read the paper.
+    """One way to read the paper."""
 
-    Attributes
-    ----------
-    question : str
-        What is left open.
-    name : str
-        This way.
-    change : mapping
-        Sections and keys of the configuration that differ from the default.
-    network : str
-        Network that it starts from.
-    trained : bool
-        Whether it needs a network of its own.
-    of : str
-        Reading whose network it uses otherwise.
-    longer : int
-        Factor on the steps of the training.
-    """
-
-    question: str
-    name: str
+    question: str  # what is left open
+    name: str  # this way
+    # sections and keys of the configuration that differ from the default
     change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    network: str = "published"
-    trained: bool = False
-    of: str = "default"
-    longer: int = 1
+    network: str = "published"  # network that it starts from
+    trained: bool = False  # whether it needs a network of its own
+    of: str = "default"  # reading whose network it uses otherwise
+    longer: int = 1  # factor on the steps of the training
 
 
 #: By the name of their files; the first is what every other one is compared with.

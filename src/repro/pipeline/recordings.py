@@ -21,18 +21,10 @@ from repro.signals.programs import Program
 
 @dataclass(frozen=True)
 class Recording:
-    """What was measured along one motion.
+    """What was measured along one motion."""
 
-    Attributes
-    ----------
-    program : Program
-        Desired positions as the board received them, and where the trajectory proper begins and ends.
-    q, tau : arrays of shape (2, N)
-        Measured position (rad) and torque (N m).
-    """
-
-    program: Program
-    q: Array
+    program: Program  # desired positions as the board received them, and where the trajectory proper begins and ends
+    q: Array  # measured position (rad) and torque (N m)
     tau: Array
 
     def regression(self, signals: SignalSettings) -> Regression:

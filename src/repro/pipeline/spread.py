@@ -33,24 +33,12 @@ DRAWN = 8
 
 @dataclass(frozen=True)
 class Specimen:
-    """One specimen and its recordings.
+    """One specimen and its recordings."""
 
-    Attributes
-    ----------
-    seed : int
-        Of what Eq. 1 leaves out, and of T1.
-    arm : int
-        Which arm; 0 is that of section ``arm``.
-    true : array of shape (9,)
-        Its parameters.
-    recordings : dict
-        By motion, ID first.
-    """
-
-    seed: int
-    arm: int
-    true: Array
-    recordings: dict[str, Recording]
+    seed: int  # of what Eq. 1 leaves out, and of T1
+    arm: int  # which arm; 0 is that of section ``arm``
+    true: Array  # its parameters
+    recordings: dict[str, Recording]  # by motion, ID first
 
 
 def spread_arms(config: Config) -> Array:

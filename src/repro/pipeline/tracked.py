@@ -33,22 +33,12 @@ from repro.streams import Stream, stream
 
 @dataclass(frozen=True)
 class Tracked:
-    """Arms and how they tracked Eq. 10.
+    """Arms and how they tracked Eq. 10."""
 
-    Attributes
-    ----------
-    program : Program
-        The motion that was sent.
-    position, pwm : int16 arrays of shape (K, 2, N)
-        Counts of encoder and PWM.
-    parameters : array of shape (K, 9)
-        Of each arm.
-    """
-
-    program: Program
-    position: NDArray[np.int16]
+    program: Program  # the motion that was sent
+    position: NDArray[np.int16]  # counts of encoder and PWM
     pwm: NDArray[np.int16]
-    parameters: Array
+    parameters: Array  # of each arm
 
 
 def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:

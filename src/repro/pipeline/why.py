@@ -45,22 +45,12 @@ def beyond(q: Array, dq: Array, config: Config) -> Array:
 
 @dataclass(frozen=True)
 class States:
-    """The simulated specimen along ID, with what no encoder shows.
+    """The simulated specimen along ID, with what no encoder shows."""
 
-    Attributes
-    ----------
-    recording : Recording
-        What the board sends: the stored recording, where that is of this arm.
-    dq, ddq : arrays of shape (2, N)
-        Velocity (rad/s) and acceleration (rad/s^2) right after each sample's torque was set.
-    motors : array of shape (2, N)
-        Torque of the motors, N m; but for a dead band it is what the board records.
-    """
-
-    recording: Recording
-    dq: Array
+    recording: Recording  # what the board sends: the stored recording, where that is of this arm
+    dq: Array  # velocity (rad/s) and acceleration (rad/s^2) right after each sample's torque was set
     ddq: Array
-    motors: Array
+    motors: Array  # torque of the motors, N m; but for a dead band it is what the board records
 
 
 def simulate_states(config: Config) -> States:

@@ -17,15 +17,9 @@ _INCH = 72.27
 
 @dataclass(frozen=True)
 class LongTable(Table):
-    """A laid-out table whose text is wrapped and that goes on over pages.
+    """A laid-out table whose text is wrapped and that goes on over pages."""
 
-    Attributes
-    ----------
-    shares : sequence of float
-        Width of each column as a share of what the gaps between them leave of the page.
-    """
-
-    shares: Sequence[float] = ()
+    shares: Sequence[float] = ()  # width of each column as a share of what the gaps between them leave of the page
 
     def __post_init__(self) -> None:
         """Check that the columns fill the page."""

@@ -17,20 +17,13 @@ INSET = 0.05
 
 @dataclass(frozen=True)
 class Box:
-    """Where a box stands.
+    """Where a box stands."""
 
-    Attributes
-    ----------
-    left, bottom, width, height : float
-        Its rectangle, or the one around a diamond.
-    shape : Shape
-        A decision is a diamond, a frame a dashed rectangle behind others with its words at the top.
-    """
-
-    left: float
+    left: float  # of its rectangle, or the one around a diamond, and so below
     bottom: float
     width: float
     height: float
+    # a decision is a diamond, a frame a dashed rectangle behind others with its words at the top
     shape: Shape = "block"
 
     @property
@@ -42,60 +35,27 @@ class Box:
 
 @dataclass(frozen=True)
 class Route:
-    """Where a link runs.
+    """Where a link runs."""
 
-    Attributes
-    ----------
-    start, end : str
-        Boxes it leaves and reaches.
-    corners : tuple of Point
-        From edge to edge, in.
-    label : Point or None
-        Where its label stands, in; None where it has none.
-    side : Side
-        Which part of the label stands there.
-    flow : Flow
-        What it carries, which gives its colour.
-    both : bool
-        Whether it points both ways.
-    """
-
-    start: str
+    start: str  # box it leaves; then the one it reaches
     end: str
-    corners: tuple[Point, ...]
-    label: Point | None = None
-    side: Side = "center"
-    flow: Flow = "inner"
-    both: bool = False
+    corners: tuple[Point, ...]  # from edge to edge, in
+    label: Point | None = None  # where its label stands, in; None where it has none
+    side: Side = "center"  # which part of the label stands there
+    flow: Flow = "inner"  # what it carries, which gives its colour
+    both: bool = False  # whether it points both ways
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of everything in a diagram.
+    """Places of everything in a diagram."""
 
-    Attributes
-    ----------
-    width, height : float
-        Of the figure, in.
-    boxes : mapping of str to Box
-        By name; frames come before what stands on them.
-    routes : mapping of str to Route
-        By name.
-    type_size : float
-        Points.
-    junctions : tuple of Point
-        Where a link branches off another.
-    legend : tuple of (key, label)
-        Entries of the legend: a flow, a shape, or ``inferred``; empty for no legend.
-    columns : int
-        Of the legend.
-    """
-
-    width: float
+    width: float  # of the figure, in
     height: float
-    boxes: Mapping[str, Box]
-    routes: Mapping[str, Route]
-    type_size: float = style.TEXT_SIZE
-    junctions: tuple[Point, ...] = ()
+    boxes: Mapping[str, Box]  # by name; frames come before what stands on them
+    routes: Mapping[str, Route]  # by name
+    type_size: float = style.TEXT_SIZE  # points
+    junctions: tuple[Point, ...] = ()  # where a link branches off another
+    # entries of the legend: a flow, a shape, or ``inferred``; empty for no legend
     legend: tuple[tuple[str, str], ...] = ()
-    columns: int = 5
+    columns: int = 5  # of the legend

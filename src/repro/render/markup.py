@@ -159,29 +159,14 @@ def scientific(value: float, decimals: int) -> Text:
 
 @dataclass(frozen=True)
 class Table:
-    """A laid-out table.
+    """A laid-out table."""
 
-    Attributes
-    ----------
-    title : str
-        ``Table 6`` or the like, for Markdown; LaTeX numbers tables itself.
-    label : str
-        LaTeX label.
-    caption : Text
-        Caption.
-    alignment : str
-        ``l``, ``c`` or ``r`` for each column.
-    header : sequence of Text
-        Column names.
-    blocks : sequence of (heading, rows)
-        Rows under a heading that spans all columns; a heading of None is left out.
-    """
-
-    title: str
-    label: str
-    caption: Text
-    alignment: str
-    header: Sequence[Text]
+    title: str  # ``Table 6`` or the like, for Markdown; LaTeX numbers tables itself
+    label: str  # laTeX label
+    caption: Text  # caption
+    alignment: str  # ``l``, ``c`` or ``r`` for each column
+    header: Sequence[Text]  # column names
+    # rows under a heading that spans all columns; a heading of None is left out
     blocks: Sequence[tuple[Text | None, Sequence[Sequence[Text]]]]
 
     def tex(self) -> str:

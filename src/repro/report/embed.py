@@ -63,21 +63,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class Link:
-    """A link to data.
+    """A link to data."""
 
-    Attributes
-    ----------
-    text : str
-        What the link says: the kind of file and its size.
-    href : str
-        A data URI, or the way from the page to the file.
-    download : str
-        Name to save it under; empty for a file that is only linked.
-    """
-
-    text: str
-    href: str
-    download: str
+    text: str  # what the link says: the kind of file and its size
+    href: str  # a data URI, or the way from the page to the file
+    download: str  # name to save it under; empty for a file that is only linked
 
 
 def pictures(paths: Mapping[str, Path], budget: int = IMAGE_BUDGET) -> dict[str, Picture]:

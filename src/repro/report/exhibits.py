@@ -13,30 +13,14 @@ from repro.report.inputs import ReportInputs, read_rows, read_text
 
 @dataclass(frozen=True)
 class Shown:
-    """An exhibit with what the page shows of it.
+    """An exhibit with what the page shows of it."""
 
-    Attributes
-    ----------
-    exhibit : Exhibit
-        What it is.
-    caption : str
-        Empty where there is none.
-    links : list of Link
-        Its data.
-    missing : list of str
-        Names of its files that are not there.
-    table : Table or None
-        Of a table that is there.
-    picture : Picture or None
-        Of a figure that is there.
-    """
-
-    exhibit: Exhibit
-    caption: str
-    links: list[Link]
-    missing: list[str]
-    table: Table | None = None
-    picture: Picture | None = None
+    exhibit: Exhibit  # what it is
+    caption: str  # empty where there is none
+    links: list[Link]  # its data
+    missing: list[str]  # names of its files that are not there
+    table: Table | None = None  # of a table that is there
+    picture: Picture | None = None  # of a figure that is there
 
 
 def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:

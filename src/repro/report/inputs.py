@@ -13,39 +13,18 @@ LARGEST_REPORT = 15_000_000
 
 @dataclass(frozen=True)
 class ReportInputs:
-    """Files and facts that one report shows.
+    """Files and facts that one report shows."""
 
-    Attributes
-    ----------
-    results : Path
-        Folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn).
-    figures : Path
-        Folder with ``figNN.png`` and ``figNN.pdf``.
-    captions : Path
-        Folder with the captions, ``figNN.rst``.
-    captures : Path
-        ``SHA256SUMS`` of the recorded runs.
-    config_sha256 : str
-        SHA-256 of the configuration, in hexadecimal.
-    command : str
-        What a target's name is put after to remake it.
-    provenance : mapping
-        Commit, packages and the like, as JSON would hold them; empty if nobody recorded them.
-    notice : str
-        A warning for the top of the page, for example that the budgets were tiny.
-    partial : bool
-        Whether a missing file is named in the page instead of refused.
-    """
-
-    results: Path
-    figures: Path
-    captions: Path
-    captures: Path
-    config_sha256: str
-    command: str = "snakemake --cores 2"
+    results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
+    figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
+    captions: Path  # folder with the captions, ``figNN.rst``
+    captures: Path  # ``SHA256SUMS`` of the recorded runs
+    config_sha256: str  # SHA-256 of the configuration, in hexadecimal
+    command: str = "snakemake --cores 2"  # what a target's name is put after to remake it
+    # commit, packages and the like, as JSON would hold them; empty if nobody recorded them
     provenance: Mapping[str, object] = field(default_factory=dict)
-    notice: str = ""
-    partial: bool = False
+    notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
+    partial: bool = False  # whether a missing file is named in the page instead of refused
 
     @property
     def page(self) -> Path:

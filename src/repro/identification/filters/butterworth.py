@@ -9,31 +9,8 @@ ORDER = 4
 
 
 def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Low-pass a signal without phase, or one of its time derivatives.
+    """`Filter.apply`; `cutoff` is that of both passes together.
 
-    Parameters
-    ----------
-    x : array of shape (..., N)
-        Signal.
-    h : float
-        Sampling period, s.
-    cutoff : float
-        Half-power frequency of both passes together, Hz.
-    order : {0, 1, 2}
-        Which derivative.
-
-    Returns
-    -------
-    array of shape (..., N)
-        In units of `x` per second to the power of `order`.
-
-    Raises
-    ------
-    ValueError
-        If `order` is none of 0, 1, 2.
-
-    Notes
-    -----
     Two passes have the gain 1 / (1 + (f / f_0)^8), which is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
     """
     if order not in (0, 1, 2):

@@ -13,45 +13,12 @@ from repro.model.parameters import Array
 
 
 def filter_coefficient(cutoff: float) -> float:
-    """c_f of Eq. 6 whose gain exp(-c_f omega^2) is 1/sqrt(2) at `cutoff`.
-
-    Parameters
-    ----------
-    cutoff : float
-        Half-power frequency, Hz.
-
-    Returns
-    -------
-    float
-        c_f, s^2.
-    """
+    """c_f of Eq. 6, s^2, whose gain exp(-c_f omega^2) is 1/sqrt(2) at `cutoff`, Hz."""
     return float(0.5 * np.log(2.0) / (2.0 * np.pi * cutoff) ** 2)
 
 
 def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Low-pass a signal with Eq. 6, or one of its time derivatives.
-
-    Parameters
-    ----------
-    x : array of shape (..., N)
-        Signal.
-    h : float
-        Sampling period, s.
-    cutoff : float
-        Half-power frequency, Hz.
-    order : {0, 1, 2}
-        Which derivative.
-
-    Returns
-    -------
-    array of shape (..., N)
-        In units of `x` per second to the power of `order`.
-
-    Raises
-    ------
-    ValueError
-        If `order` is none of 0, 1, 2.
-    """
+    """`Filter.apply` with the low-pass of Eq. 6."""
     if order not in (0, 1, 2):
         raise ValueError(f"order: must be 0, 1 or 2, got {order}.")
     n = x.shape[-1]

@@ -22,7 +22,8 @@ class Filter:
         In words.
     apply : callable
         ``apply(x, h, cutoff, order)``: the `order`-th time derivative (0, 1 or 2) of the low-passed `x` of shape
-        (..., N), with `h` in s and `cutoff`, the half-power frequency, in Hz.
+        (..., N), with `h` in s and `cutoff`, the half-power frequency, in Hz. ValueError
+        for another order.
     """
 
     name: str

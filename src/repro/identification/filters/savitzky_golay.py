@@ -11,31 +11,8 @@ HALF_POWER = 1.066
 
 
 def savitzky_golay(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Smooth a signal, or one of its time derivatives.
+    """`Filter.apply`.
 
-    Parameters
-    ----------
-    x : array of shape (..., N)
-        Signal.
-    h : float
-        Sampling period, s.
-    cutoff : float
-        Half-power frequency, Hz.
-    order : {0, 1, 2}
-        Which derivative.
-
-    Returns
-    -------
-    array of shape (..., N)
-        In units of `x` per second to the power of `order`.
-
-    Raises
-    ------
-    ValueError
-        If `order` is none of 0, 1, 2.
-
-    Notes
-    -----
     The response of a cubic window of 2 m + 1 samples falls to 1/sqrt(2) at 1.066 / (m + 1/2) of half the sampling rate,
     to 1 % for m of 8 and more.
     """

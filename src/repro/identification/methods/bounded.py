@@ -9,20 +9,7 @@ from repro.model.parameters import NAMES, Array
 
 
 def solve(y: Array, tau: Array) -> Estimate:
-    """Least squares under the bounds beta >= 0.
-
-    Parameters
-    ----------
-    y : array of shape (2, n, 9)
-        Filtered regressor.
-    tau : array of shape (2, n)
-        Filtered torque, N m.
-
-    Returns
-    -------
-    Estimate
-        With the names of the parameters held at their bound.
-    """
+    """Least squares under the bounds beta >= 0, with the names of the parameters held there."""
     r, c, scale = nine_rows(y, tau)
     z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(r, c)
     beta = snap(np.maximum(z, 0.0), 1e-12) / scale

@@ -93,20 +93,7 @@ def consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
 
 
 def solve(y: Array, tau: Array) -> Estimate:
-    """Least squares over physically consistent parameters.
-
-    Parameters
-    ----------
-    y : array of shape (2, n, 9)
-        Filtered regressor.
-    tau : array of shape (2, n)
-        Filtered torque, N m.
-
-    Returns
-    -------
-    Estimate
-        M(q) is positive definite in every pose and no friction is negative.
-    """
+    """Least squares with M(q) positive definite in every pose and no friction negative."""
     beta, held = consistent(*nine_rows(y, tau))
     note = "the conditions of physical consistency hold it" if held else "consistent without being held"
     return Estimate(beta, (note,))

@@ -31,18 +31,7 @@ def _solve(regression: Regression, variance: Array) -> Array:
 
 
 def estimate(regression: Regression) -> Estimate:
-    """Instrumental-variable estimate with the joints weighted as in weighted least squares.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque, and the regressors of interleaved samples.
-
-    Returns
-    -------
-    Estimate
-        Nothing keeps it physically consistent.
-    """
+    """Instrumental-variable estimate with the joints weighted as in weighted least squares."""
     beta = _solve(regression, np.ones((2, 1)))
     beta = _solve(regression, joint_variance(regression, beta))
     return Estimate(beta, ("the instruments are the regressors of every other sample",))

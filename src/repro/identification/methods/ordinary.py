@@ -6,18 +6,7 @@ from repro.identification.solve import solve
 
 
 def estimate(regression: Regression) -> Estimate:
-    """Parameters with the smallest sum of squared torque errors.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque.
-
-    Returns
-    -------
-    Estimate
-        Nothing keeps it physically consistent.
-    """
+    """Parameters with the smallest sum of squared torque errors; nothing keeps them physically consistent."""
     return Estimate(solve(regression.y, regression.tau))
 
 

@@ -50,18 +50,7 @@ def _prediction_errors(regression: Regression) -> Array:
 
 
 def choose_penalty(errors: Array) -> int:
-    """Index of the strongest penalty within one standard error of the best.
-
-    Parameters
-    ----------
-    errors : array of shape (penalties, blocks)
-        Prediction errors, penalties in rising order.
-
-    Returns
-    -------
-    int
-        Row of `errors`.
-    """
+    """Index of the strongest penalty within one standard error of the best; errors of shape (penalties, blocks)."""
     best = int(errors.mean(1).argmin())
     more = errors - errors[best]
     allowed = more.mean(1) <= more.std(1, ddof=1) / np.sqrt(errors.shape[1])
@@ -72,15 +61,7 @@ def choose_penalty(errors: Array) -> int:
 def estimate(regression: Regression) -> Estimate:
     """Consistent parameters with the viscous torque shrunk as far as prediction allows.
 
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque.
-
-    Returns
-    -------
-    Estimate
-        Biased on purpose: the difference to the unshrunk estimate enters its standard errors.
+    Biased on purpose: the difference to the unshrunk estimate enters its standard errors.
     """
     chosen = PENALTIES[choose_penalty(_prediction_errors(regression))]
     note = f"viscous torque shrunk with a penalty of {chosen:g}, the most that prediction of left-out blocks allows"
@@ -88,20 +69,7 @@ def estimate(regression: Regression) -> Estimate:
 
 
 def refit(regression: Regression, penalty: float) -> Array:
-    """Consistent parameters under a given penalty.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque.
-    penalty : float
-        rho.
-
-    Returns
-    -------
-    array of shape (9,)
-        beta.
-    """
+    """Consistent parameters under a given penalty rho."""
     return _shrunk(nine_rows(regression.y, regression.tau), penalty)
 
 

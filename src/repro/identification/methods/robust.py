@@ -27,18 +27,7 @@ def _scale(error: Array, moving: NDArray[np.bool_]) -> Array:
 
 
 def estimate(regression: Regression) -> Estimate:
-    """Huber's M-estimate with each joint's own scale.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque.
-
-    Returns
-    -------
-    Estimate
-        With the share of samples whose weight was lowered.
-    """
+    """Huber's M-estimate with each joint's own scale."""
     y, tau = regression.y, regression.tau
     error = tau - y @ solve(y, tau)
     for _ in range(ROUNDS):

@@ -10,18 +10,7 @@ ROUNDS = 5
 
 
 def estimate(regression: Regression) -> Estimate:
-    """Least squares and the joints' error variances in turn, until they agree.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque.
-
-    Returns
-    -------
-    Estimate
-        With the standard deviations that made the weights.
-    """
+    """Least squares and the joints' error variances in turn, until they agree."""
     beta = solve(regression.y, regression.tau)
     for _ in range(ROUNDS):
         beta = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, beta))

@@ -33,43 +33,19 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check.
+    """Result of one check."""
 
-    Attributes
-    ----------
-    id : str
-        Stable name, for example ``composition/table10``.
-    place : str
-        Where the statement stands.
-    what : str
-        What is checked, in words.
-    arithmetic : str
-        The calculation, with its numbers.
-    found, printed : float
-        What the calculation gives and what it is held against, in `unit`; nan where there is no number.
-    tolerance : float
-        By how much rounding lets them differ; nan where they are not compared as values.
-    unit : str
-        Unit of `found` and `printed`.
-    verdict : str
-        One of `VERDICTS`.
-    note : str
-        What a reader should know; says so where the extraction of the text may be at fault.
-    numbers : tuple of str
-        Ids of the published numbers that the check uses.
-    """
-
-    id: str
-    place: str
-    what: str
-    arithmetic: str
-    found: float
+    id: str  # stable name, for example ``composition/table10``
+    place: str  # where the statement stands
+    what: str  # what is checked, in words
+    arithmetic: str  # the calculation, with its numbers
+    found: float  # what the calculation gives and what it is held against, in `unit`; nan where there is no number
     printed: float
-    tolerance: float
-    unit: str
-    verdict: str
-    note: str = ""
-    numbers: tuple[str, ...] = ()
+    tolerance: float  # by how much rounding lets them differ; nan where they are not compared as values
+    unit: str  # unit of `found` and `printed`
+    verdict: str  # one of `VERDICTS`
+    note: str = ""  # what a reader should know; says so where the extraction of the text may be at fault
+    numbers: tuple[str, ...] = ()  # ids of the published numbers that the check uses
 
     def __post_init__(self) -> None:
         if self.verdict not in VERDICTS:

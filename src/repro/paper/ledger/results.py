@@ -36,18 +36,7 @@ _SEEDS = {
 
 
 class Results:
-    """Numbers of a results folder by what they are.
-
-    Parameters
-    ----------
-    folder : Path
-        Holds every file of `FILES`.
-
-    Raises
-    ------
-    InputError
-        If a file is missing or lacks a column.
-    """
+    """Numbers of a results folder by what they are."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
