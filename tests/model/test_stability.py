@@ -11,9 +11,9 @@ from strategies import feasible_betas, seeds
 
 from repro.model.dynamics import forward_dynamics, mass_matrix
 from repro.model.lyapunov import LyapunovSettings, lyapunov_function, lyapunov_lower_bound
-from repro.model.parameters import inertial_from_links
+from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links
 from repro.model.stability import dissipation_matrix, stability_constants
-from repro.paper.appendix import APPENDIX_NUMBERS, FreeChoices, appendix_arm, example_links, reproduced
+from repro.paper.appendix import APPENDIX_NUMBERS, FreeChoices, appendix_arm, reproduced
 
 # The simulated arm: the solved parameter set, rounded as far as the printed numbers allow.
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
@@ -103,7 +103,11 @@ def test_choices_without_an_arm_are_refused(choice, message):
 
 
 def test_the_arm_has_links():
-    links = example_links(ARM, m2=0.2, lc1=0.08)
+    # Five parameters fix l1 = I2 g / (2 g2) and leave two of the other six quantities free.
+    (i1, i2, i3, g1, g2), m2, lc1 = ARM[:5], 0.2, 0.08
+    l1, lc2 = 0.5 * i2 * STANDARD_GRAVITY / g2, g2 / (STANDARD_GRAVITY * m2)
+    m1 = (g1 / STANDARD_GRAVITY - m2 * l1) / lc1
+    links = Links(m1, m2, l1, lc1, lc2, i1 - i3 - m1 * lc1**2 - m2 * l1**2, i3 - m2 * lc2**2)
     assert all(value > 0 for value in vars(links).values())
     assert links.l1 == pytest.approx(0.165, abs=1e-5)
     assert links.lc2 < 0.150

@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from repro.model.feasibility import is_positive, is_positive_definite
 from repro.model.lyapunov import LyapunovSettings
-from repro.model.parameters import STANDARD_GRAVITY, Array, Links
+from repro.model.parameters import STANDARD_GRAVITY, Array
 from repro.model.stability import stability_constants
 from repro.paper.published import Published, PublishedValue, load_published
 
@@ -101,15 +101,3 @@ def appendix_arm(choices: FreeChoices | None = None, published: Published | None
     if not all(reproduced(beta, published).values()):
         raise ValueError(f"choices: {c} make joint 2's friction the larger; the numbers are solved for joint 1's.")
     return beta
-
-
-def example_links(beta: Array, m2: float, lc1: float) -> Links:
-    """Links that have given inertial and gravity parameters: Eq. 1's last lines, inverted.
-
-    The five parameters fix l1 = I2 g / (2 g2) and leave two of the other six quantities free.
-    """
-    i1, i2, i3, g1, g2 = beta[:5].tolist()
-    l1 = 0.5 * i2 * STANDARD_GRAVITY / g2
-    lc2 = g2 / (STANDARD_GRAVITY * m2)
-    m1 = (g1 / STANDARD_GRAVITY - m2 * l1) / lc1
-    return Links(m1, m2, l1, lc1, lc2, i1 - i3 - m1 * lc1**2 - m2 * l1**2, i3 - m2 * lc2**2)
