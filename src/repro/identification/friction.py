@@ -17,8 +17,7 @@ from repro.identification.parallel import FilterSettings, motion, prepare
 from repro.identification.setup import SURE, beside, best_set, fitted_with_errors, rows, unseen
 from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
-from repro.logs.log import Log
-from repro.logs.speed import period
+from repro.logs.log import Log, period
 from repro.model.parameters import NAMES, Array
 
 #: In the order of the columns.

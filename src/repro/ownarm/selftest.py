@@ -21,9 +21,8 @@ from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.setup import corrected, values_of
 from repro.logs.armfile import Arm
-from repro.logs.log import Log
-from repro.logs.quantisation import quantisation_step
-from repro.logs.speed import period
+from repro.logs.log import Log, period
+from repro.logs.saturation import quantisation_step
 from repro.logs.uniform import stretches, uniform
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
