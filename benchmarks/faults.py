@@ -33,7 +33,12 @@ ROOMS = {
     **{"export": 4, "rules": 14},
 }
 #: Faults that change nothing that anybody could see, by file and new text of the line, with the reason.
-EQUIVALENT: dict[tuple[str, str], str] = {}
+EQUIVALENT: dict[tuple[str, str], str] = {
+    (
+        "src/repro/pipeline/experiment_data.py",
+        "series |= {method: rebuild_torque(estimates[method], y) for method in methods}",
+    ): "the torque is linear in both, and shapes tell them apart",
+}
 
 COMPARED = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "=="}
 OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
@@ -184,13 +189,14 @@ class Reach:
             return ["tests/project"]
         contexts = self._data.contexts_by_lineno(self._root + fault.file)
         tree = ast.parse((self._copy / fault.file).read_text(encoding="utf-8"))
-        statements = [s for s in ast.walk(tree) if isinstance(s, ast.stmt) and s.lineno <= fault.line <= s.end_lineno]  # type: ignore[operator]
-        inner = min(statements, key=lambda s: s.end_lineno - s.lineno)  # type: ignore[operator]
-        for lines in (range(inner.lineno, inner.end_lineno + 1), contexts):  # type: ignore[operator]
-            found = {context.split("|")[0] for line in lines for context in contexts.get(line, ()) if context}
-            if found:
-                return sorted(found, key=self._cost)
-        return [f"tests/{fault.room}"]
+        spans = [range(s.lineno, (s.end_lineno or s.lineno) + 1) for s in ast.walk(tree) if isinstance(s, ast.stmt)]
+        inner = min((span for span in spans if fault.line in span), key=len, default=range(0))
+        reached, anything = (
+            {context.split("|")[0] for line in lines for context in contexts.get(line, ()) if context}
+            for lines in (inner, contexts)
+        )
+        room = [f"tests/{fault.room}"]
+        return sorted(reached, key=self._cost) or [*sorted(anything, key=self._cost), *room]
 
 
 def _environment(copy: Path) -> dict[str, str]:

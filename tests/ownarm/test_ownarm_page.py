@@ -20,13 +20,14 @@ from repro.commands.identify import summary
 from repro.identification.friction import Term
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
+from repro.ownarm import overlays
 from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.page import FILES, render_page, sentence, symbols
+from repro.ownarm.parameters import parameters as parameters_figure
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
-from repro.render import ownarm, style
-from repro.render.ownarm_parameters import parameters as parameters_figure
+from repro.render import style
 
 pytestmark = pytest.mark.slow
 
@@ -383,13 +384,23 @@ def drawn(make, *arguments, **options) -> Figure:
 
 def every_figure(simulated=False):
     result, curves = example_result(simulated=simulated), example_curves()
-    titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
+    titles, methods = overlays.ordered_titles(result), drawn_methods(result)
     return {
-        "overlay": drawn(ownarm.overlay, curves.signals[0], methods, titles, simulated),
-        "spectra": drawn(ownarm.spectra, curves.signals[0], methods, titles, simulated),
-        "cutoff": drawn(ownarm.cutoff, curves.cutoff, simulated),
+        "overlay": drawn(overlays.overlay, curves.signals[0], methods, titles, simulated),
+        "spectra": drawn(overlays.spectra, curves.signals[0], methods, titles, simulated),
+        "cutoff": drawn(overlays.cutoff, curves.cutoff, simulated),
         "parameters": drawn(parameters_figure, result),
     }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["overlay", "spectra", "cutoff", "parameters"])
+def test_figures_look_as_they_did(name, image_regression):
+    picture = io.BytesIO()
+    with style.house_style():
+        every_figure(simulated=True)[name].savefig(picture, format="png", dpi=75)
+    # Percent of all brightness: rounding moves a few pixels by a level; a line a tenth wider moves hundreds by tens.
+    image_regression.check(picture.getvalue(), diff_threshold=2e-3, basename=f"look-{name}")
 
 
 def words_of(figure):
@@ -413,8 +424,8 @@ def test_axes_have_units_and_the_simulation_is_named(name):
 
 def test_curves_are_the_numbers_given():
     signals = example_curves().signals[0]
-    titles = ownarm.ordered_titles(example_result())
-    figure = drawn(ownarm.overlay, signals, ["consistent", "ols"], titles)
+    titles = overlays.ordered_titles(example_result())
+    figure = drawn(overlays.overlay, signals, ["consistent", "ols"], titles)
     for joint in range(2):
         torque, residual = figure.axes[4 * joint], figure.axes[4 * joint + 2]
         measured, rebuilt = torque.lines
@@ -432,7 +443,7 @@ def test_curves_are_the_numbers_given():
 
 def test_a_method_without_curves_is_refused():
     signals, titles = example_curves().signals[0], {"wls": "Weighted"}
-    for draw in (ownarm.overlay, ownarm.spectra):
+    for draw in (overlays.overlay, overlays.spectra):
         with pytest.raises(ValueError, match="'wls'"):
             drawn(draw, signals, ["wls"], titles)
         with pytest.raises(ValueError, match="at least one"):

@@ -12,9 +12,9 @@ from repro.identification.parallel import FilterSettings, prepare
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
 from repro.ownarm.job import assemble, solve_all
+from repro.ownarm.overlays import overlay
 from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options
-from repro.render.ownarm import overlay
 
 OPTIONS = Options(("ordinary",), "unused")
 T = np.arange(6000) / 200.0

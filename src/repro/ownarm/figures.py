@@ -5,8 +5,10 @@ import io
 from matplotlib.figure import Figure
 from PIL import Image
 
+from repro.ownarm import overlays
+from repro.ownarm.parameters import parameters
 from repro.ownarm.result import Curves, Result
-from repro.render import ownarm, ownarm_parameters, style
+from repro.render import style
 
 #: Dots per inch: 1432 pixels for the width of a page.
 DPI = 200
@@ -23,22 +25,22 @@ MOST_LOGS = 8
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
-    titles, methods = ownarm.ordered_titles(result), drawn_methods(result)
+    titles, methods = overlays.ordered_titles(result), drawn_methods(result)
     logs = list(zip((result.log, *result.more_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():
-        figures = {"parameters": _png(ownarm_parameters.parameters(result))}
+        figures = {"parameters": _png(parameters(result))}
         if curves.cutoff is not None:
-            figures["cutoff"] = _png(ownarm.cutoff(curves.cutoff, result.simulated))
+            figures["cutoff"] = _png(overlays.cutoff(curves.cutoff, result.simulated))
         for place, (log, signals) in enumerate(logs):
             simulated = log.simulated or result.simulated
-            figures[f"overlay-{place}"] = _png(ownarm.overlay(signals, methods, titles, simulated))
-            figures[f"spectra-{place}"] = _png(ownarm.spectra(signals, methods[:1], titles, simulated))
+            figures[f"overlay-{place}"] = _png(overlays.overlay(signals, methods, titles, simulated))
+            figures[f"spectra-{place}"] = _png(overlays.spectra(signals, methods[:1], titles, simulated))
     return figures
 
 
 def drawn_methods(result: Result) -> list[str]:
     """Methods whose curves the overlays show: the recommended one and the first others, `MOST_METHODS` in all."""
-    return list(ownarm.ordered_titles(result))[:MOST_METHODS]
+    return list(overlays.ordered_titles(result))[:MOST_METHODS]
 
 
 def _png(figure: Figure) -> bytes:
