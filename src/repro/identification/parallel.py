@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import spline_filter1d
 
 from repro.identification.filters.interface import FILTERS
 from repro.identification.regression import Regression, joined
@@ -120,6 +121,16 @@ def kept(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
     return n, keep
 
 
+def _between(x: Array, at: Array) -> Array:
+    """Cubic spline through evenly spaced samples, shape (2, n, k), at places counted in samples, away from the ends."""
+    c, first = spline_filter1d(x, axis=1), np.floor(at).astype(np.intp)
+    f = (at - first)[:, np.newaxis]
+    weights = ((1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3)  # of the B-splines around
+    around = (np.clip(first + k, 0, x.shape[1] - 1) for k in range(-1, 3))
+    value: Array = sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
+    return value
+
+
 def prepare(log: Log, settings: FilterSettings) -> Regression:
     """Filter, cut and thin out, each piece of the log on its own.
 
@@ -155,7 +166,7 @@ def _piece(log: Log, settings: FilterSettings) -> Regression:
     for first in (0, 1):
         there = slice(first, None, 2)
         half = filtered_regressor(motion(recorded[:, there], 2 * h, settings), 2 * h, settings)
-        halves.append(CubicSpline(time[there], half, axis=1)(time[keep]))
+        halves.append(_between(half, (keep - first) / 2))
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     counts = np.ones(q.shape, dtype=np.bool_)

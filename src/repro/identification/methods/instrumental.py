@@ -11,29 +11,33 @@ import numpy as np
 
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError, joint_variance
 from repro.identification.regression import Regression
-from repro.identification.solve import MOVED, pseudo_solve
+from repro.identification.solve import solve_normal
 from repro.model.parameters import Array
 
 
-def _solve(regression: Regression, variance: Array) -> Array:
-    """Z' (tau - Y beta) = 0 with both halves as instruments of each other, each joint over its variance."""
+def _products(regression: Regression) -> tuple[Array, Array, Array]:
+    """Of each joint: Z' Y with both halves as instruments of each other, Z' tau, squared lengths of both halves."""
     if regression.interleaved is None:
         raise NoSolutionError("the regression was made without the regressors of every other sample")
-    weight = 1.0 / np.sqrt(variance)
-    odd, even = (half.reshape(-1, half.shape[-1]) for half in regression.interleaved * weight[..., None])
-    length = np.sqrt(np.linalg.norm(odd, axis=0) * np.linalg.norm(even, axis=0))
-    moved = length > MOVED * length.max(initial=0.0)
-    scale = np.where(moved, length, 1.0)
-    odd, even = (np.where(moved, half / scale, 0.0) for half in (odd, even))
-    tau = (regression.tau * weight).reshape(-1)
-    beta: Array = pseudo_solve(odd.T @ even + even.T @ odd, (odd + even).T @ tau) * moved / scale
-    return beta
+    odd, even = regression.interleaved
+    cross = odd.mT @ even
+    length = np.stack([np.einsum("jnp,jnp->jp", half, half) for half in (odd, even)])
+    return cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0], length
+
+
+def _solve(products: tuple[Array, Array, Array], variance: Array) -> Array:
+    """Z' (tau - Y beta) = 0, each joint over its variance."""
+    gram, right, length = products
+    weight = 1.0 / variance  # (2, 1)
+    odd, even = np.sqrt((weight * length).sum(1))
+    return solve_normal((weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even))
 
 
 def estimate(regression: Regression) -> Estimate:
     """Instrumental-variable estimate with the joints weighted as in weighted least squares."""
-    beta = _solve(regression, np.ones((2, 1)))
-    beta = _solve(regression, joint_variance(regression, beta))
+    products = _products(regression)
+    beta = _solve(products, np.ones((2, 1)))
+    beta = _solve(products, joint_variance(regression, beta))
     return Estimate(beta, ("the instruments are the regressors of every other sample",))
 
 
