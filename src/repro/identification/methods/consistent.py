@@ -7,7 +7,6 @@ Gravity may have either sign: it depends on where zero is.
 
 import warnings
 
-import cvxpy as cp
 import numpy as np
 from scipy.optimize import lsq_linear
 
@@ -46,6 +45,8 @@ def solve_consistent(r: Array, c: Array, scale: Array, margin: float) -> Array:
     NoSolutionError
         If the solver ends without a solution.
     """
+    import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
+
     size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
     z = cp.Variable(9)
     beta = cp.multiply(z, 1.0 / scale)
