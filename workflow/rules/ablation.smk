@@ -10,7 +10,6 @@ rule ablation_train:
         f"{R}/benchmarks/ablation_train-{{trained}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=3000,
         runtime=90,
@@ -47,7 +46,6 @@ rule ablation_run:
         f"{R}/benchmarks/ablation_run-{{reading}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:

@@ -16,7 +16,6 @@ rule claims:
         f"{R}/benchmarks/claims.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:
@@ -41,7 +40,6 @@ rule verify:
         f"{R}/benchmarks/verify.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:

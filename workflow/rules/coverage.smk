@@ -14,7 +14,6 @@ rule check_coverage:
         f"{R}/benchmarks/check_coverage.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,

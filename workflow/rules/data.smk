@@ -9,7 +9,6 @@ rule simulate_tracked:
     priority: 20
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:
@@ -30,7 +29,6 @@ rule mean_torque:
         f"{R}/benchmarks/mean_torque.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1000,
     params:

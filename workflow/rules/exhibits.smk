@@ -56,7 +56,6 @@ for exhibit in EXHIBITS:
             f"{R}/benchmarks/{exhibit.target}.tsv"
         conda:
             "../../envs/repro.yaml"
-        threads: 1
         resources:
             mem_mb=1500,
         params:

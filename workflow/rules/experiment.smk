@@ -19,7 +19,6 @@ rule acquire:
     localrule: True
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         serial_port=int(SERIAL),
@@ -49,7 +48,6 @@ rule identify_experiment:
         f"{R}/benchmarks/identify_experiment{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:
@@ -76,7 +74,6 @@ rule identify_least_squares:
         f"{R}/benchmarks/identify_least_squares.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:
@@ -100,7 +97,6 @@ rule score_experiment:
         f"{R}/benchmarks/score_experiment.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:
@@ -121,7 +117,6 @@ rule simulate_spread:
         f"{R}/benchmarks/simulate_spread.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:
@@ -146,7 +141,6 @@ rule score_spread:
         f"{R}/benchmarks/score_spread-{{index}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,

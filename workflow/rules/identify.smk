@@ -14,7 +14,6 @@ rule identify_numeric:
         f"{R}/benchmarks/identify_numeric{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:

@@ -10,7 +10,6 @@ rule search_metric:
         f"{R}/benchmarks/search_metric.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:

@@ -13,7 +13,6 @@ rule score_paper_recipe:
         f"{R}/benchmarks/score_paper_recipe.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     params:

@@ -14,7 +14,6 @@ rule report:
         f"{R}/benchmarks/report.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:

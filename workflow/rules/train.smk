@@ -19,7 +19,6 @@ rule train:
     conda:
         "../../envs/repro.yaml"
     # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
-    threads: 1
     resources:
         mem_mb=3000,
         runtime=90,

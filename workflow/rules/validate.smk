@@ -9,7 +9,6 @@ rule score_numeric:
         f"{R}/benchmarks/score_numeric{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:

@@ -10,7 +10,6 @@ rule explain:
         f"{R}/benchmarks/explain{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,
