@@ -38,6 +38,22 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "src/repro/pipeline/experiment_data.py",
         "series |= {method: rebuild_torque(estimates[method], y) for method in methods}",
     ): "the torque is linear in both, and shapes tell them apart",
+    (
+        "src/repro/pipeline/why.py",
+        "rebuilt = rebuild_torque(select(found.beta, signals, algorithm1.search).beta, signals.regression.y)",
+    ): "the torque is linear in both, and shapes tell them apart",
+    (
+        "src/repro/pipeline/identified.py",
+        "return pd.concat(frames, ignore_index=False)",
+    ): "numbers of rows are written nowhere",
+    (
+        "src/repro/ownarm/parameters.py",
+        "bars = [p.high - p.low for p in found if p.low is not None and p.low is not None]",
+    ): "an interval has both ends or none",
+    (
+        "src/repro/pipeline/start.py",
+        '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',
+    ): "changes the speed alone, and hardly",
 }
 
 COMPARED = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "=="}

@@ -60,6 +60,11 @@ def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 
 
+@pytest.mark.parametrize("scale", [-0.2, 0.1, 20.0])
+def test_a_scale_that_no_torque_constant_is_off_by_is_not_claimed(scale):
+    assert "scale2" not in {fault.name for fault in find_faults(spoilt(noisy(1), scale2=scale), SETTINGS)}
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_correcting_undoes_what_spoils(name):
     value = 1.3 if name == "scale2" else 0.07

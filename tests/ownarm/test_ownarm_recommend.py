@@ -10,7 +10,7 @@ from ownarm_problem import ARM, made, problem_of
 
 from repro.model.parameters import NAMES
 from repro.ownarm.prepared import delay_at_limit
-from repro.ownarm.recommend import against_least_squares, prediction_error, recommend, warnings
+from repro.ownarm.recommend import against_least_squares, odd_delay, prediction_error, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 
 
@@ -151,6 +151,25 @@ def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):
     given = made(tmp_path, replace(ARM, delay=0.05), late=0.05)
     assert not given.delay_was_found
     assert not any("delay" in line for line in warnings(given, (GOOD,), "a", TELLING))
+
+
+def test_a_joint_without_torque_is_named():
+    problem = problem_of(exciting(50), delay=0.0)
+    assert undriven(problem, GOOD) == []
+    for joint in (1, 2):
+        regression = problem.logs[0].regression
+        still = regression.tau * np.where(np.arange(2) == joint - 1, 0.0, 1.0)[:, np.newaxis]
+        ready = replace(problem.logs[0], regression=replace(regression, tau=still))
+        (line,) = undriven(replace(problem, logs=(ready,)), GOOD)
+        assert line.startswith(f"joint {joint} has next to no torque in {problem.fitted.log.name}")
+
+
+@pytest.mark.parametrize(("delay", "words"), [(0.0, None), (0.009, None), (-0.009, "before"), (-0.02, "end of")])
+def test_a_delay_that_no_drive_has_is_warned_of(delay, words):
+    found = odd_delay(problem_of(exciting(50), delay=delay))
+    assert len(found) == (words is not None)
+    assert all(words in line for line in found)
+    assert odd_delay(problem_of(exciting(50), delay=delay, delay_was_found=False)) == []
 
 
 # With nothing but the fit to judge by

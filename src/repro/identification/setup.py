@@ -31,6 +31,8 @@ ENOUGH = 0.2
 SURE = 4.0
 #: Zero beyond which this is no small fault but another reading of the log, see `repro.logs.readings`, rad.
 FAR = 0.25
+#: Factor beyond which the scale of a torque is no fault of the set-up but a joint that the log tells nothing of.
+LARGE = 3.0
 #: Parts of the log that are predicted in turn, and iterations.
 PARTS, ITERATIONS = 6, 4
 
@@ -178,7 +180,7 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
         for name, step, error in zip(names, x[len(NAMES) :], spread[len(NAMES) :], strict=True):
             size = found[name] if name == "scale2" else 1.0
             found[name] += size * float(step)
-            errors[name] = size * float(error)
+            errors[name] = abs(size) * float(error)
     return {name: (found[name], errors[name]) for name in names}
 
 
@@ -215,7 +217,10 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
 def _sure(fault: Fault) -> bool:
     """Whether a fault is well away from none, near enough to be one, and makes the error smaller."""
     away = abs(fault.value - (fault.name == "scale2"))
-    near = away <= FAR or not fault.name.startswith("zero")
+    if fault.name == "scale2":
+        near = 1.0 / LARGE <= fault.value <= LARGE
+    else:
+        near = away <= FAR or fault.name.startswith("offset")
     return away > SURE * fault.error and near and fault.after < fault.before
 
 

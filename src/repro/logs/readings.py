@@ -21,6 +21,8 @@ _SAME, _NOTICEABLE = 1.0 + 1e-6, 0.15
 _ALIKE = 1.05
 #: A fit of this residual explains nothing.
 _HOPELESS = 0.6
+#: Noise of a torque over the torque above which other readings of the log are not told from this one.
+_CLEAR = 1.0 / 3.0
 #: Delays looked at, s: those that `repro identify` finds by itself are not worth a warning.
 _SMALL_DELAY, _LARGE_DELAY = 0.03, 0.3
 
@@ -84,11 +86,10 @@ class _Smooth:
     chosen: np.ndarray[tuple[int], np.dtype[np.intp]]
     noise: Array
 
-    @property
-    def driven(self) -> bool:
-        """Whether the torques of both joints stand above their noise: of a free fall nothing can be told by them."""
-        size = np.linalg.norm(self.tau[:, self.chosen], axis=1)
-        return bool((size > np.linalg.norm(self.noise[:, self.chosen], axis=1)).all())
+    def quiet(self, share: float = 1.0) -> list[int]:
+        """Joints whose torque is not above its noise, or this share of it: nothing can be told by it."""
+        size = share * np.linalg.norm(self.tau[:, self.chosen], axis=1)
+        return [joint + 1 for joint in (0, 1) if size[joint] <= np.linalg.norm(self.noise[joint, self.chosen])]
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,18 @@ class _Fit:
 
     residual: float
     impossible: int
+
+
+def _told_of_quiet(joints: list[int]) -> str | None:
+    """What to say of joints whose torque is not above its noise."""
+    if len(joints) == 2:
+        return "the torque is little more than noise: this log can only judge the motion that parameters foretell"
+    if joints:
+        return (
+            f"the torque of joint {joints[0]} is little more than noise: the log hardly tells what it carries; "
+            "if the joint was driven, its torque was not recorded"
+        )
+    return None
 
 
 def other_reading(log: Log) -> str | None:
@@ -119,8 +132,8 @@ def other_reading(log: Log) -> str | None:
     size = np.linalg.norm(smooth.tau[:, smooth.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return None
-    if not smooth.driven:
-        return "the torque is little more than noise: this log can only judge the motion that parameters foretell"
+    if smooth.quiet(_CLEAR):
+        return _told_of_quiet(smooth.quiet())
     given = _fit(smooth, Reading("", ""))
     fits = [(_fit(smooth, reading), reading) for reading in READINGS]
     bound = given.residual * (_FAR_BETTER if given.residual > _BAD else 0.0)
@@ -160,7 +173,7 @@ def late_torque(log: Log) -> str | None:
     smooth = _smooth(log)
     reach = round(_LARGE_DELAY / smooth.h)
     inner = smooth.chosen[(smooth.chosen >= reach) & (smooth.chosen < smooth.q.shape[1] - reach)]
-    if inner.size < 20 or not smooth.driven:
+    if inner.size < 20 or smooth.quiet():
         return None
     y = regressor(smooth.q[:, inner], smooth.dq[:, inner], smooth.ddq[:, inner]).reshape(-1, 9)
     basis = np.linalg.qr(y).Q

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from repro.identification.scores import relative_rms
+from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
 from repro.ownarm.prepared import Problem, delay_at_limit
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
@@ -16,6 +16,8 @@ CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
 #: A network whose validation error is more than this times the best least squares' has its reason told; fits whose
 #: similarities differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
+#: A delay below this is no drive's, s.
+EARLY = -0.005
 #: A log of fewer seconds deserves a warning.
 SHORT = 15.0
 #: Errors that differ by less than this factor are equally good.
@@ -97,6 +99,31 @@ def disagreeing(problem: Problem, method: MethodResult) -> list[str]:
     ]
 
 
+def undriven(problem: Problem, method: MethodResult) -> list[str]:
+    """Joints that a log holds no torque of."""
+    beta = np.array([parameter.estimate for parameter in method.parameters])
+    return [
+        f"joint {joint} has next to no torque in {log.told.log.name}: the other joint moves it, or its torque was not "
+        "recorded; its error is told as a share of the torques that should add up to none"
+        for log in problem.logs
+        for joint, has in enumerate(driven(log.regression, beta), start=1)
+        if not has
+    ]
+
+
+def odd_delay(problem: Problem) -> list[str]:
+    """A delay that no drive has, or the end of the range."""
+    late = f"{1e3 * problem.settings.delay:.3g} ms"
+    if delay_at_limit(problem):
+        return [f"the delay of the torque is at the end of the range looked at ({late})"]
+    if problem.delay_was_found and problem.settings.delay < EARLY:
+        return [
+            f"the delay of the torque is {late}, as if it acted before it was recorded: the stamps of position and "
+            "torque differ, or the log tells little of it (arm file: delay)"
+        ]
+    return []
+
+
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:
     """What may spoil the result as a whole, one line each."""
     best = next(m for m in methods if m.method == recommended)
@@ -107,6 +134,7 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
         found.append(
             f"the motion hardly tells the parameters apart (condition number {told.condition:.3g}): excite more"
         )
+    found += undriven(problem, best)
     for joint, correlation in enumerate(told.friction_correlation, start=1):
         if abs(correlation) > CORRELATION and not _known(best, 4 + joint, 6 + joint):
             found.append(
@@ -140,10 +168,7 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
     length = sum(float(log.told.log.t[-1] - log.told.log.t[0]) for log in problem.logs)
     if length < SHORT:
         found.append(f"the log is short, {length:.3g} s: with {SHORT:g} s or more the intervals can be trusted")
-    if delay_at_limit(problem):
-        found.append(
-            f"the delay of the torque is at the end of the range looked at ({1e3 * problem.settings.delay:.3g} ms)"
-        )
+    found += odd_delay(problem)
     if not best.consistent:
         found.append(f"the parameters are not physically consistent: {best.why_not_consistent}")
     return tuple(found)
