@@ -107,7 +107,7 @@ def _changes(node: ast.AST, text: str) -> Iterator[tuple[ast.AST, str]]:
 
 
 def _outside(tree: ast.Module) -> set[int]:
-    """Nodes that are no arithmetic: annotations, decorators, what errors and the log say, defaults of dataclasses."""
+    """Nodes that are no arithmetic: annotations, decorators, guards, what errors and the log say."""
     skipped: set[int] = set()
     for node in ast.walk(tree):
         parts: list[ast.AST | None] = []
@@ -121,6 +121,8 @@ def _outside(tree: ast.Module) -> set[int]:
             parts = [node.annotation]
         elif isinstance(node, ast.Call) and SAID.search(ast.unparse(node.func)):
             parts = [node]
+        elif isinstance(node, ast.Call):  # a guard: lengths agree
+            parts = [keyword for keyword in node.keywords if keyword.arg == "strict"]
         for part in parts:
             skipped |= {id(inner) for inner in ast.walk(part)} if part is not None else set()
     return skipped

@@ -15,11 +15,12 @@ from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.identification.solve import solve
+from repro.model.dynamics import rebuild_torque, regressor
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
-from repro.pipeline.why import STEPS, dissect, explain, simulate_states
+from repro.pipeline.why import STEPS, beyond, dissect, explain, simulate_states
 from repro.settings import data_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -60,6 +61,15 @@ def test_the_simulated_run_is_the_stored_recording(recording):
     dq = states.dq
     np.testing.assert_allclose(moved[:, 400:], h * (dq[:, 400:-1] + dq[:, 401:]) / 2, atol=1.1 * RADIANS_PER_COUNT)
     assert np.corrcoef(np.diff(dq[1]) / h, states.ddq[1, :-1])[0, 1] > 0.9
+
+
+def test_what_eq_1_leaves_out_is_the_rest_of_the_motors_torque():
+    """But for the rounding of the position, which moves gravity by a thousandth of a newton metre."""
+    states = simulate_states(CONFIG)
+    q = states.recording.q
+    rest = states.motors - rebuild_torque(regressor(q, states.dq, states.ddq), TRUE)
+    np.testing.assert_allclose(beyond(q, states.dq, CONFIG), rest, atol=5e-3)
+    assert np.abs(rest).max() > 0.05
 
 
 def test_a_dead_band_is_what_the_motors_do_not_see():
