@@ -51,6 +51,10 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "bars = [p.high - p.low for p in found if p.low is not None and p.low is not None]",
     ): "an interval has both ends or none",
     (
+        "src/repro/model/stability.py",
+        "return np.stack([np.stack([b1, cross], -1), np.stack([-cross, b2], -1)], -2)",
+    ): "eigenvalues are taken from the square of one of the two",
+    (
         "src/repro/pipeline/start.py",
         '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',
     ): "changes the speed alone, and hardly",
@@ -65,6 +69,8 @@ SWAPPED = (
     ("measured", "desired"), ("position", "velocity"), ("train", "test"), ("argmin", "argmax"), ("floor", "ceil"),
     ("first", "second"), ("rows", "columns"), ("width", "height"), ("n1", "n2"), ("any", "all"), ("x", "y"),
 )  # fmt: skip
+#: Calls whose arguments may stand in any order.
+COMMUTATIVE = ("max", "min", "maximum", "minimum", "hypot", "isclose")
 #: Calls that only tell how far something is.
 SAID = re.compile(r"(^|\.)(_LOG|warnings|[Pp]rogress|report)$|_LOG\.")
 SWAP = {a: b for pair in SWAPPED for a, b in (pair, pair[::-1])}
@@ -101,7 +107,9 @@ def _changes(node: ast.AST, text: str) -> Iterator[tuple[ast.AST, str]]:
             yield node, f"{source(value)}.{SWAP[attr]}"
         case ast.UnaryOp(op=ast.Not() | ast.USub(), operand=operand):
             yield node, source(operand)
-        case ast.Call(func=func, args=[a, b, *rest], keywords=keywords) if source(a) != source(b):
+        case ast.Call(func=func, args=[a, b, *rest], keywords=keywords) if source(a) != source(b) and not source(
+            func
+        ).endswith(COMMUTATIVE):
             told = [source(b), source(a), *map(source, rest), *map(source, keywords)]
             yield node, f"{source(func)}({', '.join(told)})"
 
