@@ -51,9 +51,9 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "bars = [p.high - p.low for p in found if p.low is not None and p.low is not None]",
     ): "an interval has both ends or none",
     (
-        "src/repro/model/stability.py",
-        "return np.stack([np.stack([b1, cross], -1), np.stack([-cross, b2], -1)], -2)",
-    ): "eigenvalues are taken from the square of one of the two",
+        "src/repro/render/lines.py",
+        "(0.55, _BOX_ROW),",
+    ): "an arrow begins where it leaves its box, at the same height",
     (
         "src/repro/pipeline/start.py",
         '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',

@@ -297,6 +297,7 @@ def test_batches_equal_one_at_a_time():
     np.testing.assert_array_equal(y[2, 1], regressor(q[2, 1], dq[2, 1], ddq[2, 1]))
     torque = rebuild_torque(y[2, 1], betas)
     assert torque.shape == (5, 2, 2, 6)
+    assert rebuild_torque(y[2, 1, 0, 5], betas[3, 1]) == pytest.approx(torque[3, 1, 0, 5])
     np.testing.assert_allclose(torque[3, 1], inverse_dynamics(q[2, 1], dq[2, 1], ddq[2, 1], betas[3, 1]), atol=1e-12)
     shared = regressor(q[0, 0], dq, ddq)  # one position against a batch of velocities
     np.testing.assert_array_equal(shared[1, 2], regressor(q[0, 0], dq[1, 2], ddq[1, 2]))

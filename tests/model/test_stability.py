@@ -206,3 +206,11 @@ def test_wrong_shapes_are_refused():
         stability_constants(np.zeros(8))
     with pytest.raises(ValueError, match="dq"):
         lyapunov_function(np.zeros(2), np.zeros(3), ARM)
+
+
+def test_dissipation_is_a_matrix_for_each_of_a_stack():
+    x = np.linspace(-1.0, 1.0, 6).reshape(2, 3)
+    stack = dissipation_matrix(x, ARM, 0.1)
+    assert stack.shape == (2, 3, 2, 2)
+    np.testing.assert_array_equal(stack[1, 2], dissipation_matrix(x[1, 2], ARM, 0.1))
+    np.testing.assert_array_equal(stack, stack.swapaxes(-1, -2))

@@ -126,7 +126,7 @@ def rebuild_torque(y: Array, beta: Array) -> Array:
     if y.ndim < 1 or y.shape[-1] != 9:
         raise ValueError(f"y: the last axis of a regressor must hold 9 columns, got shape {y.shape}.")
     flat = beta @ y.reshape(-1, 9).T  # (..., 2N)
-    return flat.reshape(*beta.shape[:-1], *y.shape[:-1])
+    return flat.reshape((*beta.shape[:-1], *y.shape[:-1]))
 
 
 def mass_matrix(q: Array, beta: Array) -> Array:
