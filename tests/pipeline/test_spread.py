@@ -75,7 +75,7 @@ def test_every_arm_can_make_every_motion():
     # Motors that just carry the nominal arm: of those that are drawn, not all can.
     config["board"]["full_torque_nm"] = (1.05 * torque / config["experiment"]["torque_share"]).tolist()
     config["data"]["tracked"]["load_share"] = 0.3
-    config["spread"]["arms"] = 8
+    config["spread"]["arms"] = 4
     for beta in spread_arms(config):
         for motion in motions:
             check_limits(motion, beta, *limits(config))
