@@ -43,6 +43,8 @@ def test_what_is_written_is_the_motion_that_is_told_of(tmp_path, capsys):
     ]
     assert len(table) == 8 * 400 + 1
     q, dq, ddq = (table.iloc[:, k : k + 2].to_numpy().T for k in (1, 3, 5))
+    np.testing.assert_allclose(table["time_s"], np.arange(len(table)) / 400, atol=1e-9)
+    np.testing.assert_allclose(np.gradient(q, table["time_s"], axis=1)[:, 1:-1], dq[:, 1:-1], atol=0.01)
     told = content["optimised"]
     assert told["position_rad"] == approx(np.stack([q.min(1), q.max(1)], axis=1))
     assert told["speed_rad_s"] == approx(np.abs(dq).max(1))

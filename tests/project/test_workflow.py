@@ -294,11 +294,13 @@ def of_a_job(told):
 
 def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regression):
     """Files and sections of the configuration of one job of each computing rule, as they are kept beside this test."""
-    found = {}
+    found, exhibits = {}, {}
     for rule in working:
-        if rule.name in EXHIBITS:
-            continue
         files = [file for told in rule.input for file in of_a_job(told)]
+        if rule.name in EXHIBITS:
+            exhibits.setdefault(" ".join(EXHIBITS[rule.name].inputs), files)
+            assert exhibits[" ".join(EXHIBITS[rule.name].inputs)] == files
+            continue
         params = dict(rule.params.items())
         found[rule.name] = {
             "script": Path(rule.script).name,
@@ -309,7 +311,7 @@ def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regress
             "seeds": of_a_job(params.get("seeds", [])),
         }
         assert re.fullmatch(r"[0-9a-f]{64}", params["code"]), rule.name
-    data_regression.check(found)
+    data_regression.check(found | {"exhibits": exhibits})
 
 
 def test_no_script_is_left_over(working):
