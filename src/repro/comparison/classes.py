@@ -7,9 +7,8 @@ computed
     ``|a - b| <= ABSOLUTE + RELATIVE max(|a|, |b|)``. Zero is so compared absolutely.
 trained
     What hangs on a network, or on specimens simulated anew. Another processor, or another seed, trains another network;
-    such a number agrees within
-    `MARGIN` times the widest difference that networks of other seeds and processors were seen to make in its table,
-    method and column (`spread.csv`, `repro.comparison.spread`).
+    such a number agrees within `MARGIN` times the widest difference that networks of other seeds and processors were
+    seen to make in its table, method and column (`spread.csv`, `repro.comparison.spread`).
 
 A hash of floats tells that they are equal, never that they disagree.
 """
@@ -47,7 +46,7 @@ TRAINED_TABLES = (
     *("coverage/", "tables/coverage", "tables/intervals", "figures/coverage"),
     *(f"figures/fig{n}" for n in (14, 15, 16, 17)),
     # Specimens are simulated anew, and the loop of a light arm is chaotic: another last bit of tanh, of a C library for
-    # processors without FMA, moves single scores of any method by tenths (docs/numbers.md).
+    # processors without FMA, moves single scores of any method by up to a tenth (docs/numbers.md).
     *("spread/", "tables/verdict", "figures/spread"),
 )
 #: Columns that say where a number comes from, and how those begin that a network had a part in.
