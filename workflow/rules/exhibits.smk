@@ -59,7 +59,7 @@ for exhibit in EXHIBITS:
         resources:
             mem_mb=1500,
         params:
-            code=code("exhibit.py", f"repro.exhibits.{exhibit.family}"),
+            code=code("exhibit.py", f"repro.exhibits.{exhibit.family}:MADE[{(exhibit.kind, exhibit.name)!r}]"),
             exhibit=exhibit,
             config=sections(*exhibit.sections),
         message:

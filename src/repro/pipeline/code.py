@@ -1,44 +1,58 @@
 """The code that a job reaches, as one digest: a rule whose digest is another one is run anew.
 
-A module counts by its syntax tree without docstrings, and so does every module of the package that it imports.
+Definitions are followed by name. A function counts with the functions, classes and constants that it names, in whatever
+module of the package they stand, each by its syntax tree without docstrings; statements that define nothing count with
+every definition of their module. A name known only while running is followed where an f-string begins with a package's:
+all its modules count.
 """
 
 import ast
 import hashlib
 import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TypedDict
 
 from repro.files import write_text
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
+#: Digest of a definition, and the names in it.
+Definition = tuple[str, list[str]]
+#: Of a module's statements that define nothing.
+REST = ""
+
+
+class Module(TypedDict):
+    """What a source defines, and what its imported names stand for."""
+
+    definitions: dict[str, Definition]
+    imported: dict[str, str]
+
 
 class CodeDigests:
-    """Digests of the package's code; trees that were read before are taken from a file."""
+    """Digests of the package's code; sources that were read before are taken from a file."""
 
     def __init__(self, kept: Path, package: Path = PACKAGE) -> None:
         self._kept, self._package = kept, package
-        self._modules: dict[str, tuple[str, list[str]]] = {}
+        self._modules: dict[str, Module] = {}
         try:
-            self._read: dict[str, tuple[str, list[str]]] = json.loads(kept.read_text(encoding="utf-8"))
+            self._read: dict[str, Module] = json.loads(kept.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             self._read = {}
         self._known = len(self._read)
 
-    def of_script(self, script: Path, *modules: str) -> str:
-        """Digest of a script with all that it imports, and of further modules."""
-        return self.of(*modules, *self.reached_by(script), salt=self._parse(script.read_bytes())[0])
+    def of_script(self, script: Path, *names: str) -> str:
+        """Digest of a script with all that it reaches, and of what further names do."""
+        return self._digest(self._reached([*self._in_script(script), *self._named(names)]), script)
+
+    def of(self, *names: str) -> str:
+        """Digest of what modules (``package.module``) or definitions (``package.module:name``) reach."""
+        return self._digest(self._reached(self._named(names)))
 
     def reached_by(self, script: Path) -> set[str]:
-        """Modules of the package that a script imports, and all that they do."""
-        return self.reached(*self._parse(script.read_bytes())[1])
-
-    def of(self, *modules: str, salt: str = "") -> str:
-        """Digest of modules with all that they import."""
-        digest = hashlib.sha256(salt.encode())
-        for name in sorted(self.reached(*modules)):
-            digest.update(f"{name} {self._module(name)[0]}\n".encode())
-        return digest.hexdigest()
+        """Modules of the package that a script reaches something of."""
+        return {module for module, _ in self._reached(self._in_script(script))}
 
     def keep(self) -> None:
         """Write down what was read, for the next process."""
@@ -46,16 +60,65 @@ class CodeDigests:
             write_text(self._kept, json.dumps(self._read))
             self._known = len(self._read)
 
-    def reached(self, *modules: str) -> set[str]:
-        """Modules of the package that these import, themselves among them."""
-        reached: set[str] = set()
-        ahead = [name for name in modules if self._path(name)]
-        while ahead:
-            name = ahead.pop()
-            if name not in reached:
-                reached.add(name)
-                ahead += [other for other in self._module(name)[1] if self._path(other)]
+    def _digest(self, reached: Iterable[tuple[str, str]], script: Path | None = None) -> str:
+        parts = [f"{module}:{name} {self._module(module)['definitions'][name][0]}" for module, name in sorted(reached)]
+        if script:
+            parts += [found for found, _ in self._parse(script.read_bytes())["definitions"].values()]
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+    def _in_script(self, script: Path) -> Iterator[tuple[str, str]]:
+        source = self._parse(script.read_bytes())
+        for _, names in source["definitions"].values():
+            for name in names:
+                yield from self._stands_for(source, name)
+
+    def _named(self, names: Iterable[str]) -> Iterator[tuple[str, str]]:
+        for name in names:
+            module, _, definition = name.partition(":")
+            yield from [(module, definition)] if definition else self._whole(module)
+
+    def _reached(self, ahead: Iterable[tuple[str, str]]) -> set[tuple[str, str]]:
+        """Definitions that can be come to from these, themselves among them."""
+        reached: set[tuple[str, str]] = set()
+        todo = list(ahead)
+        while todo:
+            found = todo.pop()
+            if found in reached:
+                continue
+            reached.add(found)
+            module, name = found
+            todo += [(package, REST) for package in (module, *_above(module))]
+            for used in self._module(module)["definitions"][name][1]:
+                known = used.split(".")[0] in self._module(module)["definitions"]
+                todo += [(module, used.split(".")[0])] if known else self._stands_for(self._module(module), used)
         return reached
+
+    def _stands_for(self, source: Module, used: str) -> Iterator[tuple[str, str]]:
+        """Definitions of the package that a name used in a source means; none if it is not the package's."""
+        if used.endswith(".*"):
+            folder = self._package.parent.joinpath(*used.split(".")[:-1])
+            for file in sorted(folder.glob("*.py")) if folder.is_relative_to(self._package) else ():
+                yield from self._whole(f"{used[:-2]}.{file.stem}")
+            return
+        first, *attributes = used.split(".")
+        parts = [*source["imported"].get(first, "").split("."), *attributes]
+        for end in range(len(parts), 0, -1):
+            module = ".".join(parts[:end])
+            if self._path(module):
+                yield from self._defined(module, parts[end:])
+                return
+
+    def _defined(self, module: str, attributes: list[str]) -> Iterator[tuple[str, str]]:
+        """What an attribute of a module is: defined there, imported there, or the module as a whole."""
+        if attributes and attributes[0] in self._module(module)["definitions"]:
+            yield module, attributes[0]
+        elif attributes and attributes[0] in self._module(module)["imported"]:
+            yield from self._stands_for(self._module(module), ".".join(attributes))
+        else:
+            yield from self._whole(module)
+
+    def _whole(self, module: str) -> list[tuple[str, str]]:
+        return [(module, name) for name in self._module(module)["definitions"]]
 
     def _path(self, name: str) -> Path | None:
         """File of a module of the package, and nothing for any other name."""
@@ -65,27 +128,103 @@ class CodeDigests:
         path = self._package.joinpath(*rest)
         return next((file for file in (path.with_suffix(".py"), path / "__init__.py") if file.is_file()), None)
 
-    def _module(self, name: str) -> tuple[str, list[str]]:
+    def _module(self, name: str) -> Module:
         if name not in self._modules:
             path = self._path(name)
-            self._modules[name] = self._parse(path.read_bytes()) if path else ("", [])
+            self._modules[name] = self._parse(path.read_bytes() if path else b"")
         return self._modules[name]
 
-    def _parse(self, source: bytes) -> tuple[str, list[str]]:
-        """Digest of the tree without docstrings, and every name that is imported from the package."""
+    def _parse(self, source: bytes) -> Module:
         key = hashlib.sha256(source).hexdigest()
         if key not in self._read:
-            tree = ast.parse(source)
-            imported = []
-            for node in ast.walk(tree):
-                if isinstance(node, ast.ImportFrom) and node.module:
-                    imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-                elif isinstance(node, ast.Import):
-                    imported += [alias.name for alias in node.names]
-                if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(
-                    node, clean=False
-                ):
-                    node.body = node.body[1:]
-            own = sorted({name for name in imported if name.split(".")[0] == self._package.name})
-            self._read[key] = hashlib.sha256(ast.dump(tree).encode()).hexdigest(), own
+            self._read[key] = parse(source)
         return self._read[key]
+
+
+def _above(module: str) -> list[str]:
+    """Packages that are loaded before a module."""
+    parts = module.split(".")
+    return [".".join(parts[:end]) for end in range(1, len(parts))]
+
+
+def parse(source: bytes) -> Module:
+    """Definitions of a source with the names that each uses, and what its imports bring."""
+    tree = _Bare().visit(ast.parse(source))
+    imported: dict[str, str] = {}
+    parts: dict[str, list[ast.AST]] = {REST: []}
+    dotted = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            imported |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Import):
+            imported |= {alias.asname: alias.name for alias in node.names if alias.asname}
+            plain = [alias.name for alias in node.names if not alias.asname]
+            imported |= {name.split(".")[0]: name.split(".")[0] for name in plain}
+            dotted += plain
+    for statement in tree.body:
+        if not isinstance(statement, ast.Import | ast.ImportFrom):
+            for name in _defines(statement) or [REST]:
+                parts.setdefault(name, []).append(statement)
+            for key, value in _entries(statement):
+                parts[key] = [value]
+    names = {name: sorted({used for node in nodes for used in _used(node)}) for name, nodes in parts.items()}
+    idle = imported.keys() - {used.split(".")[0] for node in tree.body for used in _used(node, annotations=True)}
+    names[REST] += sorted(idle) + dotted  # imported for what loading does
+    digests = {name: "".join(ast.dump(node) for node in nodes) for name, nodes in parts.items()}
+    definitions = {name: (hashlib.sha256(text.encode()).hexdigest(), names[name]) for name, text in digests.items()}
+    return {"definitions": definitions, "imported": imported}
+
+
+class _Bare(ast.NodeTransformer):
+    """Takes out docstrings, and what is imported for types alone."""
+
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        super().generic_visit(node)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node, clean=False):
+            node.body = node.body[1:]
+        return node
+
+    def visit_If(self, node: ast.If) -> ast.AST | None:
+        typing = isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+        return None if typing else self.generic_visit(node)
+
+
+def _defines(statement: ast.stmt) -> list[str]:
+    """Names that a statement of a module defines and does nothing else."""
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return [statement.name]
+    if isinstance(statement, ast.AnnAssign | ast.Assign):
+        targets = [statement.target] if isinstance(statement, ast.AnnAssign) else statement.targets
+        flat = [each for target in targets for each in (target.elts if isinstance(target, ast.Tuple) else [target])]
+        return [each.id for each in flat if isinstance(each, ast.Name)]
+    return []
+
+
+def _entries(statement: ast.stmt) -> Iterator[tuple[str, ast.expr]]:
+    """Entries of a dictionary that is written out, each a definition of its own: ``NAME[key]``."""
+    if isinstance(statement, ast.Assign | ast.AnnAssign) and isinstance(statement.value, ast.Dict):
+        for key, value in zip(statement.value.keys, statement.value.values, strict=True):
+            if key is not None and not any(isinstance(part, ast.Name) for part in ast.walk(key)):
+                for name in _defines(statement):
+                    yield f"{name}[{ast.literal_eval(key)!r}]", value
+
+
+def _used(node: ast.AST, annotations: bool = False) -> Iterator[str]:
+    """Names that a definition uses, with attributes: ``numpy.sin``; those of annotations do nothing in a run."""
+    if isinstance(node, ast.Name):
+        yield node.id
+    elif isinstance(node, ast.Attribute):
+        inner = list(_used(node.value, annotations))
+        whole = isinstance(node.value, ast.Name | ast.Attribute) and len(inner) == 1
+        yield from [f"{inner[0]}.{node.attr}"] if whole else inner
+    elif isinstance(node, ast.JoinedStr) and isinstance(node.values[0], ast.Constant):
+        prefix = str(node.values[0].value)
+        yield from [f"{prefix}*"] if prefix.endswith(".") else []
+        for value in node.values[1:]:
+            yield from _used(value, annotations)
+    else:
+        for name, value in ast.iter_fields(node):
+            if annotations or name not in ("annotation", "returns"):
+                for child in value if isinstance(value, list) else [value]:
+                    if isinstance(child, ast.AST):
+                        yield from _used(child, annotations)
