@@ -10,7 +10,7 @@ from experiment_example import full_config
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.run import Algorithm1
-from repro.identification.algorithm1.uncertainty import distances, unlike_beyond
+from repro.identification.algorithm1.uncertainty import distances, spread_of, unlike_beyond
 from repro.identification.solve import solve
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
@@ -68,6 +68,14 @@ def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
         assert mean.loc[(arms, 0.9), "calibrated"] == pytest.approx(0.9, abs=0.08)
         assert mean.loc[(arms, 0.5), "calibrated"] == pytest.approx(0.5, abs=0.12)
     assert (table["width"] > 0).all()
+
+
+@pytest.mark.parametrize("level", [0.5, 0.9])
+def test_the_range_of_the_guesses_is_their_middle_share(level):
+    found = np.broadcast_to(np.linspace(0.0, 1.0, 101)[:, np.newaxis], (40, 101, 9))
+    truth = np.repeat((np.arange(40.0) + 0.5)[:, np.newaxis] / 40, 9, axis=1)  # evenly over the estimates
+    rows = stage._coverage_rows("Eq. 1", found, truth, spread_of(found), np.ones((1, 9)), (level,))
+    assert {row["raw"] for row in rows} == {level}
 
 
 def test_ranks_are_shares_of_all_arms(tables):
