@@ -56,6 +56,23 @@ def test_faults_are_found_with_their_size(faults):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("zero", [{"zero1": -0.17}, {"zero1": 0.17}, {"zero2": -0.17}], ids=str)
+def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
+    """Without it the fit is so poor that a full step of Gauss-Newton goes anywhere."""
+    log = noisy(1, log_from(lambda t: tuple(0.2 * x for x in motion(t)), seconds=20.0))
+    found = find_faults(spoilt(log, **zero), SETTINGS)
+    assert {fault.name: pytest.approx(fault.value, abs=0.005) for fault in found} == zero
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("noise", "doubtful"), [(0.03, False), (0.5, True)])
+def test_a_zero_that_may_be_the_other_joints_says_so(noise, doubtful):
+    (fault,) = find_faults(spoilt(noisy(1, size=noise), zero2=-0.08), SETTINGS)
+    assert fault.name == "zero2"
+    assert (fault.instead is not None) == doubtful
+
+
+@pytest.mark.slow
 def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 

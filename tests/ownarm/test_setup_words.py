@@ -48,3 +48,8 @@ def test_each_fault_is_said_with_its_size_and_what_it_brings():
     assert "1.5 +- 0.02 times" in lines[3]
     assert "zero: [-0.05, 0.1]; torque_offset: [0.2, 0]; torque_scale: [1, 1.5]" in lines[-1]
     assert words((), Arm()) == ()
+
+
+def test_a_zero_that_may_be_the_other_joints_is_said_with_both():
+    (line, _) = words((Fault("zero2", -0.1, 0.002, 0.09, 0.05, instead=0.05),), Arm())
+    assert "the zero of joint 2 is 5.7 +- 0.23 degrees off (or instead that of joint 1 by -2.9: this log can" in line

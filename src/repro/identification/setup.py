@@ -33,8 +33,12 @@ SURE = 4.0
 FAR = 0.25
 #: Factor beyond which the scale of a torque is no fault of the set-up but a joint that the log tells nothing of.
 LARGE = 3.0
+#: Longest step of an iteration: rad, and share of the scale. Columns hold near the log that they are made on.
+STEP = {"zero": 0.1, "scale": 0.3}
 #: Parts of the log that are predicted in turn, and iterations.
-PARTS, ITERATIONS = 6, 4
+PARTS, ITERATIONS = 6, 8
+#: Standard errors that a step may have to be the last.
+SETTLED = 0.1
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,8 @@ class Fault:
         the factor that the recorded torque is too large by.
     before, after : float
         Relative RMS error of the rebuilt torque, mean of both joints, with all faults put right but this, and with all.
+    instead : float or None
+        Of a zero: what the other joint's would be off by if it was that, where the log can hardly tell.
     """
 
     name: str
@@ -57,6 +63,7 @@ class Fault:
     error: float
     before: float
     after: float
+    instead: float | None = None
 
 
 def values_of(found: Sequence[Fault]) -> dict[str, float]:
@@ -176,11 +183,14 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
     for _ in range(ITERATIONS):
         r, columns = _prepared(corrected(log, found), settings)
         a, b = rows(r, columns[..., chosen])
-        x, spread = fitted_with_errors(a, b, r.h)
-        for name, step, error in zip(names, x[len(NAMES) :], spread[len(NAMES) :], strict=True):
+        steps, spread = (x[len(NAMES) :] for x in fitted_with_errors(a, b, r.h))
+        for name, step, error in zip(names, steps, spread, strict=True):
             size = found[name] if name == "scale2" else 1.0
-            found[name] += size * float(step)
+            longest = STEP.get(name[:-1], np.inf)
+            found[name] += size * float(np.clip(step, -longest, longest))
             errors[name] = abs(size) * float(error)
+        if np.all(np.abs(steps) < SETTLED * spread):
+            break
     return {name: (found[name], errors[name]) for name in names}
 
 
@@ -207,7 +217,7 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
         found = [_judged(log, settings, values, name) for name in names]
         wrong = [fault for fault in found if not _sure(fault)]
         if not wrong:
-            return tuple(found)
+            return tuple(_doubted(log, settings, fault, names) for fault in found)
         # Gauss-Newton may end far away because of one that is not there: without it the others settle.
         least = min(wrong, key=lambda fault: fault.before - fault.after)
         names = [name for name in names if name != least.name]
@@ -233,6 +243,17 @@ def _judged(log: Log, settings: FilterSettings, values: Mapping[str, tuple[float
     right = {other: value for other, (value, _) in values.items()}
     without_it = {other: value for other, value in right.items() if other != name}
     return Fault(name, *values[name], left(without_it), left(right))
+
+
+def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[str]) -> Fault:
+    """A zero with what the other joint's would be, if with that the log is explained nearly as well."""
+    other = {"zero1": "zero2", "zero2": "zero1"}.get(fault.name)
+    if other is None or other in names:
+        return fault
+    exchanged = [other if name == fault.name else name for name in names]
+    rival = _judged(log, settings, _settle(log, settings, exchanged), other)
+    as_likely = (1.0 - ENOUGH) * rival.after**2 < fault.after**2
+    return replace(fault, instead=rival.value) if as_likely and _sure(rival) else fault
 
 
 def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:

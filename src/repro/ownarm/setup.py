@@ -51,7 +51,10 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     for fault in faults:
         joint = fault.name[-1]
         what = {
-            "zero": f"the zero of joint {joint} is {_degrees(-fault.value)} +- {_degrees(2 * fault.error)} degrees off",
+            "zero": (
+                f"the zero of joint {joint} is {_degrees(-fault.value)} +- {_degrees(2 * fault.error)} degrees off"
+                f"{_instead(fault)}"
+            ),
             "offset": f"the torque of joint {joint} has an offset of {fault.value:.3g} +- {2 * fault.error:.2g} N m",
             "scale": (
                 f"the torque of joint {joint} is {fault.value:.3g} +- {2 * fault.error:.2g} times what joint 1 says: "
@@ -64,6 +67,13 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     if lines:
         lines.append(f"this is put right here; for good, write into the arm file: {'; '.join(arm_lines(faults, arm))}")
     return tuple(lines)
+
+
+def _instead(fault: Fault) -> str:
+    if fault.instead is None:
+        return ""
+    other = 3 - int(fault.name[-1])
+    return f" (or instead that of joint {other} by {_degrees(-fault.instead)}: this log can hardly tell)"
 
 
 def _degrees(radians: float) -> str:
