@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from repro.cli import main
-from repro.comparison.classes import ABSOLUTE, MARGIN, RELATIVE, Kind, Spread, kind_of
+from repro.comparison.classes import ABSOLUTE, MARGIN, RELATIVE, Kind, Spread, kind_of, origin
 from repro.comparison.runs import compare_runs
 from repro.comparison.spread import measure
 from repro.comparison.tables import differences
@@ -76,6 +76,20 @@ def test_rows_and_columns_must_be_the_same():
 )
 def test_a_claim_is_trained_if_its_table_is(name, target, kind):
     assert kind_of("claims", {"id": name, "target": target, "published": "1"}, "ours") is kind
+
+
+@pytest.mark.parametrize(
+    ("name", "column"),
+    [
+        ("table10/ID/algorithm1/time/joint2", "table10/algorithm1/time"),
+        ("table10/T3/algorithm1/total/joint1@tracked", "table10/algorithm1/total@tracked"),
+        ("table04/N1/algorithm1/I1", "table04/algorithm1"),
+        ("section5a/loss", "section5a/loss"),
+        ("abstract/numeric/total@refinement", "abstract/numeric/total@refinement"),
+    ],
+)
+def test_a_claim_scatters_as_the_column_of_its_table(name, column):
+    assert origin({"id": name, "published": "1"}) == column
 
 
 def run_of(folder, rows, recording=b"\xa5" * 16):

@@ -65,10 +65,20 @@ def rounding(a: float, b: float) -> float:
 
 
 def origin(row: Mapping[str, str]) -> str:
-    """What a row is about: the claim, or the first of the columns `ORIGIN` that it has; empty if it has none."""
+    """What a row is about: the first of the columns `ORIGIN` that it has, or of a claim that; empty if it has none."""
     if "published" in row:
-        return row["id"]
+        return _claimed(row["id"])
     return next((row[column] for column in ORIGIN if column in row), "")
+
+
+def _claimed(claim: str) -> str:
+    """A claim without its table's cell: ``table10/ID/algorithm1/time/joint2`` is of ``table10/algorithm1/time``."""
+    place, at, variant = claim.partition("@")
+    table, *rest = place.split("/")
+    if not (table.startswith("table") and len(rest) > 2):
+        return claim
+    _, method, quantity, *joint = rest
+    return "/".join([table, method, *([quantity] if joint else [])]) + at + variant
 
 
 def kind_of(table: str, row: Mapping[str, str], column: str) -> Kind:

@@ -54,6 +54,10 @@ class CodeDigests:
         """Modules of the package that a script reaches something of."""
         return {module for module, _ in self._reached(self._in_script(script))}
 
+    def reached(self, *names: str) -> set[str]:
+        """Modules of the package that modules or definitions reach something of."""
+        return {module for module, _ in self._reached(self._named(names))}
+
     def keep(self) -> None:
         """Write down what was read, for the next process."""
         if len(self._read) > self._known:
