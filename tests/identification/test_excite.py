@@ -166,8 +166,10 @@ def test_a_motion_of_one_joint_has_no_intervals(motion):
 
 def test_eq_10_keeps_its_shape():
     """Each joint is two sines, the second at 2.5 times the frequency with a tenth of the amplitude."""
-    theirs = published(Envelope(Arm(position_limit=((-2, 2), (-2, 2)), speed_limit=(9.0, 9.0))), (STEPS, H), 0.5, NOISE)
+    theirs = published(Envelope(Arm(position_limit=((-2, 2), (-1, 1)), speed_limit=(9.0, 9.0))), (STEPS, H), 0.5, NOISE)
     assert theirs.time.size == STEPS
+    reach = np.ptp(theirs.q, axis=1)
+    assert reach[0] / reach[1] == pytest.approx(2.0, rel=1e-3)  # as their ranges
 
     def fit(pace):
         waves = [f(k * pace * theirs.time) for k in (1.0, 2.5) for f in (np.cos, np.sin)]
