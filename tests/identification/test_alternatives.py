@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from log_example import BETA, motion
 from regression_example import log_from, problem
+from scipy import stats
 from strategies import seeds
 
 from repro.identification.alternatives import BEYOND, CHANCE, alternatives, asked_for, columns_of, without
@@ -81,6 +82,10 @@ def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
     turned = type(LOG)("log.csv", LOG.t, LOG.q + each(0.0, 0.01), LOG.tau)
     change = (prepare(turned, SETTINGS).y - prepare(LOG, SETTINGS).y) @ BETA / 0.01
     np.testing.assert_allclose(made[..., 1], change, atol=0.02 * np.abs(change).max())
+
+
+def test_chance_is_the_f_that_two_columns_reach_in_one_log_of_twenty():
+    assert pytest.approx(stats.f.isf(0.05, 2, 10_000), rel=0.01) == CHANCE
 
 
 def test_what_chance_explains_weighs_nothing():

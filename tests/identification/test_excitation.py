@@ -58,7 +58,7 @@ def combinations(words):
 # Excitation
 
 
-@pytest.mark.parametrize("pace", [1.0, 0.3, 2.0])
+@pytest.mark.parametrize("pace", [1.0, 0.3, 0.05, 2.0])
 def test_rank_and_condition_are_those_of_the_columns_of_unit_length(pace):
     r = exact(slowed(pace))
     told = excitation(r)

@@ -98,6 +98,8 @@ def test_at_its_limits_nothing_is_warned_of():
     # A tenth is little, however small the error on the log itself.
     little = {"validation": (score("x", 0.1, 0.1),), "halves": (score("first half", 0.1, 0.1),)}
     assert warned({}, {"fit": score("log.csv", 0.01, 0.01), **little}, {}) == ()
+    more = {"validation": (score("x", 0.101, 0.1),), "halves": (score("first half", 0.1, 0.101),)}
+    assert len(warned({}, {"fit": score("log.csv", 0.01, 0.01), **more}, {})) == 2
     # What another method does is not told.
     bad = method("b", "B", whiteness=(0.99, 0.99), consistent=False, fit=score("log.csv", 0.9, 0.9))
     assert warned({}, {}, {}, (bad,)) == ()
