@@ -263,6 +263,10 @@ def test_the_tool_is_where_the_angles_put_it():
     state.qpos[:] = q
     mujoco.mj_forward(simulated, state)
     np.testing.assert_allclose(state.site("tool").xpos, expected, atol=1e-14)
+    middle = np.array([links.l1 * np.sin(q[0]), 0.0, -links.l1 * np.cos(q[0])])
+    # Links are drawn from joint to joint.
+    np.testing.assert_allclose(state.geom_xpos, [middle / 2, (middle + expected) / 2], atol=1e-6)
+    np.testing.assert_allclose(simulated.geom_size[:, 1], [0.5 * links.l1, 0.5 * links.l2], atol=1e-6)
 
 
 def test_friction_and_motors_arrive():
