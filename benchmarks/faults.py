@@ -58,6 +58,47 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "src/repro/pipeline/start.py",
         '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',
     ): "changes the speed alone, and hardly",
+    (
+        "src/repro/identification/bootstrap.py",
+        "if len(drawn) < max(replicates // 2, 3):",
+    ): "there are never fewer than six replicates",
+    (
+        "src/repro/identification/methods/bounded.py",
+        'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(c, r)',
+    ): "rows with a right side of exactly zero share no other",
+    (
+        "src/repro/identification/regression.py",
+        "begins = np.cumsum([0.1, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])",
+    ): "only differences of these times are used",
+    (
+        "src/repro/ownarm/selftest.py",
+        "return make_ready(made_log(log, beta, rng), same, "
+        "replace(options, cutoff=log.settings.cutoff, friction=True))",
+    ): "a log made by Eq. 1 has no friction beyond it to find",
+    (
+        "src/repro/paper/ledger/constants.py",
+        "waves = np.stack([np.cos(frequency * time), -np.sin(frequency * time)], axis=1)",
+    ): "of two axes the last is the second",
+    (
+        "src/repro/paper/checks/torque.py",
+        "CONSISTENT if full.value < motor.value else OUTSIDE,",
+    ): "the two are not equal",
+    (
+        "src/repro/paper/checks/stability_numbers.py",
+        "CONSISTENT if condition <= 1.0 / scale else CONTRADICTS,",
+    ): "the two are not equal",
+    (
+        "src/repro/paper/metric_candidates.py",
+        '("cosine", "1 - cos(x, y)", lambda x, y: 1.0 - _cosine(y, x)),',
+    ): "a cosine is symmetric",
+    (
+        "src/repro/paper/ledger/counterparts.py",
+        "half = 2 ** (TORQUE_BITS[1].bit_count() - 1)",
+    ): "both joints have as many bits",
+    (
+        "src/repro/comparison/runs.py",
+        "return next((k for k, (p, q) in enumerate(zip(y, x, strict=False)) if p != q), min(len(x), len(y)))",
+    ): "where two differ is symmetric",
 }
 
 COMPARED = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "=="}

@@ -153,6 +153,7 @@ def test_known_lengths_guide_the_choice_or_the_notes_say_why_not():
         ({2: 0.0}, r"^I3 = 0 must be positive"),
         ({0: -0.5, 2: -0.1}, r"^I1 = -0\.5 must be positive"),
         ({4: 1e-6}, r"^l1 = .* m is no arm's length"),
+        ({4: BETA[1] * 9.80665 / 2 / 1001.0}, r"^l1 = .* = 1001 m is no arm's length"),
         ({6: -0.03}, r"^b2 = -0\.03: friction must not be negative"),
         ({7: -0.03}, r"^k1 = -0\.03: friction must not be negative"),
         ({3: 1e200}, r"^g1 = 1e\+200"),
