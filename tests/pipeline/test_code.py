@@ -1,5 +1,8 @@
 """Digests of the code that a job reaches: what changes them, and what does not."""
 
+import hashlib
+import json
+
 import pytest
 
 from repro.pipeline.code import CodeDigests
@@ -132,5 +135,7 @@ def test_what_was_read_is_kept_and_changes_no_digest(package, tmp_path):
     first.keep()
     assert (tmp_path / "kept.json").is_file()
     assert CodeDigests(tmp_path / "kept.json", package).of("pack.top") == found
-    (tmp_path / "kept.json").write_text("{", encoding="utf-8")  # damaged: read anew
-    assert CodeDigests(tmp_path / "kept.json", package).of("pack.top") == found
+    other = {hashlib.sha256((package / "top.py").read_bytes()).hexdigest(): ["another version's", []]}
+    for text in ("{", json.dumps(other)):  # damaged, or written by another version: read anew
+        (tmp_path / "kept.json").write_text(text, encoding="utf-8")
+        assert CodeDigests(tmp_path / "kept.json", package).of("pack.top") == found

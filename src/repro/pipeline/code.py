@@ -35,6 +35,7 @@ class CodeDigests:
 
     def __init__(self, kept: Path, package: Path = PACKAGE) -> None:
         self._kept, self._package = kept, package
+        self._reader = Path(__file__).read_bytes()  # what another version of it has read is read anew
         self._modules: dict[str, Module] = {}
         try:
             self._read: dict[str, Module] = json.loads(kept.read_text(encoding="utf-8"))
@@ -139,7 +140,7 @@ class CodeDigests:
         return self._modules[name]
 
     def _parse(self, source: bytes) -> Module:
-        key = hashlib.sha256(source).hexdigest()
+        key = hashlib.sha256(self._reader + source).hexdigest()
         if key not in self._read:
             self._read[key] = parse(source)
         return self._read[key]
