@@ -65,7 +65,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     (
         "src/repro/identification/methods/bounded.py",
         'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(c, r)',
-    ): "rows with a right side of exactly zero share no other",
+    ): "a right side of exactly zero leaves a parameter at zero either way",
     (
         "src/repro/identification/regression.py",
         "begins = np.cumsum([0.1, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])",
