@@ -75,22 +75,26 @@ def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
 
 
 def simulate_spread(config: Config, out: Path) -> None:
-    """Simulate every seed and motion as batches and keep the counts."""
+    """Simulate every seed and motion as one batch and keep the counts."""
     seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
-    kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {}
     desired = {
-        f"ID{k}": [program_from_config(config, "ID", duration=d).q] * len(seeds) for k, d in enumerate(durations)
+        f"ID{k}": np.stack([program_from_config(config, "ID", duration=d).q] * len(seeds))
+        for k, d in enumerate(durations)
     }
-    desired |= {name: [program_from_config(config, name, seed).q for seed in seeds] for name in VALIDATION}
+    desired |= {name: np.stack([program_from_config(config, name, seed).q for seed in seeds]) for name in VALIDATION}
     arms, control, h = spread_arms(config), control_constants(config), config["signals"]["sampling_period_s"]
     beta = arms[np.arange(len(seeds)) % len(arms)]
-    kept["parameters"] = beta
     levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
-    for name, q in desired.items():
-        plant = Plant(beta, h, levels, np.stack(phase))
-        position, pwm = simulate(plant, control, np.stack(q), Progress(f"simulating {name}, {len(seeds)} seeds"))
-        kept |= {f"{name}/position": position.copy(), f"{name}/pwm": pwm.copy()}
-        kept[f"{name}/desired"] = np.stack(q).astype(np.float32)
+    n, longest = len(desired), max(q.shape[-1] for q in desired.values())
+    plant = Plant(np.tile(beta, (n, 1)), h, levels * n, np.tile(phase, (n, 1)))
+    held = [np.pad(q, ((0, 0), (0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired.values()]
+    progress = Progress(f"simulating {n} motions of {len(seeds)} seeds")
+    position, pwm = simulate(plant, control, np.concatenate(held), progress)
+    kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {"parameters": beta}
+    for k, (name, q) in enumerate(desired.items()):
+        own = np.s_[k * len(seeds) : (k + 1) * len(seeds), :, : q.shape[-1]]
+        kept |= {f"{name}/position": position[own].copy(), f"{name}/pwm": pwm[own].copy()}
+        kept[f"{name}/desired"] = q.astype(np.float32)
     write_whole(out, lambda temporary: save_file(kept, temporary))
 
 
