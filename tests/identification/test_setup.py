@@ -6,7 +6,7 @@ from log_example import BETA, motion
 from regression_example import log_from
 
 from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.setup import FAULTS, corrected, find_faults
+from repro.identification.setup import FAULTS, corrected, find_faults, hidden_faults
 from repro.identification.solve import solve
 from repro.logs.log import Log
 
@@ -77,6 +77,29 @@ def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_found_from_the_size_that_is_said(name):
+    """Half of it is not, half as much again is: both rules hold for a column added to the nine, but for curvature."""
+    log = noisy(3, size=0.2)
+    size = hidden_faults(log, SETTINGS, ())[name]
+
+    def found(share):
+        value = share * size + (name == "scale2")
+        return [fault.name for fault in find_faults(spoilt(log, **{name: value}), SETTINGS)]
+
+    assert found(0.5) == []
+    assert found(1.5) == [name]
+
+
+def test_what_is_put_right_is_not_among_what_may_be_hidden():
+    log = spoilt(noisy(1), zero1=0.1)
+    found = find_faults(log, SETTINGS)
+    hidden = hidden_faults(corrected(log, {"zero1": found[0].value}), SETTINGS, found)
+    assert {*hidden} == {*FAULTS} - {"zero1"}
+    assert hidden == pytest.approx(hidden_faults(noisy(1), SETTINGS, found), rel=0.1)
+
+
 @pytest.mark.parametrize("scale", [-0.2, 0.1, 20.0])
 def test_a_scale_that_no_torque_constant_is_off_by_is_not_claimed(scale):
     assert "scale2" not in {fault.name for fault in find_faults(spoilt(noisy(1), scale2=scale), SETTINGS)}
@@ -98,3 +121,4 @@ def test_a_joint_that_never_moves_has_no_fault_of_its_own():
     log = noisy(2)
     still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)
     assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_faults(still, SETTINGS))
+    assert {*hidden_faults(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}

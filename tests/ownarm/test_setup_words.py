@@ -8,7 +8,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.log import Log
 from repro.logs.reading import _to_eq1
-from repro.ownarm.setup import arm_lines, words
+from repro.ownarm.setup import arm_lines, unseen, words
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -53,3 +53,13 @@ def test_each_fault_is_said_with_its_size_and_what_it_brings():
 def test_a_zero_that_may_be_the_other_joints_is_said_with_both():
     (line, _) = words((Fault("zero2", -0.1, 0.002, 0.09, 0.05, instead=0.05),), Arm())
     assert "the zero of joint 2 is 5.7 +- 0.23 degrees off (or instead that of joint 1 by -2.9: this log can" in line
+
+
+def test_what_a_log_would_not_show_is_said_in_units_or_as_anything():
+    hidden = {"zero1": np.radians(2.5), "zero2": 0.3, "offset1": 0.035, "scale2": 1.2}
+    assert unseen(hidden) == (
+        "what this log would not show: zero of joint 1 off by up to 2.5 degrees, zero of joint 2 off by anything, "
+        "torque of joint 1 off by up to 0.035 N m, scale of the torque of joint 2 off by up to a factor of 2.2"
+    )
+    assert unseen({"scale2": 2.5}).endswith("scale of the torque of joint 2 off by anything")
+    assert unseen({}) == ""

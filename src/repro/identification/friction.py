@@ -1,8 +1,7 @@
 """Friction beyond Eq. 1: in proportion to the load, and larger near rest (Stribeck), of each joint.
 
-Each is a column beside the nine, chosen as the faults of the set-up are: of all sets of them that one is taken that
-predicts parts of the log from the rest best, where each term must take `ENOUGH` of the squared error, and be at least
-`SURE` standard errors above none. Coulomb friction that differs between the two directions is not among them: while a
+Each is a column beside the nine (`repro.identification.more_columns`), and is taken if it is at least `SURE` standard
+errors above none. Coulomb friction that differs between the two directions is not among them: while a
 joint moves it is an offset of its torque, and that is looked for as a fault.
 """
 
@@ -13,8 +12,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from repro.identification.alternatives import columns_of, load_friction, stribeck
+from repro.identification.more_columns import SURE, beside, best_set, fitted_with_errors, rows, unseen
 from repro.identification.parallel import FilterSettings, motion, prepare
-from repro.identification.setup import SURE, beside, best_set, fitted_with_errors, rows, unseen
 from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
 from repro.logs.log import Log, period

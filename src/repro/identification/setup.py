@@ -1,21 +1,19 @@
 """What the set-up gets wrong, found in the log: zero positions, offsets of the torques, scale of one to the other.
 
 A zero that is off turns gravity, an offset of the torque is always there, and a torque constant of one joint that is
-wrong shows because both joints share I2, I3 and g2. Each is a column beside the nine. Of all sets of them that one is
-taken that predicts parts of the log from the rest best, where each fault must take `ENOUGH` of the squared error. The
-values follow by Gauss-Newton on the log corrected by them.
+wrong shows because both joints share I2, I3 and g2. Each is a column beside the nine
+(`repro.identification.more_columns`); the values follow by Gauss-Newton on the log corrected by them.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
 from repro.identification.alternatives import bias, columns_of, zero_position
+from repro.identification.more_columns import ENOUGH, SURE, best_set, fitted_with_errors, least_seen, rows
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression
-from repro.identification.residuals import correlation_time
 from repro.identification.solve import solve
 from repro.identification.standstill import without_standstill
 from repro.logs.log import Log
@@ -25,18 +23,14 @@ from repro.model.parameters import NAMES, Array
 #: What may be wrong, in the order of the columns: zero of a joint (rad), offset of its torque (N m), and the recorded
 #: torque of joint 2 over the one that Eq. 1 shares with joint 1.
 FAULTS = ("zero1", "zero2", "offset1", "offset2", "scale2")
-#: Share of the squared error of parts not fitted that a fault must take.
-ENOUGH = 0.2
-#: Standard errors that it must be away from none.
-SURE = 4.0
 #: Zero beyond which this is no small fault but another reading of the log, see `repro.logs.readings`, rad.
 FAR = 0.25
 #: Factor beyond which the scale of a torque is no fault of the set-up but a joint that the log tells nothing of.
 LARGE = 3.0
 #: Longest step of an iteration: rad, and share of the scale. Columns hold near the log that they are made on.
 STEP = {"zero": 0.1, "scale": 0.3}
-#: Parts of the log that are predicted in turn, and iterations.
-PARTS, ITERATIONS = 6, 8
+#: Most iterations.
+ITERATIONS = 8
 #: Standard errors that a step may have to be the last.
 SETTLED = 0.1
 
@@ -102,64 +96,6 @@ def _columns(log: Log, settings: FilterSettings, beta: Array) -> Array:
         return np.concatenate([zero_position(moved, beta, steepness), bias(moved, beta, steepness), scaled], axis=-1)
 
     return columns_of(made, log, settings, beta)
-
-
-def rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
-    """Regressor with further columns as rows, joints weighted by their residual, and the torque."""
-    left = regression.tau - regression.y @ solve(regression.y, regression.tau)
-    size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.moving.sum(-1, keepdims=True), 1))
-    weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
-    shown = columns * regression.moving[..., np.newaxis]
-    a = np.concatenate([regression.y, shown], axis=-1) * weight[..., np.newaxis]
-    return a, regression.tau * weight
-
-
-def _fitted(a: Array, b: Array) -> Array:
-    flat = a.reshape(-1, a.shape[-1])
-    size = np.linalg.norm(flat, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    solution: Array = np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
-    return solution
-
-
-def unseen(a: Array, b: Array) -> float:
-    """Squared error of parts of the log, each predicted from the rest."""
-    n = b.shape[1]
-    part = np.arange(n) * PARTS // n
-    error = 0.0
-    for k in range(PARTS):
-        there = part == k
-        error += float(np.sum((b[:, there] - a[:, there] @ _fitted(a[:, ~there], b[:, ~there])) ** 2))
-    return error
-
-
-def _by_parts(a: Array, b: Array) -> Array:
-    """Standard errors by leaving out a part of the log at a time."""
-    part = np.arange(b.shape[1]) * PARTS // b.shape[1]
-    found = [_fitted(a[:, part != k], b[:, part != k]) for k in range(PARTS)]
-    error: Array = np.sqrt((PARTS - 1) * np.var(found, axis=0))
-    return error
-
-
-def fitted_with_errors(a: Array, b: Array, h: float) -> tuple[Array, Array]:
-    """Least squares of rows `h` apart, and its standard errors: by samples that are independent or by parts."""
-    x, flat = _fitted(a, b), a.reshape(-1, a.shape[-1])
-    left = b - a @ x
-    independent = left.size * h / correlation_time(left, h)
-    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(flat.T @ flat))) * np.sum(left**2) / max(independent, 1.0))
-    return x, np.maximum(spread, _by_parts(a, b))
-
-
-def beside(a: Array, chosen: Sequence[int]) -> Array:
-    """The nine columns and some of those behind them."""
-    return a[..., [*range(len(NAMES)), *(len(NAMES) + k for k in chosen)]]
-
-
-def best_set(a: Array, b: Array, able: Sequence[int]) -> list[int]:
-    """Those of the columns behind the nine with which parts are best predicted, each for `ENOUGH` of the error."""
-    sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
-    error = [unseen(beside(a, chosen), b) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
-    return list(sets[int(np.argmin(error))])
 
 
 def _relative(regression: Regression) -> float:
@@ -254,6 +190,31 @@ def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[s
     rival = _judged(log, settings, _settle(log, settings, exchanged), other)
     as_likely = (1.0 - ENOUGH) * rival.after**2 < fault.after**2
     return replace(fault, instead=rival.value) if as_likely and _sure(rival) else fault
+
+
+def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) -> dict[str, float]:
+    """Faults that could be there and not be found, and up to which size.
+
+    Parameters
+    ----------
+    log : Log
+        Put right by the faults found.
+    settings : FilterSettings
+        Filter, delay and lambda.
+    found : sequence of Fault
+        Faults that are put right.
+
+    Returns
+    -------
+    dict of str to float
+        Least size that is found, of each other fault whose joint moves: rad, N m, or the share by which the scale of
+        joint 2 is off.
+    """
+    r, columns = _prepared(log, settings)
+    own = [FAULTS.index(fault.name) for fault in found]
+    able = [k for k in range(len(FAULTS)) if k not in own and np.any(columns[..., k] * r.moving)]
+    a, b = rows(r, columns)
+    return {FAULTS[k]: least_seen(a, b, own, k, r.h) for k in able}
 
 
 def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:

@@ -96,6 +96,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         reason=reason,
         warnings=(*set_up, *warnings(problem, methods, recommended, told)),
         setup=tuple(log.faults for log in problem.logs),
+        hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),
     )
     return result, _curves(problem, methods, betas)

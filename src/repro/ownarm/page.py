@@ -16,7 +16,7 @@ from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.setup import friction
+from repro.ownarm.setup import friction, unseen
 from repro.render.markup import unit
 from repro.report.embed import Picture, environment, policy
 
@@ -81,6 +81,7 @@ def _environment() -> Environment:
         "symbols": symbols,
         "sentence": sentence,
         "friction": friction,
+        "unseen": unseen,
         "printed": printed,
         "percent": percent,
         "significant": significant,

@@ -1,7 +1,7 @@
 """Logs made ready: settings chosen from the fitted one, the same for all."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from repro.identification.friction import Term, columns_of_terms, eased, find_te
 from repro.identification.methods.interface import joint_variance
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression, joined
-from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, values_of
+from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
 from repro.identification.solve import solve
 from repro.identification.standstill import without_rest, without_standstill
 from repro.logs.armfile import Arm
@@ -66,6 +66,8 @@ class Ready:
         How the cut-off was chosen.
     faults : tuple of Fault
         What the set-up got wrong.
+    hidden : dict of str to float
+        What else it could get wrong unseen, and up to which size, see `hidden_faults`.
     terms : tuple of Term
         Friction beyond Eq. 1; that taken is out of the torque of `told`, and projected out of `moving`.
     load : array of shape (9,) or None
@@ -79,6 +81,7 @@ class Ready:
     settings: FilterSettings
     cutoff: Cutoff
     faults: tuple[Fault, ...] = ()
+    hidden: dict[str, float] = field(default_factory=dict)
     terms: tuple[Term, ...] = ()
     load: Array | None = None
 
@@ -171,6 +174,7 @@ def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
         faults = find_faults(told.log, settings)
         told = replace(told, log=corrected(told.log, values_of(faults)))
         settings, chosen, late = _choose(told.log, arm, options)
+    hidden = hidden_faults(told.log, settings, faults)
     regression = without_rest(prepare(told.log, settings))
     moving = without_standstill(regression)
     terms, load = find_terms(told.log, settings, options.friction), solve(moving.y, moving.tau)
@@ -183,7 +187,7 @@ def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
     if faults:
         columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Alternative((without(moving, columns),))
-    return Ready(told, regression, moving, as_good, settings, chosen, faults, terms, load)
+    return Ready(told, regression, moving, as_good, settings, chosen, faults, hidden, terms, load)
 
 
 def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]:

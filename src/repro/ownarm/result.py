@@ -197,6 +197,9 @@ class Result:
         Logs that were fitted together with `log`.
     setup : tuple of tuple of Fault
         What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
+    hidden : tuple of dict of str to float
+        What else it could get wrong unseen, and up to which size, see `repro.identification.setup.hidden_faults`, of
+        each log as in `setup`.
     friction : tuple of tuple of Term
         Friction beyond Eq. 1 that was taken out of the torque or would help, of each log as in `setup`.
     selftest : SelfTest or None
@@ -215,6 +218,7 @@ class Result:
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
     setup: tuple[tuple[Fault, ...], ...] = ()
+    hidden: tuple[dict[str, float], ...] = ()
     friction: tuple[tuple[Term, ...], ...] = ()
     selftest: SelfTest | None = None
 

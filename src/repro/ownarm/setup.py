@@ -1,11 +1,11 @@
 """What the set-up gets wrong, in words and as lines of the arm file."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from repro.identification.friction import Term
-from repro.identification.setup import Fault
+from repro.identification.setup import FAR, LARGE, Fault
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 
@@ -67,6 +67,20 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     if lines:
         lines.append(f"this is put right here; for good, write into the arm file: {'; '.join(arm_lines(faults, arm))}")
     return tuple(lines)
+
+
+def unseen(hidden: Mapping[str, float]) -> str:
+    """What the set-up could get wrong without its showing in a log; empty if nothing was looked for."""
+    parts = []
+    for name, size in hidden.items():
+        joint = name[-1]
+        what, limit, upto = {
+            "zero": (f"zero of joint {joint}", FAR, f"{_degrees(size)} degrees"),
+            "offset": (f"torque of joint {joint}", np.inf, f"{size:.2g} N m"),
+            "scale": (f"scale of the torque of joint {joint}", LARGE - 1.0, f"a factor of {1.0 + size:.2g}"),
+        }[name[:-1]]
+        parts.append(f"{what} off by {f'up to {upto}' if size < limit else 'anything'}")
+    return f"what this log would not show: {', '.join(parts)}" if parts else ""
 
 
 def _instead(fault: Fault) -> str:

@@ -1,0 +1,95 @@
+"""Columns beside the nine: which of them a log asks for, how large they are, and what it would not show.
+
+Of all sets of them that one is taken that predicts parts of the log from the rest best, where each must take `ENOUGH`
+of the squared error.
+"""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from repro.identification.regression import Regression
+from repro.identification.residuals import correlation_time
+from repro.identification.solve import solve
+from repro.model.parameters import NAMES, Array
+
+#: Share of the squared error of parts not fitted that a further column must take.
+ENOUGH = 0.2
+#: Standard errors that it must be away from none.
+SURE = 4.0
+#: Parts of the log that are predicted in turn.
+PARTS = 6
+
+
+def rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
+    """Regressor with further columns as rows, joints weighted by their residual, and the torque."""
+    left = regression.tau - regression.y @ solve(regression.y, regression.tau)
+    size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.moving.sum(-1, keepdims=True), 1))
+    weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+    shown = columns * regression.moving[..., np.newaxis]
+    a = np.concatenate([regression.y, shown], axis=-1) * weight[..., np.newaxis]
+    return a, regression.tau * weight
+
+
+def _fitted(a: Array, b: Array) -> Array:
+    flat = a.reshape(-1, a.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    solution: Array = np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
+    return solution
+
+
+def unseen(a: Array, b: Array) -> float:
+    """Squared error of parts of the log, each predicted from the rest."""
+    n = b.shape[1]
+    part = np.arange(n) * PARTS // n
+    error = 0.0
+    for k in range(PARTS):
+        there = part == k
+        error += float(np.sum((b[:, there] - a[:, there] @ _fitted(a[:, ~there], b[:, ~there])) ** 2))
+    return error
+
+
+def _by_parts(a: Array, b: Array) -> Array:
+    """Standard errors by leaving out a part of the log at a time."""
+    part = np.arange(b.shape[1]) * PARTS // b.shape[1]
+    found = [_fitted(a[:, part != k], b[:, part != k]) for k in range(PARTS)]
+    error: Array = np.sqrt((PARTS - 1) * np.var(found, axis=0))
+    return error
+
+
+def fitted_with_errors(a: Array, b: Array, h: float) -> tuple[Array, Array]:
+    """Least squares of rows `h` apart, and its standard errors: by samples that are independent or by parts."""
+    x, flat = _fitted(a, b), a.reshape(-1, a.shape[-1])
+    left = b - a @ x
+    independent = left.size * h / correlation_time(left, h)
+    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(flat.T @ flat))) * np.sum(left**2) / max(independent, 1.0))
+    return x, np.maximum(spread, _by_parts(a, b))
+
+
+def beside(a: Array, chosen: Sequence[int]) -> Array:
+    """The nine columns and some of those behind them."""
+    return a[..., [*range(len(NAMES)), *(len(NAMES) + k for k in chosen)]]
+
+
+def best_set(a: Array, b: Array, able: Sequence[int]) -> list[int]:
+    """Those of the columns behind the nine with which parts are best predicted, each for `ENOUGH` of the error."""
+    sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
+    error = [unseen(beside(a, chosen), b) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
+    return list(sets[int(np.argmin(error))])
+
+
+def least_seen(a: Array, b: Array, chosen: Sequence[int], k: int, h: float) -> float:
+    """Size from which column k behind the nine would be taken beside those chosen: both rules give one, rows `h` apart.
+
+    Of a size x it takes x^2 S of the squared error, S the part of it that no other column holds, which must be `ENOUGH`
+    of what is then left and taken.
+    """
+    columns = beside(a, [*chosen, k])
+    _, error = fitted_with_errors(columns, b, h)
+    flat = columns.reshape(-1, columns.shape[-1])
+    others = flat[:, :-1] / np.maximum(np.linalg.norm(flat[:, :-1], axis=0), np.finfo(float).tiny)
+    own = flat[:, -1] - others @ np.linalg.lstsq(others, flat[:, -1], rcond=1e-6)[0]
+    taken = ENOUGH / (1.0 - ENOUGH) * unseen(beside(a, chosen), b) / float(own @ own)
+    return max(SURE * float(error[-1]), float(np.sqrt(taken)))
