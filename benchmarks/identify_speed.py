@@ -28,9 +28,9 @@ from repro.ownarm.settings import Options
 BETA = np.array([0.13, 0.067, 0.026, 3.4, 1.1, 0.05, 0.02, 0.2, 0.15])
 
 
-def made_up(path: Path) -> Path:
-    """A log of 75 s at 300 Hz with an encoder step of 0.4 mrad and torque noise."""
-    t = np.arange(0.0, 75.0, 1.0 / 300.0)
+def made_up(path: Path, seconds: float = 75.0) -> Path:
+    """A log at 300 Hz with an encoder step of 0.4 mrad and torque noise."""
+    t = np.arange(0.0, seconds, 1.0 / 300.0)
     rng = np.random.default_rng(1)
     q = np.zeros((2, t.size))
     dq, ddq = np.zeros_like(q), np.zeros_like(q)

@@ -80,16 +80,18 @@ def best_set(a: Array, b: Array, able: Sequence[int]) -> list[int]:
     return list(sets[int(np.argmin(error))])
 
 
-def least_seen(a: Array, b: Array, chosen: Sequence[int], k: int, h: float) -> float:
-    """Size from which column k behind the nine would be taken beside those chosen: both rules give one, rows `h` apart.
+def least_seen(a: Array, b: Array, chosen: Sequence[int], able: Sequence[int], h: float) -> list[float]:
+    """Size from which each able column would be taken beside those chosen, by both rules; rows are `h` apart.
 
-    Of a size x it takes x^2 S of the squared error, S the part of it that no other column holds, which must be `ENOUGH`
-    of what is then left and taken.
+    Of a size x a column takes x^2 S of the squared error, S the part of it that no other column holds; that must be
+    `ENOUGH` of what is left with what it takes.
     """
-    columns = beside(a, [*chosen, k])
-    _, error = fitted_with_errors(columns, b, h)
-    flat = columns.reshape(-1, columns.shape[-1])
-    others = flat[:, :-1] / np.maximum(np.linalg.norm(flat[:, :-1], axis=0), np.finfo(float).tiny)
-    own = flat[:, -1] - others @ np.linalg.lstsq(others, flat[:, -1], rcond=1e-6)[0]
-    taken = ENOUGH / (1.0 - ENOUGH) * unseen(beside(a, chosen), b) / float(own @ own)
-    return max(SURE * float(error[-1]), float(np.sqrt(taken)))
+    before, sizes = unseen(beside(a, chosen), b), []
+    for k in able:
+        columns = beside(a, [*chosen, k])
+        _, error = fitted_with_errors(columns, b, h)
+        flat = columns.reshape(-1, columns.shape[-1])
+        alone = flat[:, -1] - flat[:, :-1] @ _fitted(columns[..., :-1], columns[..., -1])
+        takes = ENOUGH / (1.0 - ENOUGH) * before / float(alone @ alone)
+        sizes.append(max(SURE * float(error[-1]), float(np.sqrt(takes))))
+    return sizes

@@ -214,7 +214,7 @@ def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) ->
     own = [FAULTS.index(fault.name) for fault in found]
     able = [k for k in range(len(FAULTS)) if k not in own and np.any(columns[..., k] * r.moving)]
     a, b = rows(r, columns)
-    return {FAULTS[k]: least_seen(a, b, own, k, r.h) for k in able}
+    return dict(zip((FAULTS[k] for k in able), least_seen(a, b, own, able, r.h), strict=True))
 
 
 def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:
