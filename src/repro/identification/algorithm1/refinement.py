@@ -51,10 +51,10 @@ class RefinementSettings:
         reach where the differences do not, such as when a single candidate is left.
     """
 
-    restarts: int = 2000
+    restarts: int = 500
     keep: int = 200
     passes: int = 200
-    read_passes: int = 10
+    read_passes: int = 4
     reach: float = 1.2
     jitter: float = 1e-4
 
