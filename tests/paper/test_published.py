@@ -204,7 +204,7 @@ def test_a_missing_or_empty_file_is_refused_in_one_line(tmp_path, content):
 
 
 #: Scripts that hold results against the paper, or show both.
-COMPARING = {"claims", "verify", "search_metric", "report", "exhibit"}
+COMPARING = {"claims", "verify", "search_metric", "report", "exhibits"}
 
 
 @pytest.mark.slow

@@ -114,10 +114,10 @@ def test_a_second_run_gives_the_same_bytes(original, tmp_path):
 
 @pytest.mark.slow
 def test_a_figure_and_a_table_are_made_whole(original, tmp_path):
-    history = [("history", str(original / "training.csv"))]
-    make_exhibit(EXHIBITS["fig10"], history, [(e, str(tmp_path / f"fig10.{e}")) for e in ("csv", "pdf", "png")], {})
-    scores = [("scores", [str(original / "numeric.csv")])]
-    make_exhibit(EXHIBITS["table06"], scores, [(e, str(tmp_path / f"table06.{e}")) for e in ("csv", "tex", "md")], {})
+    history = {"history": [original / "training.csv"]}
+    make_exhibit(EXHIBITS["fig10"], history, {e: tmp_path / f"fig10.{e}" for e in ("csv", "pdf", "png")}, {})
+    scores = {"scores": [original / "numeric.csv"]}
+    make_exhibit(EXHIBITS["table06"], scores, {e: tmp_path / f"table06.{e}" for e in ("csv", "tex", "md")}, {})
     made = contents(tmp_path)
     assert set(made) == {"fig10.csv", "fig10.pdf", "fig10.png", "table06.csv", "table06.tex", "table06.md"}
     assert made["fig10.pdf"].startswith(b"%PDF")
@@ -259,8 +259,8 @@ def test_a_damaged_identification_is_refused(results, damage):
 
 
 def make_table06(folder):
-    outputs = [(e, str(folder / f"table06.{e}")) for e in ("csv", "tex", "md")]
-    make_exhibit(EXHIBITS["table06"], [("scores", [str(folder / "numeric.csv")])], outputs, {})
+    outputs = {e: folder / f"table06.{e}" for e in ("csv", "tex", "md")}
+    make_exhibit(EXHIBITS["table06"], {"scores": [folder / "numeric.csv"]}, outputs, {})
 
 
 @pytest.mark.parametrize("column", ["time", "frequency", "total"])
@@ -287,8 +287,8 @@ def test_missing_scores_are_refused(results):
 
 
 def make_fig(name, folder, **inputs):
-    outputs = [(e, str(folder / f"{name}.{e}")) for e in ("csv", "pdf", "png")]
-    make_exhibit(EXHIBITS[name], [(key, str(value)) for key, value in inputs.items()], outputs, CONFIG)
+    outputs = {e: folder / f"{name}.{e}" for e in ("csv", "pdf", "png")}
+    make_exhibit(EXHIBITS[name], {key: [value] for key, value in inputs.items()}, outputs, CONFIG)
 
 
 @pytest.mark.parametrize("damage", ["missing", "column"])

@@ -29,7 +29,7 @@ CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="ut
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 #: Rules that only name other rules' files.
-COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage"}
+COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage", *EXHIBITS}
 
 
 def targets(results="results", figures="paper_figures"):
@@ -94,8 +94,9 @@ def test_the_default_target_makes_every_table_and_figure(folder):
     expected.add("results/identification/experiment-least-squares.json")
     assert {name for name in files if "/identification/" in name} == expected
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
-    assert {target for target, exhibit in EXHIBITS.items() if not exhibit.optional} < {*files.values()}
-    assert not {target for target, exhibit in EXHIBITS.items() if exhibit.optional} & {*files.values()}
+    drawn = {file: rule for file, rule in files.items() if rule.startswith("draw_")}
+    assert {Path(file).stem for file in drawn} == {*FIGURES, *TABLES, "audit"}
+    assert len({*drawn.values()}) < len(EXHIBITS) / 2
     ends = ("bin", "program", "json")
     recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ends}
     assert {name for name, rule in files.items() if rule == "acquire"} == recordings
@@ -155,14 +156,14 @@ def test_a_serial_port_is_opened_by_one_job_at_a_time(folder):
     assert re.findall(r"^Execute (\d+) jobs", said, re.MULTILINE) == ["1"]
 
 
-def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
-    code, said = snakemake(folder, "table02")
+def test_a_table_is_made_with_those_of_the_same_files_and_their_log_and_benchmark(folder):
+    code, said = snakemake(folder, "audit")
     assert code == 0, said
     made = {str(p.relative_to(folder)) for p in (folder / "results").rglob("*") if p.is_file()}
-    expected = {f"results/tables/table02.{e}" for e in ("csv", "tex", "md")}
-    expected |= {"results/logs/table02.log", "results/benchmarks/table02.tsv"}
+    expected = {f"results/tables/audit.{e}" for e in ("csv", "tex", "md")}
+    expected |= {"results/logs/draw_paper.log", "results/benchmarks/draw_paper.tsv"}
     assert expected <= made
-    assert not [name for name in made if "/tables/" in name and "table02" not in name]
+    assert not [name for name in made if "/tables/" in name and "audit" not in name]
     record = json.loads((folder / "results/ro-crate-metadata.json").read_text(encoding="utf-8"))
     sums = {entity["name"]: entity["sha256"] for entity in record["@graph"] if "sha256" in entity}
     tables = {name for name in expected if "/tables/" in name}
@@ -270,12 +271,19 @@ def test_every_output_shown_in_the_report_has_a_caption_with_something_in_it(wor
 
 
 def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
-    for target, exhibit in EXHIBITS.items():
-        rule = rules[target]
-        assert {Path(file).stem for file in rule.output} == {exhibit.name}
-        assert captions_of(rule)[0].endswith(f"report/{target}.rst")
-        assert rule.params.exhibit == exhibit
-        assert set(rule.params.config) == {*exhibit.sections}
+    drawing = [rule for name, rule in rules.items() if name.startswith("draw_")]
+    assert sorted(one.target for rule in drawing for one in rule.params.exhibits) == sorted(EXHIBITS)
+    for rule in drawing:
+        exhibits = rule.params.exhibits
+        assert {(one.family, one.inputs) for one in exhibits} == {(exhibits[0].family, exhibits[0].inputs)}
+        assert {name.rpartition("_")[0] for name, _ in rule.output.items()} == {one.target for one in exhibits}
+        assert set(rule.params.config) == {section for one in exhibits for section in one.sections}
+        captions = {Path(caption).stem for caption in captions_of(rule)}
+        assert captions == {one.target for one in exhibits}
+        for one in exhibits:
+            own = [file for name, file in rule.output.items() if name.rpartition("_")[0] == one.target]
+            assert {Path(file).stem for file in own} == {one.name}
+            assert [str(file) for file in rules[one.target].input] == own
 
 
 #: Values of every wildcard, for what depends on one.
@@ -297,9 +305,8 @@ def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regress
     found, exhibits = {}, {}
     for rule in working:
         files = [file for told in rule.input for file in of_a_job(told)]
-        if rule.name in EXHIBITS:
-            exhibits.setdefault(" ".join(EXHIBITS[rule.name].inputs), files)
-            assert exhibits[" ".join(EXHIBITS[rule.name].inputs)] == files
+        if rule.name.startswith("draw_"):
+            exhibits[" ".join(rule.params.exhibits[0].inputs)] = files
             continue
         params = dict(rule.params.items())
         found[rule.name] = {

@@ -1,4 +1,4 @@
-# One rule for each table and figure of the catalogue (src/repro/exhibits/catalogue.py).
+# Tables and figures of the catalogue (src/repro/exhibits/catalogue.py): what they are made from.
 SOURCES = {
     "ID": {"captures": captures(["ID"])},
     "validation": {"captures": captures(VALIDATION)},
@@ -41,28 +41,46 @@ def files_of(exhibit):
     return {"csv": f"{R}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **said)}
 
 
+# One job draws what a family makes of the same files, so that little is started for little.
+TOGETHER = {}
+for exhibit in EXHIBITS:
+    TOGETHER.setdefault((exhibit.family, *exhibit.inputs), []).append(exhibit)
+
+for (family, *sources), exhibits in TOGETHER.items():
+
+    rule:
+        name:
+            "_".join(["draw", family, *sources])
+        input:
+            **{key: files for source in sources for key, files in SOURCES[source].items()},
+        output:
+            **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
+        log:
+            f"{R}/logs/{'_'.join(['draw', family, *sources])}.log",
+        benchmark:
+            f"{R}/benchmarks/{'_'.join(['draw', family, *sources])}.tsv"
+        conda:
+            "../../envs/repro.yaml"
+        resources:
+            mem_mb=1500,
+        params:
+            code=code("exhibits.py", *(f"repro.exhibits.{family}:MADE[{(one.kind, one.name)!r}]" for one in exhibits)),
+            exhibits=exhibits,
+            config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
+        message:
+            ", ".join(f"{one.title} ({one.label})" for one in exhibits)
+        script:
+            "../scripts/exhibits.py"
+
+
+# Each is a target.
 for exhibit in EXHIBITS:
 
     rule:
         name:
             exhibit.target
         input:
-            **{key: files for source in exhibit.inputs for key, files in SOURCES[source].items()},
-        output:
-            **files_of(exhibit),
-        log:
-            f"{R}/logs/{exhibit.target}.log",
-        benchmark:
-            f"{R}/benchmarks/{exhibit.target}.tsv"
-        conda:
-            "../../envs/repro.yaml"
-        resources:
-            mem_mb=1500,
-        params:
-            code=code("exhibit.py", f"repro.exhibits.{exhibit.family}:MADE[{(exhibit.kind, exhibit.name)!r}]"),
-            exhibit=exhibit,
-            config=sections(*exhibit.sections),
+            [str(file) for file in files_of(exhibit).values()],
+        localrule: True
         message:
-            f"{exhibit.title} ({exhibit.label})"
-        script:
-            "../scripts/exhibit.py"
+            f"{exhibit.title} ({exhibit.label}) is up to date"

@@ -1,4 +1,4 @@
-"""Every table and figure, in the order of the paper: one entry makes the rule, the target and the report's section."""
+"""Every table and figure, in the order of the paper: one entry makes the target and the report's section."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,6 +1,6 @@
-"""Makes one exhibit: its numbers, then its layouts or its drawing from them."""
+"""Makes exhibits: their numbers, then their layouts or drawings from them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import Exhibit
-from repro.exhibits.inputs import Family, Made
+from repro.exhibits.inputs import Family, Inputs, Made
 from repro.files import read_csv, write_csv, write_text
 from repro.pipeline.job import Config, Named, paths
 from repro.render import style
@@ -22,11 +22,19 @@ def made_of(exhibit: Exhibit) -> Made:
     return family[exhibit.kind, exhibit.name]
 
 
-def make_exhibit(exhibit: Exhibit, named_inputs: Named, named_outputs: Named, config: Config) -> None:
+def make_exhibits(exhibits: Sequence[Exhibit], named_inputs: Named, named_outputs: Named, config: Config) -> None:
+    """Write exhibits of the same inputs, each to outputs named after its target and kind."""
+    inputs, outputs = paths(named_inputs), paths(named_outputs)
+    for exhibit in exhibits:
+        own = exhibit.target + "_"
+        out = {name.removeprefix(own): files[0] for name, files in outputs.items() if name.startswith(own)}
+        make_exhibit(exhibit, inputs, out, config)
+
+
+def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], config: Config) -> None:
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
-    out = {key: files[0] for key, files in paths(named_outputs).items()}
     made = made_of(exhibit)
-    write_csv(out["csv"], made.numbers(paths(named_inputs), config))
+    write_csv(out["csv"], made.numbers(inputs, config))
     if exhibit.kind == "table":
         lay_out(made.drawing, out["csv"], out["tex"], out["md"])  # type: ignore[arg-type]
     else:

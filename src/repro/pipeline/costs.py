@@ -30,7 +30,8 @@ def cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
     """
     if not target:
         return (math.nan,) * len(COLUMNS)
-    found = needed(jobs, target) if target in jobs and target != LEDGER else {LEDGER: jobs[LEDGER]}
+    makers = [job for job in jobs.values() if target in {job.name, *(path.stem for path in job.outputs)}]
+    found = needed(jobs, makers[0].name) if makers and target != LEDGER else {LEDGER: jobs[LEDGER]}
     wall, cpu, memory = ([job.usage.get(column, 0.0) for job in found.values()] for column in UNITS)
     size = sum(path.stat().st_size for job in found.values() for path in job.outputs)
     return len(found), sum(wall) / 60, sum(cpu) / 60, max(memory), size / 1e6
