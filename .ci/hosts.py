@@ -16,13 +16,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
-#: Tests in which a float has a part, for any processor; those of tampering, under two; and those that a whole emulated
-#: processor can run in a minute.
+#: Tests in which a float has a part.
 PORTABLE = (
     *("compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint", "metric", "ordinary"),
     *("programs", "reference", "spread", "stored_networks", "upgrade"),
 )
+#: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")
+#: What a whole emulated processor can run in a minute.
 FEW = ("compare", "contract", "fingerprint", "upgrade")
 
 

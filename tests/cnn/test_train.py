@@ -105,6 +105,34 @@ def test_seed_decides_the_weights_a_run_starts_from():
         assert (one[name] - two[name]).abs().max() > 0.01
 
 
+def test_layers_2_and_3_of_the_streamed_recipe_begin_by_handing_on_their_maps():
+    one = dict(run(replace(STREAMED, steps=1, learning_rate=1e-12)).network.named_parameters())
+    for name in ("conv2.weight", "conv3.weight"):
+        handed_on = torch.nn.init.dirac_(torch.empty_like(one[name]))
+        torch.testing.assert_close(one[name].detach(), handed_on, rtol=0, atol=1e-6)
+    paper = dict(run(replace(PAPER, steps=1)).network.named_parameters())
+    assert (paper["conv2.weight"] - torch.nn.init.dirac_(torch.empty_like(paper["conv2.weight"]))).abs().max() > 0.1
+
+
+def test_layer_1_of_the_streamed_recipe_learns_in_the_first_half_alone():
+    weights = []
+
+    def keep(*_):
+        weights.append({k: w.detach().clone() for k, w in kept["net"].named_parameters()})
+
+    kept = {}
+    with pytest.MonkeyPatch.context() as patch:
+        make = training.make_optimisers
+        patch.setattr(training, "make_optimisers", lambda net, s: kept.update(net=net) or make(net, s))
+        patch.setattr(training, "evaluate", lambda *_: keep() or 0.0)
+        run(replace(STREAMED, steps=60, log_every=15))
+    for layer, still in (("conv1", True), ("conv2", False), ("fc4", False)):
+        at = [row[f"{layer}.weight"] for row in weights]  # after 15, 30, 45 and 60 steps
+        assert not torch.equal(at[0], at[1])
+        assert torch.equal(at[1], at[2]) == still
+        assert torch.equal(at[2], at[3]) == still
+
+
 def killed(settings, checkpoint):
     """Leave the checkpoint of a run that was killed."""
 
@@ -118,15 +146,17 @@ def killed(settings, checkpoint):
 
 
 @RUNS
-def test_run_killed_between_checkpoints_ends_with_the_same_bits(settings, tmp_path):
+@pytest.mark.parametrize("last", [40, 25], ids=["late", "while layer 1 learns"])
+def test_run_killed_between_checkpoints_ends_with_the_same_bits(settings, last, tmp_path):
     checkpoint = tmp_path / "state.safetensors"
+    settings = replace(settings, checkpoint_every=20 if last == 40 else last)
     killed(settings, checkpoint)
     started = []
     with pytest.MonkeyPatch.context() as patch:
         load = training.load_checkpoint
         patch.setattr(training, "load_checkpoint", lambda *a: started.append(load(*a)) or started[-1])
         resumed = run(settings, checkpoint)
-    assert started[0].step == 40
+    assert started[0].step == last
     whole = run(settings)
     assert_same(whole, resumed)
     assert resumed.seconds >= started[0].seconds > 0

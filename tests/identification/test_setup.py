@@ -122,3 +122,10 @@ def test_a_joint_that_never_moves_has_no_fault_of_its_own():
     still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)
     assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_faults(still, SETTINGS))
     assert {*hidden_faults(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}
+
+
+def test_a_log_that_tells_nothing_of_a_fault_hides_any_size_of_it():
+    swing = noisy(1, log_from(lambda t: tuple(0.02 * x for x in motion(t)), seconds=20.0), size=5.0)
+    hidden = hidden_faults(swing, SETTINGS, ())
+    assert hidden["zero2"] is None
+    assert hidden["scale2"] is None

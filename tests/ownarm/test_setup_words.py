@@ -8,7 +8,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.log import Log
 from repro.logs.reading import _to_eq1
-from repro.ownarm.setup import arm_lines, unseen, words
+from repro.ownarm.setup import arm_lines, not_shown, words
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -55,11 +55,15 @@ def test_a_zero_that_may_be_the_other_joints_is_said_with_both():
     assert "the zero of joint 2 is 5.7 +- 0.23 degrees off (or instead that of joint 1 by -2.9: this log can" in line
 
 
-def test_what_a_log_would_not_show_is_said_in_units_or_as_anything():
-    hidden = {"zero1": np.radians(2.5), "zero2": 0.3, "offset1": 0.035, "scale2": 1.2}
-    assert unseen(hidden) == (
-        "what this log would not show: zero of joint 1 off by up to 2.5 degrees, zero of joint 2 off by anything, "
-        "torque of joint 1 off by up to 0.035 N m, scale of the torque of joint 2 off by up to a factor of 2.2"
+def test_what_a_log_would_not_show_is_said_in_units_or_as_any_size():
+    hidden = {"zero1": np.radians(2.5), "zero2": None, "offset1": 0.035, "scale2": 0.38}
+    said = (
+        "zero of joint 1 up to 2.5 degrees, zero of joint 2 of any size, "
+        "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
     )
-    assert unseen({"scale2": 2.5}).endswith("scale of the torque of joint 2 off by anything")
-    assert unseen({}) == ""
+    assert not_shown([("a.csv", hidden)]) == (f"what this log would not show of a wrong set-up: {said}",)
+    two = not_shown([("a.csv", hidden), ("b.csv", {}), ("c.csv", {"zero1": None})])
+    assert two == (
+        f"what a.csv would not show of a wrong set-up: {said}",
+        "what c.csv would not show of a wrong set-up: zero of joint 1 of any size",
+    )

@@ -55,9 +55,9 @@ class TrainingSettings:
     batch : int
         Images in a step.
     learning_rate : float
-        Peak of the streamed schedule.
+        What the streamed schedule brings down to zero.
     warmup : int
-        Steps over which the streamed schedule rises.
+        Steps over which the streamed schedule rises, or a quarter of all where that is less.
     seed : int
         Seeds weights and samples.
     test_samples : int
@@ -108,9 +108,9 @@ def learning_rate(step: int, s: TrainingSettings) -> float:
     Returns
     -------
     float
-        eta of Section IV-B for the paper's recipe; a short rise and a line to zero for the streamed one.
+        eta of Section IV-B for the paper's recipe; a line to zero after a short rise for the streamed one.
     """
     if s.recipe == "paper":
         return s.paper.learning_rate + s.paper.learning_rate_slope * step
-    rise = min(1.0, (step + 1) / max(s.warmup, 1))
+    rise = min(1.0, (step + 1) / max(min(s.warmup, s.steps // 4), 1))
     return s.learning_rate * rise * (1.0 - step / s.steps)

@@ -17,7 +17,7 @@ from repro.render.markup import Table
 
 
 def made_of(exhibit: Exhibit) -> Made:
-    """How an exhibit is made, from its family. Its rule counts that entry alone; an f-string would count them all."""
+    """How an exhibit is made, from its family. An f-string here would make each rule count them all."""
     family: Family = import_module("repro.exhibits." + exhibit.family).MADE
     return family[exhibit.kind, exhibit.name]
 

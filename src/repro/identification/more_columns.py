@@ -92,6 +92,6 @@ def least_seen(a: Array, b: Array, chosen: Sequence[int], able: Sequence[int], h
         _, error = fitted_with_errors(columns, b, h)
         flat = columns.reshape(-1, columns.shape[-1])
         alone = flat[:, -1] - flat[:, :-1] @ _fitted(columns[..., :-1], columns[..., -1])
-        takes = ENOUGH / (1.0 - ENOUGH) * before / float(alone @ alone)
+        takes = ENOUGH / (1.0 - ENOUGH) * before / max(float(alone @ alone), np.finfo(float).tiny)
         sizes.append(max(SURE * float(error[-1]), float(np.sqrt(takes))))
     return sizes

@@ -192,7 +192,7 @@ def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[s
     return replace(fault, instead=rival.value) if as_likely and _sure(rival) else fault
 
 
-def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) -> dict[str, float]:
+def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) -> dict[str, float | None]:
     """Faults that could be there and not be found, and up to which size.
 
     Parameters
@@ -206,15 +206,19 @@ def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) ->
 
     Returns
     -------
-    dict of str to float
+    dict of str to float or None
         Least size that is found, of each other fault whose joint moves: rad, N m, or the share by which the scale of
-        joint 2 is off.
+        joint 2 is off. None where a fault of any size could be hidden: no zero beyond `FAR`, no scale beyond `LARGE`
+        and no offset beyond the largest torque is taken for one.
     """
     r, columns = _prepared(log, settings)
     own = [FAULTS.index(fault.name) for fault in found]
     able = [k for k in range(len(FAULTS)) if k not in own and np.any(columns[..., k] * r.moving)]
     a, b = rows(r, columns)
-    return dict(zip((FAULTS[k] for k in able), least_seen(a, b, own, able, r.h), strict=True))
+    largest = np.abs(log.tau).max(axis=-1)
+    limit = {"zero1": FAR, "zero2": FAR, "offset1": largest[0], "offset2": largest[1], "scale2": LARGE - 1.0}
+    sizes = zip((FAULTS[k] for k in able), least_seen(a, b, own, able, r.h), strict=True)
+    return {name: size if size < limit[name] else None for name, size in sizes}
 
 
 def columns_of_faults(log: Log, settings: FilterSettings, beta: Array, found: Sequence[Fault]) -> Array:

@@ -16,7 +16,7 @@ from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.setup import friction, unseen
+from repro.ownarm.setup import friction, not_shown
 from repro.render.markup import unit
 from repro.report.embed import Picture, environment, policy
 
@@ -49,7 +49,7 @@ def render_page(
     if len(found) != 1:
         raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
     result = replace(result, methods=(found[0], *(method for method in result.methods if method is not found[0])))
-    style = _style()
+    style, fitted = _style(), (result.log, *result.more_logs)
     return (
         _environment()
         .get_template("page.html")
@@ -60,6 +60,7 @@ def render_page(
             policy=policy(style),
             logs=(result.log, *result.more_logs, *result.validation_logs),
             fitted=1 + len(result.more_logs),
+            not_shown=not_shown([(log.name, hidden) for log, hidden in zip(fitted, result.hidden, strict=False)]),
             facts=_facts((result.log, *result.more_logs, *result.validation_logs)),
             predictions=predictions(found[0]),
             columns=method_columns(result),
@@ -81,7 +82,6 @@ def _environment() -> Environment:
         "symbols": symbols,
         "sentence": sentence,
         "friction": friction,
-        "unseen": unseen,
         "printed": printed,
         "percent": percent,
         "significant": significant,

@@ -66,7 +66,7 @@ class Ready:
         How the cut-off was chosen.
     faults : tuple of Fault
         What the set-up got wrong.
-    hidden : dict of str to float
+    hidden : dict of str to float or None
         What else it could get wrong unseen, and up to which size, see `hidden_faults`.
     terms : tuple of Term
         Friction beyond Eq. 1; that taken is out of the torque of `told`, and projected out of `moving`.
@@ -81,7 +81,7 @@ class Ready:
     settings: FilterSettings
     cutoff: Cutoff
     faults: tuple[Fault, ...] = ()
-    hidden: dict[str, float] = field(default_factory=dict)
+    hidden: dict[str, float | None] = field(default_factory=dict)
     terms: tuple[Term, ...] = ()
     load: Array | None = None
 

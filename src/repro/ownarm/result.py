@@ -197,7 +197,7 @@ class Result:
         Logs that were fitted together with `log`.
     setup : tuple of tuple of Fault
         What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
-    hidden : tuple of dict of str to float
+    hidden : tuple of dict of str to float or None
         What else it could get wrong unseen, and up to which size, see `repro.identification.setup.hidden_faults`, of
         each log as in `setup`.
     friction : tuple of tuple of Term
@@ -218,7 +218,7 @@ class Result:
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
     setup: tuple[tuple[Fault, ...], ...] = ()
-    hidden: tuple[dict[str, float], ...] = ()
+    hidden: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[Term, ...], ...] = ()
     selftest: SelfTest | None = None
 

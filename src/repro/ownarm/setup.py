@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from repro.identification.friction import Term
-from repro.identification.setup import FAR, LARGE, Fault
+from repro.identification.setup import Fault
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 
@@ -69,18 +69,25 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def unseen(hidden: Mapping[str, float]) -> str:
-    """What the set-up could get wrong without its showing in a log; empty if nothing was looked for."""
-    parts = []
-    for name, size in hidden.items():
-        joint = name[-1]
-        what, limit, upto = {
-            "zero": (f"zero of joint {joint}", FAR, f"{_degrees(size)} degrees"),
-            "offset": (f"torque of joint {joint}", np.inf, f"{size:.2g} N m"),
-            "scale": (f"scale of the torque of joint {joint}", LARGE - 1.0, f"a factor of {1.0 + size:.2g}"),
-        }[name[:-1]]
-        parts.append(f"{what} off by {f'up to {upto}' if size < limit else 'anything'}")
-    return f"what this log would not show: {', '.join(parts)}" if parts else ""
+def not_shown(logs: Sequence[tuple[str, Mapping[str, float | None]]]) -> tuple[str, ...]:
+    """What the set-up could get wrong without its showing in each log, given with its name."""
+    lines = []
+    for log, hidden in logs:
+        parts = []
+        for name, size in hidden.items():
+            what = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}[name[:-1]]
+            parts.append(f"{what} of joint {name[-1]} {_up_to(name[:-1], size)}")
+        if parts:
+            where = f"{log} would" if len(logs) > 1 else "this log would"
+            lines.append(f"what {where} not show of a wrong set-up: {', '.join(parts)}")
+    return tuple(lines)
+
+
+def _up_to(kind: str, size: float | None) -> str:
+    if size is None:
+        return "of any size"
+    units = {"zero": f"{_degrees(size)} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.2g} %"}
+    return f"up to {units[kind]}"
 
 
 def _instead(fault: Fault) -> str:

@@ -75,7 +75,7 @@ def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
 
 
 def simulate_spread(config: Config, out: Path) -> None:
-    """Simulate every seed and motion as one batch and keep the counts."""
+    """Simulate every seed and motion as one batch, which shares its substeps, and keep the counts."""
     seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
     desired = {
         f"ID{k}": np.stack([program_from_config(config, "ID", duration=d).q] * len(seeds))
