@@ -86,7 +86,7 @@ def not_shown(logs: Sequence[tuple[str, Mapping[str, float | None]]]) -> tuple[s
 def _up_to(kind: str, size: float | None) -> str:
     if size is None:
         return "of any size"
-    units = {"zero": f"{_degrees(size)} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.2g} %"}
+    units = {"zero": f"{_degrees(size)} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.0f} %"}
     return f"up to {units[kind]}"
 
 
