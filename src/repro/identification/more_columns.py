@@ -40,22 +40,33 @@ def _fitted(a: Array, b: Array) -> Array:
     return solution
 
 
+def _parts(a: Array, b: Array) -> list[Array]:
+    """Rows of each part with the torque as last column, by QR as few as there are columns: all least squares stay."""
+    part = np.arange(b.shape[1]) * PARTS // b.shape[1]
+    both = np.concatenate([a, b[..., np.newaxis]], axis=-1)
+    rows_of = [both[:, part == k].reshape(-1, both.shape[-1]) for k in range(PARTS)]
+    return [np.asarray(np.linalg.qr(own, mode="r")) for own in rows_of]
+
+
+def _left_out(parts: Sequence[Array], columns: Sequence[int]) -> list[Array]:
+    """Least squares of all parts but one."""
+    rest = [np.concatenate([*parts[:k], *parts[k + 1 :]]) for k in range(len(parts))]
+    return [_fitted(r[:, columns], r[:, -1]) for r in rest]
+
+
+def _unseen(parts: Sequence[Array], columns: Sequence[int]) -> float:
+    pairs = zip(parts, _left_out(parts, columns), strict=True)
+    return float(sum(np.sum((r[:, -1] - r[:, columns] @ x) ** 2) for r, x in pairs))
+
+
 def unseen(a: Array, b: Array) -> float:
     """Squared error of parts of the log, each predicted from the rest."""
-    n = b.shape[1]
-    part = np.arange(n) * PARTS // n
-    error = 0.0
-    for k in range(PARTS):
-        there = part == k
-        error += float(np.sum((b[:, there] - a[:, there] @ _fitted(a[:, ~there], b[:, ~there])) ** 2))
-    return error
+    return _unseen(_parts(a, b), range(a.shape[-1]))
 
 
 def _by_parts(a: Array, b: Array) -> Array:
     """Standard errors by leaving out a part of the log at a time."""
-    part = np.arange(b.shape[1]) * PARTS // b.shape[1]
-    found = [_fitted(a[:, part != k], b[:, part != k]) for k in range(PARTS)]
-    error: Array = np.sqrt((PARTS - 1) * np.var(found, axis=0))
+    error: Array = np.sqrt((PARTS - 1) * np.var(_left_out(_parts(a, b), range(a.shape[-1])), axis=0))
     return error
 
 
@@ -76,7 +87,9 @@ def beside(a: Array, chosen: Sequence[int]) -> Array:
 def best_set(a: Array, b: Array, able: Sequence[int]) -> list[int]:
     """Those of the columns behind the nine with which parts are best predicted, each for `ENOUGH` of the error."""
     sets = [chosen for size in range(len(able) + 1) for chosen in combinations(able, size)]
-    error = [unseen(beside(a, chosen), b) * (1.0 - ENOUGH) ** -len(chosen) for chosen in sets]
+    parts, nine = _parts(a, b), range(len(NAMES))
+    behind = [[*nine, *(len(NAMES) + k for k in chosen)] for chosen in sets]
+    error = [_unseen(parts, columns) * (1.0 - ENOUGH) ** -(len(columns) - len(NAMES)) for columns in behind]
     return list(sets[int(np.argmin(error))])
 
 
