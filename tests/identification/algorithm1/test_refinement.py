@@ -138,7 +138,8 @@ def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_
     truth_reader, wrong_reader = Reader(1.0), Reader(move=lambda guess: np.full_like(guess, 2.9))
     found = refined(truth_reader, near(5, size=0.9), restarts=0, passes=1, keep=1)
     assert similarity(found)[0] >= similarity(TRUTH[None])[0] - 1e-12
-    wrong, control = (refined(wrong_reader, near(5), restarts=0, passes=5, keep=9, feed_back=f) for f in (True, False))
+    budget = {"restarts": 0, "passes": 5, "read_passes": 5, "keep": 9}
+    wrong, control = (refined(wrong_reader, near(5), feed_back=f, **budget) for f in (True, False))
     assert not (wrong == 2.9).any()
     # Readings that are never among the best leave no trace: guesses come from the same numbers.
     np.testing.assert_array_equal(wrong, control)
