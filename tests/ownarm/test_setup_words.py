@@ -1,5 +1,7 @@
 """What is said of a fault of the set-up, and that the lines for the arm file put the log right."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import yaml
@@ -61,9 +63,11 @@ def test_what_a_log_would_not_show_is_said_in_units_or_as_any_size():
         "zero of joint 1 up to 2.5 degrees, zero of joint 2 of any size, "
         "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
     )
-    assert not_shown([("a.csv", hidden)]) == (f"what this log would not show of a wrong set-up: {said}",)
-    two = not_shown([("a.csv", hidden), ("b.csv", {}), ("c.csv", {"zero1": None})])
-    assert two == (
+    first, *more = (SimpleNamespace(name=name) for name in ("a.csv", "b.csv", "c.csv"))
+    alone = not_shown(SimpleNamespace(log=first, more_logs=(), hidden=(hidden,)))
+    assert alone == (f"what this log would not show of a wrong set-up: {said}",)
+    three = not_shown(SimpleNamespace(log=first, more_logs=more, hidden=(hidden, {}, {"zero1": None})))
+    assert three == (
         f"what a.csv would not show of a wrong set-up: {said}",
         "what c.csv would not show of a wrong set-up: zero of joint 1 of any size",
     )

@@ -230,8 +230,7 @@ def summary(result: "Result") -> str:
     for p in best.parameters:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
     lines += [f"  {friction(term)}" for terms in result.friction for term in terms if term.taken]
-    fitted = (result.log, *result.more_logs)
-    lines += [f"  {line}" for line in not_shown([(x.name, y) for x, y in zip(fitted, result.hidden, strict=False)])]
+    lines += [f"  {line}" for line in not_shown(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
         parts = [("fit", m.fit), *((_left_out(s), s) for s in m.halves), *((s.log, s) for s in m.validation)]

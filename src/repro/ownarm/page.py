@@ -49,7 +49,7 @@ def render_page(
     if len(found) != 1:
         raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
     result = replace(result, methods=(found[0], *(method for method in result.methods if method is not found[0])))
-    style, fitted = _style(), (result.log, *result.more_logs)
+    style = _style()
     return (
         _environment()
         .get_template("page.html")
@@ -60,7 +60,7 @@ def render_page(
             policy=policy(style),
             logs=(result.log, *result.more_logs, *result.validation_logs),
             fitted=1 + len(result.more_logs),
-            not_shown=not_shown([(log.name, hidden) for log, hidden in zip(fitted, result.hidden, strict=False)]),
+            not_shown=not_shown(result),
             facts=_facts((result.log, *result.more_logs, *result.validation_logs)),
             predictions=predictions(found[0]),
             columns=method_columns(result),

@@ -1,6 +1,6 @@
 """What the set-up gets wrong, in words and as lines of the arm file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from repro.identification.friction import Term
 from repro.identification.setup import Fault
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
+from repro.ownarm.result import Result
 
 
 def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
@@ -69,16 +70,16 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def not_shown(logs: Sequence[tuple[str, Mapping[str, float | None]]]) -> tuple[str, ...]:
-    """What the set-up could get wrong without its showing in each log, given with its name."""
+def not_shown(result: Result) -> tuple[str, ...]:
+    """What the set-up could get wrong without its showing, a line for each log that was fitted."""
     lines = []
-    for log, hidden in logs:
+    for log, hidden in zip((result.log, *result.more_logs), result.hidden, strict=False):
         parts = []
         for name, size in hidden.items():
             what = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}[name[:-1]]
             parts.append(f"{what} of joint {name[-1]} {_up_to(name[:-1], size)}")
         if parts:
-            where = f"{log} would" if len(logs) > 1 else "this log would"
+            where = f"{log.name} would" if result.more_logs else "this log would"
             lines.append(f"what {where} not show of a wrong set-up: {', '.join(parts)}")
     return tuple(lines)
 
