@@ -72,7 +72,7 @@ def training(steps: int) -> None:
 
 
 GROWTH: dict[str, tuple[tuple[int, ...], Callable[[int], None]]] = {
-    "arms, one search each": ((1, 2, 4), lambda n: searches(n, 1)),
+    "recordings, a search each": ((1, 2, 4), lambda n: searches(n, 1)),
     "seeds of the search": ((1, 2, 4), lambda n: searches(1, n)),
     "specimens simulated": ((6, 24, 96), specimens),
     "length of a log, s": ((20, 40, 80), log),
