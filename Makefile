@@ -7,7 +7,8 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
-LOCK_OPTIONS := --no-deps --require-hashes
+# Python compiles what it imports; compiling all of it first takes a third of the set-up.
+LOCK_OPTIONS := --no-deps --no-compile --require-hashes
 # Jobs of the workflow find the environment's programs first.
 SNAKEMAKE = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake
 

@@ -51,6 +51,11 @@ def test_network_comes_back_as_it_was(weights):
     assert torch.equal(saved(u, v), loaded(u, v))
 
 
+@pytest.mark.parametrize("precision", ["float32", "bfloat16"])
+def test_network_reads_in_the_arithmetic_asked_for(weights, precision):
+    assert load_network(weights, literal.SMALL, precision=precision).dtype == getattr(torch, precision)
+
+
 def test_a_network_that_says_it_is_another_is_refused(weights):
     assert load_network(weights, literal.SMALL, "published")
     with pytest.raises(InputError, match=r"cnn\.safetensors: header: found published, expected tracked"):

@@ -12,7 +12,7 @@ import torch
 
 from repro.cnn import train as training
 from repro.cnn.dataset import DataSettings, Samples, SignalSettings, draw_samples, sample_motion
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.factored import FactoredCNN, on_this_processor
 from repro.cnn.image import assemble
 from repro.cnn.network import sigmoid_loss
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
@@ -319,7 +319,7 @@ def test_progress_is_reported_and_the_network_is_ready_for_use():
     trained = run(BFLOAT16, report=lambda *row: seen.append(row))
     assert [(done, total) for done, total, _ in seen] == [(50, 60), (60, 60)]
     assert all(0 < loss < 1 for _, _, loss in seen)
-    assert trained.network.dtype == torch.float32
+    assert trained.network.dtype == torch.bfloat16
     assert trained.history.shape == (4, 4)
 
 
@@ -340,13 +340,13 @@ def test_fixed_sets_that_cannot_be_split_are_refused(wrong):
 def test_without_bfloat16_or_onednn_training_is_in_single_precision(monkeypatch, flags, onednn):
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: flags)
     monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: onednn)
-    assert training.on_this_processor(replace(STREAMED, precision="auto")).precision == "float32"
-    assert training.on_this_processor(replace(STREAMED, precision="bfloat16")).precision == "bfloat16"
+    assert on_this_processor("auto") == "float32"
+    assert on_this_processor("bfloat16") == "bfloat16"
 
 
 def test_a_limit_set_for_onednn_is_respected():
-    code = "from repro.cnn.train import on_this_processor as f; from repro.cnn.schedule import TrainingSettings as T"
+    code = "from repro.cnn.factored import on_this_processor; print(on_this_processor('auto'))"
     limited = {**os.environ, "ONEDNN_MAX_CPU_ISA": "AVX2"}
-    command = [sys.executable, "-c", f"{code}; print(f(T()).precision)"]
+    command = [sys.executable, "-c", code]
     run = subprocess.run(command, env=limited, capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "float32"

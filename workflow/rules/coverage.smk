@@ -21,7 +21,7 @@ rule check_coverage:
         code=code("check_coverage.py"),
         trained_as=configuration_digest(of_network(config, "tracked")),
         config=sections(
-            *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
+            *("signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric"),
             *("algorithm1", "refinement", "coverage"),
             of=of_network(config, "tracked"),
         ),

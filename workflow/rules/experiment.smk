@@ -55,7 +55,7 @@ rule identify_experiment:
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
         config=network_sections(
-            "signals", "arm", "board", "experiment", "network", "data", "image", "metric", "algorithm1", "refinement"
+            "signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric", "algorithm1", "refinement"
         ),
     message:
         "Identifying the arm, network{wildcards.suffix}"
@@ -155,6 +155,7 @@ rule score_spread:
             "network",
             "data",
             "image",
+            "training",
             "metric",
             "algorithm1",
             "refinement",

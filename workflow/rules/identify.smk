@@ -20,7 +20,7 @@ rule identify_numeric:
         code=code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
         trained_as=trained_as,
-        config=network_sections("signals", "network", "data", "image", "metric", "algorithm1", "refinement", "numeric"),
+        config=network_sections("signals", "network", "data", "image", "training", "metric", "algorithm1", "refinement", "numeric"),
     message:
         "Identifying N1 to N4, network{wildcards.suffix}"
     script:

@@ -17,7 +17,7 @@ rule explain:
         code=code("explain.py"),
         trained_as=trained_as,
         config=network_sections(
-            *("signals", "arm", "board", "experiment", "network", "data", "image", "metric"),
+            *("signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric"),
             *("algorithm1", "refinement", "why"),
         ),
     message:

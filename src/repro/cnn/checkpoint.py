@@ -11,7 +11,8 @@ from safetensors.torch import save_file
 from torch import Tensor, nn
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.factored import FactoredCNN, on_this_processor
+from repro.cnn.schedule import Precision
 from repro.cnn.weights import read_weights
 from repro.errors import InputError
 from repro.files import write_whole
@@ -68,7 +69,9 @@ def _read(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
         raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
 
 
-def load_network(path: Path, settings: NetworkSettings, said: str | None = None) -> FactoredCNN:
+def load_network(
+    path: Path, settings: NetworkSettings, said: str | None = None, precision: Precision = "float32"
+) -> FactoredCNN:
     """Read the weights into a network for inference.
 
     Parameters
@@ -79,11 +82,13 @@ def load_network(path: Path, settings: NetworkSettings, said: str | None = None)
         Sizes.
     said : str, optional
         The fact that the file's header must hold.
+    precision : {"auto", "float32", "bfloat16"}
+        Arithmetic to read images in, as for training.
 
     Returns
     -------
     FactoredCNN
-        In single precision, without gradients.
+        Without gradients.
 
     Raises
     ------
@@ -91,7 +96,7 @@ def load_network(path: Path, settings: NetworkSettings, said: str | None = None)
         If the file is missing, damaged, another network's, or holds other sizes.
     """
     weights = read_weights(path, settings, said)
-    network = FactoredCNN(settings)
+    network = FactoredCNN(settings, on_this_processor(precision))
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)
 

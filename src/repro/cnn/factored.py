@@ -17,11 +17,27 @@ from torch import Tensor, nn
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.network import SignalCNN
+from repro.cnn.schedule import Precision
 
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
 
 #: Images at a time in layer 1 of `FactoredCNN.forward_shared`: two blocks of their maps fit into a core's cache.
-PIECE = 8
+PIECE = 16
+
+
+def on_this_processor(precision: Precision) -> Precision:
+    """Arithmetic that `precision` means here: auto is bfloat16 where the processor has its products, else float32.
+
+    Emulated, bfloat16 is several times slower than float32.
+    """
+    if precision != "auto":
+        return precision
+    able = torch.cpu.get_capabilities()
+    has_bfloat16 = any(able.get(name) for name in ("avx512_bf16", "amx_bf16", "bf16"))
+    # A build without oneDNN only emulates bfloat16, and oneDNN may have been told (ONEDNN_MAX_CPU_ISA) to do so.
+    has_onednn = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
+    has_bfloat16 = has_bfloat16 and has_onednn and torch.ops.mkldnn._is_mkldnn_bf16_supported()
+    return "bfloat16" if has_bfloat16 else "float32"
 
 
 def _windows(x: Tensor, kernel: int) -> Tensor:

@@ -1,13 +1,15 @@
 """Training of one network of the workflow: its weights, its history and its model card."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
 from repro.cnn.checkpoint import save_network
+from repro.cnn.factored import on_this_processor
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.cnn.train import on_this_processor, train
+from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.pipeline.description import model_card
 from repro.pipeline.job import Config
@@ -26,7 +28,7 @@ def train_network(
         take_stored(name, out, config)
         return
     network, data, training = network_settings(config), data_settings(config), training_settings(config)
-    training = on_this_processor(training)
+    training = replace(training, precision=on_this_processor(training.precision))
     progress = Progress(f"training, {name}")
     trained = train(
         training_motion(config, Path(motions) if motions else None),

@@ -148,7 +148,7 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
     kept, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
     if kept.exists():
         try:
-            return load_network(kept, s.network)
+            return load_network(kept, s.network, precision=s.training.precision)
         except InputError:
             kept.unlink()  # a damaged file of our own cache: it is made again
     s.cache.mkdir(parents=True, exist_ok=True)
