@@ -8,6 +8,7 @@ from regression_example import log_from
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.setup import FAULTS, corrected, find_faults, hidden_faults
 from repro.identification.solve import solve
+from repro.identification.standstill import without_standstill
 from repro.logs.log import Log
 
 SETTINGS = FilterSettings()
@@ -90,6 +91,20 @@ def test_a_fault_is_found_from_the_size_that_is_said(name):
 
     assert found(0.5) == []
     assert found(1.5) == [name]
+
+
+def test_a_scale_that_a_log_does_not_show_of_itself_shows_beside_another():
+    log = noisy(1, log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0), size=0.1)
+    others = [without_standstill(prepare(noisy(2), SETTINGS))]
+    alone, beside = hidden_faults(log, SETTINGS, ()), hidden_faults(log, SETTINGS, (), others)
+    assert all(beside[name] < alone[name] for name in FAULTS)
+    assert beside["scale2"] < 0.5 * alone["scale2"]
+    scale = 1.0 + 1.5 * beside["scale2"]
+    wrong = spoilt(log, scale2=scale)
+    assert find_faults(wrong, SETTINGS) == ()
+    (fault,) = find_faults(wrong, SETTINGS, others)
+    assert fault.name == "scale2"
+    assert abs(fault.value - scale) < 4 * fault.error
 
 
 def test_what_is_put_right_is_not_among_what_may_be_hidden():

@@ -47,6 +47,18 @@ def test_each_log_has_its_own_delay_and_faults(two):
     assert [len(faults) for faults in result.setup] == [0, 1]
 
 
+@pytest.mark.slow
+def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
+    wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
+    noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
+    wrong = Log("slow.csv", wrong.t, wrong.q, (wrong.tau + noise) * np.array([[1.0], [1.12]]))
+    slow = Told(wrong, Description("slow.csv", ()))
+    assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
+    first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
+    assert {fault.name: pytest.approx(fault.value, abs=0.05) for fault in first.faults} == {"scale2": 1.12}
+    assert not second.faults
+
+
 def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
     _, result = two
     assert [log.name for log in (result.log, *result.more_logs)] == ["a.csv", "b.csv"]

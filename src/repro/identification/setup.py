@@ -11,7 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from repro.identification.alternatives import bias, columns_of, zero_position
-from repro.identification.more_columns import ENOUGH, SURE, best_set, fitted_with_errors, least_seen, rows
+from repro.identification.more_columns import (
+    ENOUGH,
+    SURE,
+    best_set,
+    fitted_with_errors,
+    least_seen,
+    nine_of,
+    reduced,
+    rows,
+)
 from repro.identification.parallel import FilterSettings, prepare
 from repro.identification.regression import Regression
 from repro.identification.solve import solve
@@ -98,9 +107,13 @@ def _columns(log: Log, settings: FilterSettings, beta: Array) -> Array:
     return columns_of(made, log, settings, beta)
 
 
-def _relative(regression: Regression) -> float:
-    """Relative RMS error of least squares, mean of the joints that have torque."""
-    left = np.linalg.norm(regression.tau - regression.y @ solve(regression.y, regression.tau), axis=-1)
+def _relative(regression: Regression, others: Array) -> float:
+    """Relative RMS error of least squares of a log and others, mean of its joints that have torque."""
+    beta = solve(regression.y, regression.tau)
+    if len(others):
+        both = np.concatenate([reduced(*rows(regression, np.empty((*regression.tau.shape, 0)))), others])
+        beta = solve(both[np.newaxis, :, :-1], both[np.newaxis, :, -1])
+    left = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
     whole = np.linalg.norm(regression.tau, axis=-1)
     return float(np.mean((left / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
 
@@ -111,7 +124,7 @@ def _prepared(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     return r, _columns(log, settings, solve(r.y, r.tau))
 
 
-def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+def _settle(log: Log, settings: FilterSettings, names: Sequence[str], others: Array) -> dict[str, tuple[float, float]]:
     """Values of these faults with their standard errors, by Gauss-Newton."""
     found = {name: 1.0 if name == "scale2" else 0.0 for name in names}
     chosen = [FAULTS.index(name) for name in names]
@@ -119,7 +132,7 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
     for _ in range(ITERATIONS):
         r, columns = _prepared(corrected(log, found), settings)
         a, b = rows(r, columns[..., chosen])
-        steps, spread = (x[len(NAMES) :] for x in fitted_with_errors(a, b, r.h))
+        steps, spread = (x[len(NAMES) :] for x in fitted_with_errors(a, b, r.h, others))
         for name, step, error in zip(names, steps, spread, strict=True):
             size = found[name] if name == "scale2" else 1.0
             longest = STEP.get(name[:-1], np.inf)
@@ -130,7 +143,7 @@ def _settle(log: Log, settings: FilterSettings, names: Sequence[str]) -> dict[st
     return {name: (found[name], errors[name]) for name in names}
 
 
-def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
+def find_faults(log: Log, settings: FilterSettings, others: Sequence[Regression] = ()) -> tuple[Fault, ...]:
     """Faults of the set-up that a log asks for.
 
     Parameters
@@ -139,6 +152,8 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
         Uniformly sampled.
     settings : FilterSettings
         Filter, delay and lambda.
+    others : sequence of Regression
+        Other logs of the arm, without a fault or put right: what the nine are there they are here.
 
     Returns
     -------
@@ -146,14 +161,14 @@ def find_faults(log: Log, settings: FilterSettings) -> tuple[Fault, ...]:
         In the order of `FAULTS`; empty for a log without fault.
     """
     r, columns = _prepared(log, settings)
-    able = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)]
-    names = [FAULTS[k] for k in best_set(*rows(r, columns), able)]
+    able, nine = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)], nine_of(others)
+    names = [FAULTS[k] for k in best_set(*rows(r, columns), able, nine)]
     while names:
-        values = _settle(log, settings, names)
-        found = [_judged(log, settings, values, name) for name in names]
+        values = _settle(log, settings, names, nine)
+        found = [_judged(log, settings, values, name, nine) for name in names]
         wrong = [fault for fault in found if not _sure(fault)]
         if not wrong:
-            return tuple(_doubted(log, settings, fault, names) for fault in found)
+            return tuple(_doubted(log, settings, fault, names, nine) for fault in found)
         # Gauss-Newton may end far away because of one that is not there: without it the others settle.
         least = min(wrong, key=lambda fault: fault.before - fault.after)
         names = [name for name in names if name != least.name]
@@ -170,29 +185,33 @@ def _sure(fault: Fault) -> bool:
     return away > SURE * fault.error and near and fault.after < fault.before
 
 
-def _judged(log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str) -> Fault:
+def _judged(
+    log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str, others: Array
+) -> Fault:
     """A fault with the errors that all faults put right leave, and all but this one."""
 
     def left(right: Mapping[str, float]) -> float:
-        return _relative(without_standstill(prepare(corrected(log, right), settings)))
+        return _relative(without_standstill(prepare(corrected(log, right), settings)), others)
 
     right = {other: value for other, (value, _) in values.items()}
     without_it = {other: value for other, value in right.items() if other != name}
     return Fault(name, *values[name], left(without_it), left(right))
 
 
-def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[str]) -> Fault:
+def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[str], others: Array) -> Fault:
     """A zero with what the other joint's would be, if with that the log is explained nearly as well."""
     other = {"zero1": "zero2", "zero2": "zero1"}.get(fault.name)
     if other is None or other in names:
         return fault
     exchanged = [other if name == fault.name else name for name in names]
-    rival = _judged(log, settings, _settle(log, settings, exchanged), other)
+    rival = _judged(log, settings, _settle(log, settings, exchanged, others), other, others)
     as_likely = (1.0 - ENOUGH) * rival.after**2 < fault.after**2
     return replace(fault, instead=rival.value) if as_likely and _sure(rival) else fault
 
 
-def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) -> dict[str, float | None]:
+def hidden_faults(
+    log: Log, settings: FilterSettings, found: Sequence[Fault], others: Sequence[Regression] = ()
+) -> dict[str, float | None]:
     """Faults that could be there and not be found, and up to which size.
 
     Parameters
@@ -203,6 +222,8 @@ def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) ->
         Filter, delay and lambda.
     found : sequence of Fault
         Faults that are put right.
+    others : sequence of Regression
+        As for `find_faults`.
 
     Returns
     -------
@@ -217,7 +238,7 @@ def hidden_faults(log: Log, settings: FilterSettings, found: Sequence[Fault]) ->
     a, b = rows(r, columns)
     largest = np.abs(log.tau).max(axis=-1)
     limit = {"zero1": FAR, "zero2": FAR, "offset1": largest[0], "offset2": largest[1], "scale2": LARGE - 1.0}
-    sizes = zip((FAULTS[k] for k in able), least_seen(a, b, own, able, r.h), strict=True)
+    sizes = zip((FAULTS[k] for k in able), least_seen(a, b, own, able, r.h, nine_of(others)), strict=True)
     return {name: size if size < limit[name] else None for name, size in sizes}
 
 

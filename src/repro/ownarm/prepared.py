@@ -165,16 +165,19 @@ def _choose(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutof
     return replace(settings, delay=delay), chosen, late
 
 
-def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
-    """Put right what the set-up gets wrong in a log, choose what is not given, and filter it."""
+def make_ready(told: Told, arm: Arm, options: Options, others: Sequence[Regression] = ()) -> Ready:
+    """Put right what the set-up gets wrong in a log, choose what is not given, and filter it.
+
+    Other logs of the arm tell what is wrong with one that tells it not of itself.
+    """
     settings, chosen, late = _choose(told.log, arm, options)
-    faults = find_faults(told.log, settings)
+    faults = find_faults(told.log, settings, others)
     if faults:  # the delay is found better on a log that is put right, and faults with the right delay
         settings, _, _ = _choose(corrected(told.log, values_of(faults)), arm, options)
-        faults = find_faults(told.log, settings)
+        faults = find_faults(told.log, settings, others)
         told = replace(told, log=corrected(told.log, values_of(faults)))
         settings, chosen, late = _choose(told.log, arm, options)
-    hidden = hidden_faults(told.log, settings, faults)
+    hidden = hidden_faults(told.log, settings, faults, others)
     regression = without_rest(prepare(told.log, settings))
     moving = without_standstill(regression)
     terms, load = find_terms(told.log, settings, options.friction), solve(moving.y, moving.tau)
@@ -188,6 +191,16 @@ def make_ready(told: Told, arm: Arm, options: Options) -> Ready:
         columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Alternative((without(moving, columns),))
     return Ready(told, regression, moving, as_good, settings, chosen, faults, hidden, terms, load)
+
+
+def _all_ready(logs: Sequence[Told], arm: Arm, options: Options) -> tuple[Ready, ...]:
+    """Each log by itself; one that shows no fault then once more beside the others."""
+    ready = [make_ready(told, arm, options) for told in logs]
+    for k, told in enumerate(logs):
+        others = [log.moving for log in ready if log is not ready[k]]
+        if others and not ready[k].faults and find_faults(told.log, ready[k].settings, others):
+            ready[k] = make_ready(told, arm, options, others)
+    return tuple(ready)
 
 
 def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]:
@@ -213,7 +226,7 @@ def make_problem(
     fitted: Told, others: tuple[Told, ...], arm: Arm, options: Options, more: tuple[Told, ...] = ()
 ) -> Problem:
     """Make the logs to fit ready, each for itself, and filter the others as the first."""
-    logs = tuple(make_ready(told, arm, options) for told in (fitted, *more))
+    logs = _all_ready((fitted, *more), arm, options)
     first = logs[0]
     others = tuple(replace(told, log=_as_first(told.log, first)) for told in others)
     for told in others:

@@ -11,9 +11,7 @@ from repro.settings import data_settings, network_settings, refinement_settings,
 
 def algorithm1_of(variant: str, weights: str, config: Config, said: str) -> Algorithm1:
     """A trained network, whose weights must say `said` of themselves, with the settings of its configuration."""
-    network = load_network(
-        Path(weights), network_settings(config), said, training_settings(config).precision
-    )
+    network = load_network(Path(weights), network_settings(config), said, training_settings(config).precision)
     image, search = data_settings(config).image, search_settings(config)
     return Algorithm1(variant, network, image, search, refinement_settings(config))
 
