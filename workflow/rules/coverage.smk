@@ -12,6 +12,8 @@ rule check_coverage:
         f"{R}/logs/check_coverage.log",
     benchmark:
         f"{R}/benchmarks/check_coverage.tsv"
+    # Long: before the short ones, so that no core is idle at the end.
+    priority: 5
     conda:
         "../../envs/repro.yaml"
     resources:

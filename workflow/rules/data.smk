@@ -27,6 +27,8 @@ rule mean_torque:
         f"{R}/logs/mean_torque.log",
     benchmark:
         f"{R}/benchmarks/mean_torque.tsv"
+    # Every identification waits for it.
+    priority: 20
     conda:
         "../../envs/repro.yaml"
     resources:

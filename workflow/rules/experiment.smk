@@ -15,6 +15,8 @@ rule acquire:
         f"{R}/logs/acquire-{{motion}}.log",
     benchmark:
         f"{R}/benchmarks/acquire-{{motion}}.tsv"
+    # What identifies the arm waits for it.
+    priority: 20
     # A port hangs on the computer where the run is started.
     localrule: True
     conda:
@@ -46,6 +48,8 @@ rule identify_experiment:
         f"{R}/logs/identify_experiment{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/identify_experiment{{suffix}}.tsv"
+    # Long: before the short ones, so that no core is idle at the end.
+    priority: 5
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -55,7 +59,17 @@ rule identify_experiment:
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
         config=network_sections(
-            "signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric", "algorithm1", "refinement"
+            "signals",
+            "arm",
+            "board",
+            "experiment",
+            "network",
+            "data",
+            "image",
+            "training",
+            "metric",
+            "algorithm1",
+            "refinement",
         ),
     message:
         "Identifying the arm, network{wildcards.suffix}"
@@ -115,6 +129,8 @@ rule simulate_spread:
         f"{R}/logs/simulate_spread.log",
     benchmark:
         f"{R}/benchmarks/simulate_spread.tsv"
+    # Long: before the short ones, so that no core is idle at the end.
+    priority: 5
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -139,6 +155,8 @@ rule score_spread:
         f"{R}/logs/score_spread-{{index}}.log",
     benchmark:
         f"{R}/benchmarks/score_spread-{{index}}.tsv"
+    # Long: before the short ones, so that no core is idle at the end.
+    priority: 5
     conda:
         "../../envs/repro.yaml"
     resources:

@@ -8,6 +8,8 @@ rule explain:
         f"{R}/logs/explain{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/explain{{suffix}}.tsv"
+    # Long: before the short ones, so that no core is idle at the end.
+    priority: 5
     conda:
         "../../envs/repro.yaml"
     resources:
