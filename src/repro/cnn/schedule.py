@@ -76,7 +76,7 @@ class TrainingSettings:
     learning_rate: float = 5e-3
     warmup: int = 400
     seed: int = 1
-    test_samples: int = 4096
+    test_samples: int = 1024
     log_every: int = 500
     checkpoint_every: int = 500
     precision: Precision = "auto"
