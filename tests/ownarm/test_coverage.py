@@ -61,23 +61,21 @@ def intervals(method, problem, only=None):
     return first.beta, spread.low, spread.high
 
 
-def covered(method, arms, problems):
+def covered(arms, found):
     """Share of the intervals that hold the truth, of parameters that are not held at zero."""
-    inside = []
-    for true, problem in zip(arms, problems, strict=True):
-        beta, low, high = intervals(method, problem)
-        inside.append(((low <= true) & (true <= high))[beta != 0.0])
-    return np.mean(np.concatenate(inside))
+    pairs = zip(arms, found, strict=True)
+    return np.mean(np.concatenate([((low <= true) & (true <= high))[beta != 0.0] for true, (beta, low, high) in pairs]))
 
 
 @pytest.mark.parametrize("name", CLAIMING)
 def test_intervals_hold_the_truth_where_eq_1_is_right(clean, name):
     """And are at most half as wide again as what noise and the choice of the filters alone would make them."""
     arms, problems = clean
-    assert covered(METHODS[name], arms, problems) >= 0.90
+    found = [intervals(METHODS[name], problem) for problem in problems]
+    assert covered(arms, found) >= 0.90
     widths = []
-    for problem in problems[:10]:  # the slow trajectory does not tell friction apart, and should say so
-        _, low, high = intervals(METHODS[name], problem)
+    # The slow trajectory does not tell friction apart, and should say so.
+    for problem, (_, low, high) in zip(problems[:10], found[:10], strict=True):
         _, lowest, highest = intervals(METHODS[name], problem, ("filters",))
         widths.append((high - low)[:5] / np.maximum((highest - lowest)[:5], 1e-12))
     assert np.median(widths) < 1.5
@@ -85,7 +83,8 @@ def test_intervals_hold_the_truth_where_eq_1_is_right(clean, name):
 
 @pytest.mark.parametrize("name", CLAIMING)
 def test_intervals_hold_the_truth_in_90_to_99_percent_where_eq_1_and_the_set_up_are_wrong(real, name):
-    share = covered(METHODS[name], *real)
+    arms, problems = real
+    share = covered(arms, [intervals(METHODS[name], problem) for problem in problems])
     # What shrinks viscous friction on purpose has it wrong on purpose.
     least = 0.85 if name == "parsimonious" else 0.90
     assert least <= share <= 0.99, f"{name}: {100 * share:.1f} %"
