@@ -10,7 +10,7 @@ from strategies import seeds
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.factored import PIECE, FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import SignalCNN, sigmoid_loss
 from repro.signals.trajectories import identification_trajectory
@@ -137,6 +137,14 @@ def test_shared_torque_gives_what_single_images_give(sizes, precision, tolerance
         found = factored.forward_shared(u, v[0])
     assert found.shape == (3, 9)
     assert (found - expected).abs().max() <= tolerance * expected.abs().max()
+
+
+def test_a_first_layer_that_learns_no_more_gives_the_same_piece_by_piece():
+    _, factored = pair(literal.SMALL, "float64")
+    u, v = factors(0, 2 * PIECE + 3, literal.SMALL.image_size, torch.float64)
+    whole = factored(u, v)
+    factored.conv1.requires_grad_(False)
+    torch.testing.assert_close(factored(u, v), whole, rtol=1e-12, atol=0.0)
 
 
 @pytest.mark.parametrize("tied", ["conv1", "conv2"])

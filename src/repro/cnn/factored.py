@@ -21,7 +21,7 @@ from repro.cnn.schedule import Precision
 
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
 
-#: Images at a time in layer 1 of `FactoredCNN.forward_shared`: two blocks of their maps fit into a core's cache.
+#: Images at a time in layer 1 where it needs no gradient: what lies between product and pool fits into a cache.
 PIECE = 16
 
 
@@ -156,8 +156,11 @@ class FactoredCNN(SignalCNN):
             Residuals in units of the largest torque.
         """
         weight, bias = self._cast(self.conv1)
-        x: Tensor = _FirstLayer.apply(u.to(self.dtype), v.to(self.dtype), weight, bias)  # type: ignore[no-untyped-call]
-        return self.tail(x)  # (n, 10, 46, 46)
+        u, v = u.to(self.dtype), v.to(self.dtype)
+        piece = len(u) if self.conv1.weight.requires_grad else PIECE
+        pieces = zip(torch.split(u, piece), torch.split(v, piece), strict=True)
+        maps = [_FirstLayer.apply(*both, weight, bias) for both in pieces]  # type: ignore[no-untyped-call]
+        return self.tail(maps[0] if len(maps) == 1 else torch.cat(maps))  # (n, 10, 46, 46)
 
     def forward_shared(self, u: Tensor, v: Tensor) -> Tensor:
         """Residuals for many guesses at one torque, whose images share `v`: no gradients.
