@@ -92,7 +92,7 @@ def test_nothing_is_cut_off_on_paper(page):
 
 
 @pytest.mark.skipif(not find_axe(), reason="no axe-core (pip: axe-core-python; or AXE_CORE=axe.min.js)")
-@pytest.mark.parametrize(("width", "scheme"), zip(WIDTHS, ("light", "dark"), strict=True))
+@pytest.mark.parametrize(("width", "scheme"), [*zip(WIDTHS, ("light", "dark"), strict=True)])
 def test_axe_core_finds_no_violation(page, width, scheme):
     page.resize(width)
     page.colours(scheme)
