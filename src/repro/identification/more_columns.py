@@ -64,7 +64,8 @@ def _parts(a: Array, b: Array) -> list[Array]:
 
 def _beside_nine(others: Array, more: int) -> Array:
     """Rows of other logs with `more` columns of nothing behind their nine."""
-    return np.concatenate([others[:, :9], np.zeros((len(others), more)), others[:, 9:]], axis=1)
+    nine, rest = np.split(others, [len(NAMES)], axis=1)
+    return np.concatenate([nine, np.zeros((len(others), more)), rest], axis=1)
 
 
 def _left_out(parts: Sequence[Array], columns: Sequence[int], others: Array) -> list[Array]:
