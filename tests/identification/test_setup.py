@@ -66,11 +66,20 @@ def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("noise", "doubtful"), [(0.03, False), (0.5, True)])
-def test_a_zero_that_may_be_the_other_joints_says_so(noise, doubtful):
-    (fault,) = find_faults(spoilt(noisy(1, size=noise), zero2=-0.08), SETTINGS)
-    assert fault.name == "zero2"
-    assert (fault.instead is not None) == doubtful
+@pytest.mark.parametrize(
+    ("wrong", "noise", "others"),
+    [
+        ({"zero2": -0.08}, 0.03, []),
+        ({"zero2": -0.08}, 0.5, ["zero1", "offset2"]),
+        ({"offset1": 0.3}, 0.03, []),
+        ({"offset1": 0.3}, 0.9, ["zero1"]),
+    ],
+    ids=str,
+)
+def test_a_fault_that_a_log_can_hardly_tell_from_another_says_so(wrong, noise, others):
+    (fault,) = find_faults(spoilt(noisy(1, size=noise), **wrong), SETTINGS)
+    assert [fault.name] == [*wrong]
+    assert [*fault.instead] == others
 
 
 @pytest.mark.slow

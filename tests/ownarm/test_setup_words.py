@@ -52,9 +52,13 @@ def test_each_fault_is_said_with_its_size_and_what_it_brings():
     assert words((), Arm()) == ()
 
 
-def test_a_zero_that_may_be_the_other_joints_is_said_with_both():
-    (line, _) = words((Fault("zero2", -0.1, 0.002, 0.09, 0.05, instead=0.05),), Arm())
-    assert "the zero of joint 2 is 5.7 +- 0.23 degrees off (or instead that of joint 1 by -2.9: this log can" in line
+def test_a_fault_that_may_be_another_is_said_with_it():
+    (line, _) = words((Fault("zero2", -0.1, 0.002, 0.09, 0.05, {"zero1": 0.05, "offset1": 0.2, "scale2": 1.4}),), Arm())
+    assert line.startswith(
+        "the zero of joint 2 is 5.7 +- 0.23 degrees off (this log can hardly tell it from the zero of joint 1: "
+        "-2.9 degrees, or the offset of the torque of joint 1: 0.2 N m, or the scale of the torque of joint 2: 1.4 "
+        "times); with it"
+    )
 
 
 def test_what_a_log_would_not_show_is_said_in_units_or_as_any_size():

@@ -6,7 +6,7 @@ wrong shows because both joints share I2, I3 and g2. Each is a column beside the
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -57,8 +57,8 @@ class Fault:
         the factor that the recorded torque is too large by.
     before, after : float
         Relative RMS error of the rebuilt torque, mean of both joints, with all faults put right but this, and with all.
-    instead : float or None
-        Of a zero: what the other joint's would be off by if it was that, where the log can hardly tell.
+    instead : dict of str to float
+        Other faults, by name with their values, of which one in its place would explain the log nearly as well.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Fault:
     error: float
     before: float
     after: float
-    instead: float | None = None
+    instead: dict[str, float] = field(default_factory=dict)
 
 
 def values_of(found: Sequence[Fault]) -> dict[str, float]:
@@ -199,14 +199,14 @@ def _judged(
 
 
 def _doubted(log: Log, settings: FilterSettings, fault: Fault, names: Sequence[str], others: Array) -> Fault:
-    """A zero with what the other joint's would be, if with that the log is explained nearly as well."""
-    other = {"zero1": "zero2", "zero2": "zero1"}.get(fault.name)
-    if other is None or other in names:
-        return fault
-    exchanged = [other if name == fault.name else name for name in names]
-    rival = _judged(log, settings, _settle(log, settings, exchanged, others), other, others)
-    as_likely = (1.0 - ENOUGH) * rival.after**2 < fault.after**2
-    return replace(fault, instead=rival.value) if as_likely and _sure(rival) else fault
+    """A fault with what explains the log nearly as well in its place."""
+    instead = {}
+    for other in (name for name in FAULTS if name not in names):
+        exchanged = [other if name == fault.name else name for name in names]
+        rival = _judged(log, settings, _settle(log, settings, exchanged, others), other, others)
+        if (1.0 - ENOUGH) * rival.after**2 < fault.after**2 and _sure(rival):
+            instead[other] = rival.value
+    return replace(fault, instead=instead)
 
 
 def hidden_faults(

@@ -10,6 +10,9 @@ from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 from repro.ownarm.result import Result
 
+#: A fault in words, by its name without the joint.
+KINDS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
+
 
 def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     """Lines of the arm file that put a log right, all faults together."""
@@ -50,18 +53,13 @@ def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     """One line for each fault, and one with what to write into the arm file."""
     lines = []
     for fault in faults:
-        joint = fault.name[-1]
+        joint, size = fault.name[-1], _size(fault.name, fault.value, fault.error)
         what = {
-            "zero": (
-                f"the zero of joint {joint} is {_degrees(-fault.value)} +- {_degrees(2 * fault.error)} degrees off"
-                f"{_instead(fault)}"
-            ),
-            "offset": f"the torque of joint {joint} has an offset of {fault.value:.3g} +- {2 * fault.error:.2g} N m",
-            "scale": (
-                f"the torque of joint {joint} is {fault.value:.3g} +- {2 * fault.error:.2g} times what joint 1 says: "
-                "one of the torque constants is wrong"
-            ),
+            "zero": f"the zero of joint {joint} is {size} off",
+            "offset": f"the torque of joint {joint} has an offset of {size}",
+            "scale": f"the torque of joint {joint} is {size} what joint 1 says: one of the torque constants is wrong",
         }[fault.name[:-1]]
+        what += _instead(fault)
         lines.append(
             f"{what}; with it the torque error falls from {_percent(fault.before)} to {_percent(fault.after)} %"
         )
@@ -76,8 +74,7 @@ def not_shown(result: Result) -> tuple[str, ...]:
     for log, hidden in zip((result.log, *result.more_logs), result.hidden, strict=False):
         parts = []
         for name, size in hidden.items():
-            what = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}[name[:-1]]
-            parts.append(f"{what} of joint {name[-1]} {_up_to(name[:-1], size)}")
+            parts.append(f"{KINDS[name[:-1]]} of joint {name[-1]} {_up_to(name[:-1], size)}")
         if parts:
             where = f"{log.name} would" if result.more_logs else "this log would"
             lines.append(f"what {where} not show of a wrong set-up: {', '.join(parts)}")
@@ -92,10 +89,21 @@ def _up_to(kind: str, size: float | None) -> str:
 
 
 def _instead(fault: Fault) -> str:
-    if fault.instead is None:
+    if not fault.instead:
         return ""
-    other = 3 - int(fault.name[-1])
-    return f" (or instead that of joint {other} by {_degrees(-fault.instead)}: this log can hardly tell)"
+    others = (f"the {KINDS[name[:-1]]} of joint {name[-1]}: {_size(name, x)}" for name, x in fault.instead.items())
+    return f" (this log can hardly tell it from {', or '.join(others)})"
+
+
+def _size(name: str, value: float, error: float | None = None) -> str:
+    """Value, two standard errors either way where one is given, and unit; a zero as it stands in the arm file."""
+    unit, turn, digits = {
+        "zero": ("degrees", float(-np.degrees(1.0)), 2),
+        "offset": ("N m", 1.0, 3),
+        "scale": ("times", 1.0, 3),
+    }[name[:-1]]
+    spread = "" if error is None else f" +- {2 * error * abs(turn):.2g}"
+    return f"{value * turn:.{digits}g}{spread} {unit}"
 
 
 def _degrees(radians: float) -> str:
