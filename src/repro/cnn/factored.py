@@ -64,7 +64,7 @@ class _FirstLayer(torch.autograd.Function):
         pooled = torch.maximum(members[0][:, 0], members[0][:, 1])
         for x in (members[1][:, 0], members[1][:, 1]):
             torch.maximum(pooled, x, out=pooled)
-        out = F.relu_(pooled.view(n, half, maps, half) + bias.view(1, 1, maps, 1))
+        out = F.relu_(pooled + bias.repeat_interleave(half)).view(n, half, maps, half)
         ctx.save_for_backward(rows, columns, pooled, out, *members)
         ctx.shape = (d, r, k, maps)
         # (n, maps, half, half), channels last as the second convolution likes it
