@@ -2,8 +2,8 @@
 
 Usage: ``python benchmarks/slurm/smoke.py [TARGET...]``, in an environment that has the extra ``slurm``. Three runs in
 temporary folders: local; on Slurm; on Slurm once more, with a job cancelled, the run killed and a job left behind, then
-continued with the same command. Prints what a job costs beyond its own time, locally and on Slurm. Logs, benchmarks
-and model cards hold wall times and are left out.
+continued with the same command. Prints what a job costs beyond its own time, locally and on Slurm. Logs, benchmarks,
+model cards and the record of the run hold wall times and are left out.
 """
 
 import os
@@ -51,7 +51,7 @@ def run(command: list[str], folder: Path, environment: dict[str, str]) -> float:
 def results(folder: Path) -> dict[str, bytes]:
     """Every result by its name."""
     found = [f for name in ("results", "paper_figures") for f in (folder / name).rglob("*") if f.suffix in KINDS]
-    kept = [f for f in found if "logs" not in f.parts and not f.name.startswith((".", "model-card"))]
+    kept = [f for f in found if "logs" not in f.parts and not f.name.startswith((".", "model-card", "ro-crate"))]
     return {str(f.relative_to(folder)): f.read_bytes() for f in kept}
 
 

@@ -184,7 +184,9 @@ def test_the_delay_found_does_not_depend_on_the_one_set():
 @pytest.mark.parametrize("late", [-0.03, 0.03])
 def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
     log = log_from(log_example.motion, delay=late)
-    assert estimate_delay(log, FilterSettings())[0] == pytest.approx(np.sign(late) * 0.02, abs=1e-4)
+    found, error = estimate_delay(log, FilterSettings())
+    assert found == pytest.approx(np.sign(late) * 0.02, abs=1e-4)
+    assert error == 0.02
 
 
 # Standstill.

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, log_of, motion, recording
 from ownarm_log import H, exact, exciting
-from ownarm_problem import judged, noisy, problem_of, silent, told
+from ownarm_problem import ARM, judged, made, noisy, problem_of, silent, told
 
 from repro.identification.bootstrap import Spread
 from repro.identification.methods.every import METHODS
@@ -19,6 +19,8 @@ from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
 from repro.ownarm.job import solve_all
 from repro.ownarm.judge import Found, find, judge, why_not_consistent
+from repro.ownarm.prepared import make_problem
+from repro.ownarm.settings import Options
 from repro.ownarm.words import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
@@ -44,6 +46,27 @@ def test_the_reason_holds_the_numbers():
         "the inertia matrix is not positive definite: I3 (I1 - I3) = 0.0025 is not above I2^2 / 4 = 0.01; "
         "b1 = -0.07 is negative; k2 = -0.15 is negative"
     )
+
+
+@pytest.mark.parametrize(
+    ("log", "why"),
+    [
+        ({"late": 0.05}, "the delay of the torque lies beyond what is looked at"),
+        ({"hum": 3.0}, "the torque of joint 2 is little more than noise"),
+    ],
+    ids=["delay", "noise"],
+)
+def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, log, why):
+    hum = np.array([[0.0], [log.pop("hum", 0.0)]])
+    problem = made(tmp_path, **log)
+    if hum.any():
+        raw = problem.fitted.log
+        noise = hum * np.random.default_rng(1).normal(size=raw.tau.shape)
+        undriven = replace(raw, tau=raw.tau * [[1.0], [0.0]] + noise)
+        problem = make_problem(replace(problem.fitted, log=undriven), (), ARM, Options(("ordinary",), tmp_path))
+    found = judge(find(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+    assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
+    assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}
 
 
 def test_a_method_on_a_clean_log_is_judged():

@@ -9,7 +9,7 @@ from ownarm_log import exciting
 from ownarm_problem import ARM, made, problem_of
 
 from repro.model.parameters import NAMES
-from repro.ownarm.prepared import delay_at_limit
+from repro.ownarm.prepared import at_limit
 from repro.ownarm.recommend import against_least_squares, odd_delay, prediction_error, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 
@@ -141,9 +141,8 @@ def test_friction_that_is_known_is_not_said_to_be_hard_to_tell_apart():
 def test_a_delay_that_was_given_is_not_warned_of():
     for late in (-0.02, 0.02, 0.05):
         assert warned({}, {}, {"delay": late, "delay_was_found": False}) == ()
-        assert not delay_at_limit(problem_of(exciting(50), delay=late, delay_was_found=False))
-        assert delay_at_limit(problem_of(exciting(50), delay=late))
-    assert not delay_at_limit(problem_of(exciting(50), delay=0.0197))
+        assert at_limit(late)
+    assert not at_limit(0.0197)
 
 
 def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):

@@ -44,6 +44,7 @@ def test_each_log_has_its_own_delay_and_faults(two):
     assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
     assert not problem.logs[0].faults
     assert any(line.startswith("in b.csv the zero of joint 1") for line in result.warnings)
+    assert sum("one arm file cannot put them all right" in line for line in result.warnings) == 1
     assert [len(faults) for faults in result.setup] == [0, 1]
 
 
@@ -57,6 +58,23 @@ def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
     assert {fault.name: pytest.approx(fault.value, abs=0.05) for fault in first.faults} == {"scale2": 1.12}
     assert not second.faults
+
+
+@pytest.mark.slow
+def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
+    """Each of the three would look wrong beside the other two: that which gains most is put right first."""
+
+    def poor(name, seed, noise, scale=1.0):
+        log = log_from(lambda t: tuple(0.15 * x for x in motion(t + 3.0 * seed)), seconds=6.0)
+        torque = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
+        return Told(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])), Description(name, ()))
+
+    logs = poor("a.csv", 5, 0.3), poor("b.csv", 6, 0.3), poor("c.csv", 7, 0.1, scale=1.6)
+    assert not make_problem(logs[2], (), ARM, OPTIONS).logs[0].faults
+    first, second, third = make_problem(logs[0], (), ARM, OPTIONS, logs[1:]).logs
+    assert not first.faults
+    assert not second.faults
+    assert {fault.name: pytest.approx(fault.value, abs=0.1) for fault in third.faults} == {"scale2": 1.6}
 
 
 def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):

@@ -71,10 +71,13 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     curve, slope, _ = np.polyfit(late[best - 1 : best + 2] - late[best], error[best - 1 : best + 2], 2)
     if curve <= 0.0:
         return float(late[error.argmin()]), REACH
+    found = float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH))
+    if abs(found) >= REACH:  # the best delay lies beyond: nothing is known of it
+        return found, REACH
     # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
     independent = left[best].size * h / correlation_time(left[best], h)
     spread = float(np.sqrt(error.min() / independent / curve))
-    return float(np.clip(late[best] - slope / (2.0 * curve), -REACH, REACH)), min(spread, REACH)
+    return found, min(spread, REACH)
 
 
 def _delayed(log: Log, settings: FilterSettings, late: Array) -> tuple[Array, Array, float]:

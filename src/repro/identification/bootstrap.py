@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from repro.identification.alternatives import BEYOND, Alternative
+from repro.identification.alternatives import BEYOND, SMEARED, Alternative
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.identification.residuals import correlation_time
@@ -135,7 +135,9 @@ def bootstrap(
     for name, other in as_good.items():
         moved = [method.repeat(regression, first) - beta for regression in other.regressions]
         square = other.weight * np.mean(np.square(moved), axis=0)
-        if name in BEYOND:  # different explanations of the same residual: the one that matters most counts
+        if (
+            name in BEYOND or name == SMEARED
+        ):  # different explanations of the same residual: the one that matters most counts
             beyond = np.maximum(beyond, square)
         else:
             variance += square

@@ -112,6 +112,11 @@ def _told_of_quiet(joints: list[int]) -> str | None:
     return None
 
 
+def quiet_joints(log: Log) -> list[int]:
+    """Joints whose torque is not above its noise."""
+    return _smooth(log).quiet()
+
+
 def other_reading(log: Log) -> str | None:
     """Another reading that explains the torque far better, or as well with signs that are possible.
 

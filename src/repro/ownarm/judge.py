@@ -123,7 +123,7 @@ def _parameters(found: Found, share: Array, problem: Problem) -> tuple[Parameter
         held = bool(beta[k] == 0.0)
         error, low, high = (
             (None, None, None)
-            if spread is None or held or not determined[k]
+            if spread is None or held or not determined[k] or problem.doubt
             else (float(spread.standard_error[k]), float(spread.low[k]), float(spread.high[k]))
         )
         words = verdict(
@@ -134,6 +134,7 @@ def _parameters(found: Found, share: Array, problem: Problem) -> tuple[Parameter
             held,
             determined[k],
             name in EITHER_SIGN or beta[k] > 0.0,
+            problem.doubt if spread is not None else "",
         )
         if name[0] in "bk" and name[1] in more:
             words += "; other friction is in it too"

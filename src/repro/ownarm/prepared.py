@@ -22,6 +22,7 @@ from repro.logs.armfile import Arm
 from repro.logs.describe import Description, describe
 from repro.logs.log import Log, period
 from repro.logs.reading import read_log
+from repro.logs.readings import quiet_joints
 from repro.logs.uniform import uniform
 from repro.model.parameters import Array
 from repro.ownarm.settings import Options
@@ -72,6 +73,8 @@ class Ready:
         Friction beyond Eq. 1; that taken is out of the torque of `told`, and projected out of `moving`.
     load : array of shape (9,) or None
         Parameters that give the load of that friction.
+    doubt : str
+        Why no interval of what this log gives alone is claimed; empty where it is.
     """
 
     told: Told
@@ -84,6 +87,7 @@ class Ready:
     hidden: dict[str, float | None] = field(default_factory=dict)
     terms: tuple[Term, ...] = ()
     load: Array | None = None
+    doubt: str = ""
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,11 @@ class Problem:
     others: tuple[tuple[Told, Regression], ...]
     excited: Excited
     delay_was_found: bool
+
+    @property
+    def doubt(self) -> str:
+        """Why no interval is claimed; empty where one of the logs is beyond doubt."""
+        return self.logs[0].doubt if all(log.doubt for log in self.logs) else ""
 
     @property
     def fitted(self) -> Told:
@@ -190,16 +199,33 @@ def make_ready(told: Told, arm: Arm, options: Options, others: Sequence[Regressi
     if faults:
         columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Alternative((without(moving, columns),))
-    return Ready(told, regression, moving, as_good, settings, chosen, faults, hidden, terms, load)
+    doubt = _doubt(told.log, settings.delay, arm)
+    return Ready(told, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
+
+
+def _doubt(log: Log, delay: float, arm: Arm) -> str:
+    """Where Eq. 1 of a joint says nothing but that terms add up to none, least squares shrinks them all."""
+    if quiet := quiet_joints(log):
+        return f"the torque of joint {quiet[0]} is little more than noise"
+    return "the delay of the torque lies beyond what is looked at" if arm.delay is None and at_limit(delay) else ""
 
 
 def _all_ready(logs: Sequence[Told], arm: Arm, options: Options) -> tuple[Ready, ...]:
-    """Each log by itself; one that shows no fault then once more beside the others."""
+    """Each log by itself; those that show no fault then beside the others, the one that gains most first.
+
+    Beside a log that is wrong a right one looks wrong too: it is looked at again once that is put right.
+    """
     ready = [make_ready(told, arm, options) for told in logs]
-    for k, told in enumerate(logs):
-        others = [log.moving for log in ready if log is not ready[k]]
-        if others and not ready[k].faults and find_faults(told.log, ready[k].settings, others):
-            ready[k] = make_ready(told, arm, options, others)
+    left = [k for k, log in enumerate(ready) if not log.faults and len(logs) > 1]
+    while left:
+        beside = {k: [log.moving for log in ready if log is not ready[k]] for k in left}
+        found = {k: find_faults(logs[k].log, ready[k].settings, beside[k]) for k in left}
+        gains = {k: min(fault.after / fault.before for fault in faults) for k, faults in found.items() if faults}
+        if not gains:
+            break
+        most = min(gains, key=gains.__getitem__)
+        ready[most] = make_ready(logs[most], arm, options, beside[most])
+        left.remove(most)
     return tuple(ready)
 
 
@@ -237,6 +263,6 @@ def make_problem(
     return Problem(logs, regression, moving, as_good, predicted, excitation(moving), arm.delay is None)
 
 
-def delay_at_limit(problem: Problem) -> bool:
-    """Whether the delay was found at the end of what is looked at."""
-    return problem.delay_was_found and abs(problem.settings.delay) >= 0.99 * REACH
+def at_limit(delay: float) -> bool:
+    """Whether a delay is the end of what is looked at."""
+    return abs(delay) >= 0.99 * REACH

@@ -7,7 +7,7 @@ import numpy as np
 
 from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
-from repro.ownarm.prepared import Problem, delay_at_limit
+from repro.ownarm.prepared import Problem, at_limit
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
@@ -113,15 +113,18 @@ def undriven(problem: Problem, method: MethodResult) -> list[str]:
 
 def odd_delay(problem: Problem) -> list[str]:
     """A delay that no drive has, or the end of the range."""
-    late = f"{1e3 * problem.settings.delay:.3g} ms"
-    if delay_at_limit(problem):
-        return [f"the delay of the torque is at the end of the range looked at ({late})"]
-    if problem.delay_was_found and problem.settings.delay < EARLY:
-        return [
-            f"the delay of the torque is {late}, as if it acted before it was recorded: the stamps of position and "
-            "torque differ, or the log tells little of it (arm file: delay)"
-        ]
-    return []
+    found = []
+    for log in problem.logs if problem.delay_was_found else ():
+        where = f" in {log.told.log.name}" if len(problem.logs) > 1 else ""
+        late = f"{1e3 * log.settings.delay:.3g} ms"
+        if at_limit(log.settings.delay):
+            found.append(f"the delay of the torque{where} is at the end of the range looked at ({late})")
+        elif log.settings.delay < EARLY:
+            found.append(
+                f"the delay of the torque{where} is {late}, as if it acted before it was recorded: the stamps of "
+                "position and torque differ, or the log tells little of it (arm file: delay)"
+            )
+    return found
 
 
 def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str, told: Excitation) -> tuple[str, ...]:

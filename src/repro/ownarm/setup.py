@@ -5,11 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.identification.friction import Term
-from repro.identification.setup import Fault
+from repro.identification.setup import Fault, values_of
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 from repro.ownarm.result import Result
 
+#: What is said where one line of an arm file cannot be right for all logs.
+APART = (
+    "the logs differ in what is wrong with them: one arm file cannot put them all right. A zero may have been set anew "
+    "before a log, or one of the logs tells too little"
+)
 #: A fault in words, by its name without the joint.
 KINDS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
 
@@ -34,11 +39,15 @@ def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
 
 def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
     """What is wrong with each log; which log it is where there are several."""
-    return tuple(
+    lines = [
         f"in {log.told.description.name} {line}" if len(logs) > 1 else line
         for log in logs
         for line in (*words(log.faults, arm), *(friction(term) for term in log.terms if not term.taken))
-    )
+    ]
+    if len(logs) > 1 and any(log.faults for log in logs):
+        same = all({*values_of(log.faults)} == {*values_of(logs[0].faults)} for log in logs)
+        lines += [] if same else [APART]
+    return tuple(lines)
 
 
 def friction(term: Term) -> str:

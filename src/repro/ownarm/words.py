@@ -19,6 +19,7 @@ def verdict(
     held: bool,
     determined: bool = True,
     possible: bool = True,
+    doubt: str = "",
 ) -> str:
     """What a roboticist may say about a parameter.
 
@@ -36,6 +37,8 @@ def verdict(
         Whether the motion determines it by itself.
     possible : bool
         Whether an arm can have such a value.
+    doubt : str
+        Why there is no interval; empty where the method claims none.
 
     Returns
     -------
@@ -47,7 +50,8 @@ def verdict(
     if held:
         return "held at zero: the log alone would make it negative"
     if low is None or high is None:
-        return "no interval claimed by this method" if excited else NOT_EXCITED
+        none = f"no interval: {doubt}" if doubt else "no interval claimed by this method"
+        return none if excited else NOT_EXCITED
     if low <= 0.0 <= high:
         return "not told from zero" if excited else NOT_EXCITED
     share = 0.5 * (high - low) / abs(estimate)
