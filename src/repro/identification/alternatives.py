@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import hadamard
-from scipy.optimize import nnls
 
 from repro.identification.parallel import FilterSettings, kept, motion, narrow, prepare
 from repro.identification.regression import Regression
@@ -98,38 +97,22 @@ BEYOND: dict[str, Columns] = {
 }
 
 
-def _growing(error: Array, squares: Array) -> float:
-    """Error as a share of the terms of Eq. 1, as far as it grows with them.
-
-    The square of the error is fitted by a constant and the squares of the terms, neither negative, weighted as the
-    variance of a square is.
-    """
-    if not squares.any() or not error.any():
-        return 0.0
-    columns = np.stack([np.ones_like(squares), squares / np.mean(squares)], axis=-1)
-    wanted = error**2 / np.mean(error**2)
-    weight = np.ones_like(wanted)
-    for _ in range(2):
-        found, _ = nnls(columns * weight[:, np.newaxis], wanted * weight)
-        weight = 1.0 / np.maximum(columns @ found, 1e-9)
-    return float(np.sqrt(found[1] * np.mean(error**2) / np.mean(squares)))
-
-
 def smeared(regression: Regression) -> Regression:
-    """The regression with each inertial and gravity term a little wrong, by as much as the residual grows with them.
+    """The regression with each inertial and gravity term a little wrong, by as much as would explain the residual.
 
     Errors of the motion shrink what least squares finds, most where large terms add up to a small torque. So much as
-    the same errors once more move it, it may be off (Cook and Stefanski's simulation extrapolation). Their signs change
+    the same errors once more move it, it is off (Cook and Stefanski's simulation extrapolation). Their signs change
     from sample to sample and are orthogonal from term to term, so that none of them looks like motion.
     """
     beta = solve(regression.y, regression.tau)
-    squares = np.sum((regression.y[..., :TERMS] * beta[:TERMS]) ** 2, axis=-1)
-    left = regression.tau - regression.y @ beta
-    share = [_growing(left[j, rows], squares[j, rows]) for j, rows in enumerate(regression.moving)]
+    left = (regression.tau - regression.y @ beta) * regression.moving
+    terms = regression.y[..., :TERMS] * beta[:TERMS] * regression.moving[..., np.newaxis]
+    whole = np.linalg.norm(terms, axis=(1, 2))
+    share = np.linalg.norm(left, axis=-1) / np.where(whole > 0.0, whole, np.inf)  # of each joint
     n = regression.t.size
     signs = np.resize(hadamard(16)[:, 1 : 2 * TERMS : 2], (n, TERMS))
     factors = np.ones((2, n, regression.y.shape[-1]))
-    factors[..., :TERMS] += np.array(share)[:, np.newaxis, np.newaxis] * signs
+    factors[..., :TERMS] += share[:, np.newaxis, np.newaxis] * signs
     halves = regression.interleaved
     return replace(regression, y=regression.y * factors, interleaved=None if halves is None else halves * factors)
 

@@ -131,13 +131,13 @@ def bootstrap(
     variance = np.var(drawn, axis=0, ddof=1)
     slow = jackknife(method, regression, first)
     variance = np.where(slow > BY_CHANCE * variance, slow, variance)
-    beyond = np.zeros(len(beta))
+    beyond, shrunk = np.zeros((2, len(beta)))
     for name, other in as_good.items():
         moved = [method.repeat(regression, first) - beta for regression in other.regressions]
         square = other.weight * np.mean(np.square(moved), axis=0)
-        if (
-            name in BEYOND or name == SMEARED
-        ):  # different explanations of the same residual: the one that matters most counts
+        if name == SMEARED:  # a bias, no standard deviation
+            shrunk = square
+        elif name in BEYOND:  # different explanations of the same residual: the one that matters most counts
             beyond = np.maximum(beyond, square)
         else:
             variance += square
@@ -145,5 +145,5 @@ def bootstrap(
     if method.unbiased is not None:
         variance += (method.unbiased.estimate(regression).beta - beta) ** 2
     error = np.sqrt(variance)
-    reach = float(student.ppf(0.975, max(n // length - 1, 1))) * error
+    reach = np.sqrt((float(student.ppf(0.975, max(n // length - 1, 1))) * error) ** 2 + shrunk)
     return Spread(error, beta - reach, beta + reach)
