@@ -148,7 +148,7 @@ def warnings(problem: Problem, methods: Sequence[MethodResult], recommended: str
         joint = int(np.argmax(best.fit.relative_rms)) + 1
         found.append(
             f"Eq. 1 leaves {100 * max(best.fit.relative_rms):.3g} % of the torque of joint {joint} unexplained: "
-            "check units, signs and the zero position"
+            "units, signs or a zero may be wrong, or what Eq. 1 lacks is as large"
         )
     if max(np.abs(best.whiteness)) > AUTOCORRELATION:
         found.append(
