@@ -10,7 +10,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.log import Log
 from repro.logs.reading import _to_eq1
-from repro.ownarm.setup import arm_lines, not_shown, words
+from repro.ownarm.setup import APART, arm_lines, not_shown, told, words
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -50,6 +50,16 @@ def test_each_fault_is_said_with_its_size_and_what_it_brings():
     assert "1.5 +- 0.02 times" in lines[3]
     assert "zero: [-0.05, 0.1]; torque_offset: [0.2, 0]; torque_scale: [1, 1.5]" in lines[-1]
     assert words((), Arm()) == ()
+
+
+@pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
+def test_logs_whose_faults_one_arm_file_cannot_put_right_are_told_of(second, apart):
+    def log(zero):
+        faults = () if zero is None else (Fault("zero1", zero, 0.002, 0.09, 0.05),)
+        return SimpleNamespace(told=SimpleNamespace(description=SimpleNamespace(name="a.csv")), faults=faults, terms=())
+
+    assert (APART in told([log(0.05), log(second)], Arm())) == apart
+    assert APART not in told([log(0.05)], Arm())
 
 
 def test_a_fault_that_may_be_another_is_said_with_it():

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.identification.friction import Term
-from repro.identification.setup import Fault, values_of
+from repro.identification.more_columns import SURE
+from repro.identification.setup import Fault
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 from repro.ownarm.result import Result
@@ -44,10 +45,14 @@ def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
         for log in logs
         for line in (*words(log.faults, arm), *(friction(term) for term in log.terms if not term.taken))
     ]
-    if len(logs) > 1 and any(log.faults for log in logs):
-        same = all({*values_of(log.faults)} == {*values_of(logs[0].faults)} for log in logs)
-        lines += [] if same else [APART]
-    return tuple(lines)
+    return (*lines, *([] if all(_alike(log.faults, logs[0].faults) for log in logs) else [APART]))
+
+
+def _alike(some: Sequence[Fault], others: Sequence[Fault]) -> bool:
+    """Whether two logs have the same faults, of sizes within what both are sure of."""
+    pairs = list(zip(some, others, strict=False))
+    same = [a.name for a in some] == [b.name for b in others]
+    return same and all(abs(a.value - b.value) <= SURE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
 def friction(term: Term) -> str:
