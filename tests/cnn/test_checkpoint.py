@@ -8,6 +8,8 @@ from safetensors.torch import load_file, save_file
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import Progress, load_checkpoint, load_network, save_checkpoint, save_network
+from repro.cnn.optimisers import make_optimisers
+from repro.cnn.schedule import RECIPES, TrainingSettings
 from repro.cnn.weights import read_weights
 from repro.errors import InputError
 
@@ -124,12 +126,10 @@ def test_weight_that_is_not_finite_is_refused_by_name(weights, value):
     assert "not finite" in message
 
 
-def stepped(seed, kinds):
+def stepped(seed, recipe="streamed"):
     """A network and optimisers that have state: two steps down random gradients."""
     network = literal.untrained(seed=seed).requires_grad_(True)
-    hidden = [network.fc4.weight]
-    rest = [p for p in network.parameters() if p is not hidden[0]]
-    optimisers = [kind(part, lr=1e-2) for kind, part in zip(kinds, (rest, hidden), strict=True)]
+    optimisers = make_optimisers(network, TrainingSettings(recipe=recipe))
     for _ in range(2):
         descend(network, optimisers)
     return network, optimisers
@@ -142,19 +142,17 @@ def descend(network, optimisers):
         optimiser.step()
 
 
-KINDS = pytest.mark.parametrize(
-    "kinds", [(torch.optim.Adam, torch.optim.Muon), (torch.optim.SGD, torch.optim.SGD)], ids=["streamed", "paper"]
-)
+EACH_RECIPE = pytest.mark.parametrize("recipe", RECIPES)
 
 
-@KINDS
-def test_training_continues_from_a_checkpoint_to_the_same_bits(tmp_path, kinds):
+@EACH_RECIPE
+def test_training_continues_from_a_checkpoint_to_the_same_bits(tmp_path, recipe):
     path = tmp_path / "state.safetensors"
-    network, optimisers = stepped(0, kinds)
+    network, optimisers = stepped(0, recipe)
     rows = [(10.0, 1e-3, 0.1 + 0.2, 1 / 3, 1.5), (20.0, 5e-4, 0.1, 2e-17, 3.0)]
     progress = Progress(20, 0.1 * 3, 3.25, rows)
     save_checkpoint(path, network, optimisers, progress, "run")
-    other, its_optimisers = stepped(1, kinds)
+    other, its_optimisers = stepped(1, recipe)
     assert load_checkpoint(path, other, its_optimisers, "run") == progress
     descend(network, optimisers)
     descend(other, its_optimisers)
@@ -162,9 +160,9 @@ def test_training_continues_from_a_checkpoint_to_the_same_bits(tmp_path, kinds):
         assert torch.equal(a, b)
 
 
-@KINDS
-def test_no_checkpoint_means_a_fresh_start(tmp_path, kinds):
-    network, optimisers = stepped(0, kinds)
+@EACH_RECIPE
+def test_no_checkpoint_means_a_fresh_start(tmp_path, recipe):
+    network, optimisers = stepped(0, recipe)
     before = [p.clone() for p in network.parameters()]
     assert load_checkpoint(tmp_path / "none.safetensors", network, optimisers, "run") == Progress(0, 0.0, 0.0, [])
     assert all(torch.equal(a, b) for a, b in zip(before, network.parameters(), strict=True))
@@ -173,7 +171,7 @@ def test_no_checkpoint_means_a_fresh_start(tmp_path, kinds):
 @pytest.mark.parametrize("keep", [0, 100, -1])
 def test_truncated_checkpoint_is_refused(tmp_path, keep):
     path = tmp_path / "state.safetensors"
-    network, optimisers = stepped(0, (torch.optim.Adam, torch.optim.Muon))
+    network, optimisers = stepped(0)
     save_checkpoint(path, network, optimisers, Progress(2), "run")
     path.write_bytes(path.read_bytes()[:keep])
     with pytest.raises(InputError) as caught:
@@ -183,7 +181,7 @@ def test_truncated_checkpoint_is_refused(tmp_path, keep):
 
 def test_checkpoint_replaces_the_one_before_and_leaves_nothing_else(tmp_path):
     path = tmp_path / "deep" / "state.safetensors"
-    network, optimisers = stepped(0, (torch.optim.Adam, torch.optim.Muon))
+    network, optimisers = stepped(0)
     for step in (1, 2):
         save_checkpoint(path, network, optimisers, Progress(step), "run")
     assert load_checkpoint(path, network, optimisers, "run").step == 2
@@ -193,7 +191,7 @@ def test_checkpoint_replaces_the_one_before_and_leaves_nothing_else(tmp_path):
 @pytest.mark.parametrize("content", ["another run", "weights alone"])
 def test_state_of_another_run_is_left_aside(tmp_path, content):
     path = tmp_path / "state.safetensors"
-    network, optimisers = stepped(0, (torch.optim.Adam, torch.optim.Muon))
+    network, optimisers = stepped(0)
     if content == "another run":
         save_checkpoint(path, literal.untrained(OTHER_SIZES), [], Progress(2), "another run")
     else:

@@ -64,11 +64,13 @@ class _FirstLayer(torch.autograd.Function):
         pooled = torch.maximum(members[0][:, 0], members[0][:, 1])
         for x in (members[1][:, 0], members[1][:, 1]):
             torch.maximum(pooled, x, out=pooled)
-        out = F.relu_(pooled + bias.repeat_interleave(half)).view(n, half, maps, half)
+        biases = bias.repeat_interleave(half)
+        if not ctx.needs_input_grad[2]:
+            return pooled.add_(biases).relu_().view(n, half, maps, half).permute(0, 2, 1, 3)
+        out = F.relu_(pooled + biases).view(n, half, maps, half)
         ctx.save_for_backward(rows, columns, pooled, out, *members)
         ctx.shape = (d, r, k, maps)
-        # (n, maps, half, half), channels last as the second convolution likes it
-        return out.permute(0, 2, 1, 3).contiguous(memory_format=torch.channels_last)
+        return out.permute(0, 2, 1, 3)  # (n, maps, half, half)
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor) -> tuple[None, None, Tensor, Tensor]:  # noqa: ANN401
@@ -116,7 +118,7 @@ class _MaxPool2(torch.autograd.Function):
         share = grads[0] / torch.add(won[0], won[1]).add_(won[2]).add_(won[3])  # winners of a tie share
         grad = torch.empty_like(x)
         for winner, member in zip(won, _members(grad), strict=True):
-            torch.mul(winner, share, out=member)
+            member.copy_(winner.mul_(share))
         return grad
 
 
@@ -157,10 +159,16 @@ class FactoredCNN(SignalCNN):
         """
         weight, bias = self._cast(self.conv1)
         u, v = u.to(self.dtype), v.to(self.dtype)
-        piece = len(u) if self.conv1.weight.requires_grad else PIECE
-        pieces = zip(torch.split(u, piece), torch.split(v, piece), strict=True)
-        maps = [_FirstLayer.apply(*both, weight, bias) for both in pieces]  # type: ignore[no-untyped-call]
-        return self.tail(maps[0] if len(maps) == 1 else torch.cat(maps))  # (n, 10, 46, 46)
+        form = torch.channels_last  # as the second convolution likes it
+        if weight.requires_grad:
+            x = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
+            return self.tail(x.contiguous(memory_format=form))  # (n, 10, 46, 46)
+        side = self.settings.pooled[0]
+        x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
+        for k in range(0, len(u), PIECE):
+            piece = slice(k, k + PIECE)
+            x[piece] = _FirstLayer.apply(u[piece], v[piece], weight, bias)  # type: ignore[no-untyped-call]
+        return self.tail(x)  # (n, 10, 46, 46)
 
     def forward_shared(self, u: Tensor, v: Tensor) -> Tensor:
         """Residuals for many guesses at one torque, whose images share `v`: no gradients.
@@ -203,8 +211,8 @@ class FactoredCNN(SignalCNN):
         x = F.conv2d(x, *self._cast(self.conv2))  # -> (n, 10, 42, 42)
         pooled: Tensor = _MaxPool2.apply(x)  # type: ignore[no-untyped-call]
         x = F.relu(pooled)  # -> (n, 10, 21, 21)
-        x = F.relu_(F.conv2d(x, *self._cast(self.conv3)))  # -> (n, 10, 19, 19)
-        x = F.linear(x.flatten(1), *self._cast(self.fc4))  # (n, 3610) -> (n, 100)
+        x = F.conv2d(x, *self._cast(self.conv3))  # -> (n, 10, 19, 19)
+        x = F.linear(F.relu_(x.flatten(1)), *self._cast(self.fc4))  # (n, 3610) -> (n, 100)
         x = F.relu(self.fc5(F.relu(x.to(self.fc5.weight.dtype))))  # -> (n, 50)
         residual: Tensor = self.fc6(x)  # -> (n, 9)
         return residual
