@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from repro.identification.cutoff import Cutoff
 from repro.model.parameters import Array
@@ -157,7 +157,8 @@ def _logarithmic(axes: Axes) -> None:
     steps = (1.0, 2.0, 5.0) if np.log10(last / first) < _MOST_DECADES else (1.0,)
     axes.xaxis.set_major_locator(LogLocator(subs=steps))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
 
 
 def cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
