@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from repro.model.parameters import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Regression:
     """A recording made ready for a method.
 

@@ -10,7 +10,7 @@ import ctypes
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +76,7 @@ class NetworkSearch:
     search : SearchSettings
         Constants of Algorithm 1; what is physically possible is a positive-definite M(q) and positive parameters.
     refinement : RefinementSettings
-        Budget of the refinement.
+        Budget of the refinement; no passes where it is not asked for.
     seed : int
         Of guesses and moves.
     threads : int
@@ -96,6 +96,7 @@ class NetworkSearch:
 
 
 Report = Callable[[int, int, str], None]
+Run = Callable[[Regression], tuple[dict[str, Estimate], int]]
 
 
 def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
@@ -111,11 +112,12 @@ def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
     Returns
     -------
     tuple of 2 Method
-        They share the trained network through the cache.
+        They share one run.
     """
+    run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))  # once for both
     estimates = {
-        "algorithm1": ("Algorithm 1", partial(_literal, settings=settings, report=report)),
-        "algorithm1+refinement": ("Algorithm 1 + refinement", partial(_refined, settings=settings, report=report)),
+        "algorithm1": ("Algorithm 1", partial(_literal, run=run, search=settings.search)),
+        "algorithm1+refinement": ("Algorithm 1 + refinement", partial(_refined, run=run)),
     }
     literal, refined = (
         Method(name, title, "leon2022cnn", estimate, claims_intervals=False, needs_all_samples=True)
@@ -180,20 +182,18 @@ def _run(regression: Regression, settings: NetworkSearch, report: Report) -> tup
     return algorithm1.run(prepared, *streams)
 
 
-def _literal(regression: Regression, settings: NetworkSearch, report: Report) -> Estimate:
-    search_alone = replace(settings, refinement=replace(settings.refinement, passes=0))
-    found, met = _run(regression, search_alone, report)
+def _literal(regression: Regression, run: Run, search: SearchSettings) -> Estimate:
+    found, met = run(regression)
     estimate = found["algorithm1"]
-    threshold, executions = 100.0 * settings.search.threshold, settings.search.executions
     said = (
         f"similarity {100.0 * estimate.details['similarity']:.4g} %",
-        f"{met} of {executions} executions met the threshold of {threshold:.4g} %",
+        f"{met} of {search.executions} executions met the threshold of {100.0 * search.threshold:.4g} %",
     )
     return replace(estimate, notes=said)
 
 
-def _refined(regression: Regression, settings: NetworkSearch, report: Report) -> Estimate:
-    found, _ = _run(regression, settings, report)
+def _refined(regression: Regression, run: Run) -> Estimate:
+    found, _ = run(regression)
     refined, control = (
         100.0 * found[f"algorithm1+{step}"].details["similarity"] for step in ("refinement", "local-search")
     )
