@@ -271,6 +271,7 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
         {"reach": np.nan},
         {"jitter": -1e-9},
         {"jitter": np.nan},
+        {"starts": 0},
     ],
 )
 def test_wrong_budgets_are_refused(wrong):

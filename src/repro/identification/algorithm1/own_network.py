@@ -84,13 +84,13 @@ class NetworkSearch:
     """
 
     cache: Path
-    training: TrainingSettings = field(default_factory=lambda: TrainingSettings(steps=2500))
+    training: TrainingSettings = field(default_factory=lambda: TrainingSettings(steps=2000))
     data: DataSettings = field(default_factory=DataSettings)
     network: NetworkSettings = field(default_factory=NetworkSettings)
     search: SearchSettings = field(
         default_factory=lambda: SearchSettings(threshold=0.9237, feasibility="positive-definite")
     )
-    refinement: RefinementSettings = field(default_factory=RefinementSettings)
+    refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
     seed: int = 1
     threads: int = 2
 

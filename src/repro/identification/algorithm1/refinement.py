@@ -49,6 +49,9 @@ class RefinementSettings:
     jitter : float
         Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they
         reach where the differences do not, such as when a single candidate is left.
+    starts : int
+        Refinements of the same candidates along other moves, all of whose results are candidates. On a short log of
+        a real arm every fourth and more ends in a local optimum.
     """
 
     restarts: int = 500
@@ -57,11 +60,14 @@ class RefinementSettings:
     read_passes: int = 4
     reach: float = 1.2
     jitter: float = 1e-4
+    starts: int = 1
 
     def __post_init__(self) -> None:
         """Refuse budgets and moves that cannot be."""
-        if self.restarts < 0 or self.keep < 1 or self.passes < 0 or self.read_passes < 0:
-            raise ValueError("restarts, keep, passes, read_passes: must be at least 0, 1, 0 and 0.")
+        least = {"restarts": 0, "keep": 1, "passes": 0, "read_passes": 0, "starts": 1}
+        for name, bound in least.items():
+            if getattr(self, name) < bound:
+                raise ValueError(f"{name}: must be at least {bound}, got {getattr(self, name)}.")
         if not 0 < self.reach < np.inf:
             raise ValueError(f"reach: must be positive and finite, got {self.reach}.")
         if not 0 <= self.jitter < np.inf:

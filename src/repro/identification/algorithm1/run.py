@@ -64,9 +64,10 @@ class Algorithm1:
         if not self.refinement.passes:
             return results, met
         candidates = restart(reader, found.beta, self.search, self.refinement, refine_rng)
+        moves = [refine_rng, *refine_rng.spawn(self.refinement.starts - 1)]
         for method, feed_back in (("local-search", False), ("refinement", True)):  # the control reads no further image
-            best = refine(reader, candidates, prepared, self.search, self.refinement, refine_rng, feed_back)
-            chosen = select(best, prepared, self.search)
+            best = [refine(reader, candidates, prepared, self.search, self.refinement, m, feed_back) for m in moves]
+            chosen = select(np.concatenate(best), prepared, self.search)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
         return results, met
 
