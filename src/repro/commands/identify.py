@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--friction", action="store_true", help="take out friction beyond Eq. 1 where the log asks for it"
     )
     parser.add_argument(
-        "--steps", type=positive_integer, default=2000, help="training steps of the CNN (default: 2000)"
+        "--steps", type=positive_integer, default=1500, help="training steps of the CNN (default: 1500)"
     )
     parser.add_argument("--threads", type=positive_integer, default=2, help="threads of the CNN (default: 2)")
     parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")

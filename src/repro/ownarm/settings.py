@@ -35,7 +35,7 @@ class Options:
     filter: str = "dct"
     cutoff: float | None = None
     seed: int = 1
-    steps: int = 2000
+    steps: int = 1500
     threads: int = 2
     friction: bool = False
 

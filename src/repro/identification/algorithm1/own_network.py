@@ -84,7 +84,7 @@ class NetworkSearch:
     """
 
     cache: Path
-    training: TrainingSettings = field(default_factory=lambda: TrainingSettings(steps=2000))
+    training: TrainingSettings = field(default_factory=lambda: TrainingSettings(steps=1500))
     data: DataSettings = field(default_factory=DataSettings)
     network: NetworkSettings = field(default_factory=NetworkSettings)
     search: SearchSettings = field(
