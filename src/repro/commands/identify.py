@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
-        help="may be given more than once (default: all; least-squares takes seconds, a CNN minutes)",
+        help="may be given more than once (default: all; least-squares takes seconds, the CNN half a minute and more)",
     )
     parser.add_argument("-o", "--out", required=True, type=Path, help="folder for parameters, report and exports")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
