@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 import time
+from dataclasses import replace
 
 from repro import contract
 
@@ -71,7 +72,9 @@ def main() -> None:
     runs["factored bfloat16 still"].conv1.requires_grad_(False)
     for network in runs.values():
         network.load_state_dict(runs["plain float32"].state_dict())
-    optimisers = {name: make_optimisers(network, settings) for name, network in runs.items()}
+    optimisers = {
+        name: make_optimisers(network, replace(settings, precision=name.split()[1])) for name, network in runs.items()
+    }
     seconds = {name: [] for name in runs}
 
     def inputs(name, samples):

@@ -302,14 +302,16 @@ def test_paper_recipe_takes_the_step_of_gradient_descent(draws):
         torch.testing.assert_close(ours.double(), right, rtol=1e-4, atol=1e-5)
 
 
-def test_evaluation_is_the_mean_loss_whatever_the_batch(draws):
+@pytest.mark.parametrize(("dtype", "tolerance"), [(torch.float32, 1e-5), (torch.bfloat16, 5e-3)])
+def test_evaluation_is_the_mean_loss_whatever_the_batch(draws, dtype, tolerance):
     network = literal.untrained()
+    network.dtype = dtype
     samples = training.draw_samples(np.random.default_rng(0), 13, MOTION, DATA)
     twin = literal.plain_twin(network)
     found = twin(torch.from_numpy(assemble(samples.u, samples.v)).double())
     expected = float(sigmoid_loss(found, torch.from_numpy(samples.residual).double(), 1.0).detach())
     for batch in (1, 5, 64):
-        assert evaluate(network, samples, batch) == pytest.approx(expected, rel=1e-5)
+        assert evaluate(network, samples, batch) == pytest.approx(expected, rel=tolerance)
 
 
 def test_progress_is_reported_and_the_network_is_ready_for_use():

@@ -158,6 +158,19 @@ def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_fig
     assert (tmp_path / "a" / "parameters.json").read_bytes() == (tmp_path / "b" / "parameters.json").read_bytes()
 
 
+def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
+    runs, run = [], algorithm1._run
+    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(given) or run(*given, **named))
+    common = (log, "--steps", 2, "--threads", 1, "--cache", tmp_path / "cache", "--method", "algorithm1")
+    found = {}
+    for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
+        assert identify(*common, *more, "-o", tmp_path / name) == 0
+        table = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"]
+        found[name] = table.apply(list).to_dict()
+    assert len(runs) == 2
+    assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
+
+
 def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
     link = tmp_path / "board"
     command = [sys.executable, "-m", "repro", "simulate", "--as-fast-as-possible", "--link", str(link)]

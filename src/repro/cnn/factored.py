@@ -65,7 +65,7 @@ class _FirstLayer(torch.autograd.Function):
         for x in (members[1][:, 0], members[1][:, 1]):
             torch.maximum(pooled, x, out=pooled)
         biases = bias.repeat_interleave(half)
-        if not ctx.needs_input_grad[2]:
+        if not any(ctx.needs_input_grad):
             return pooled.add_(biases).relu_().view(n, half, maps, half).permute(0, 2, 1, 3)
         out = F.relu_(pooled + biases).view(n, half, maps, half)
         ctx.save_for_backward(rows, columns, pooled, out, *members)
@@ -130,7 +130,7 @@ class FactoredCNN(SignalCNN):
     settings : NetworkSettings
         Sizes.
     precision : {"float32", "bfloat16"}
-        Arithmetic of layers 1 to 4. Weights, layers 5 and 6, and the optimiser stay in the weights' own dtype.
+        Arithmetic of layers 1 to 4. Weights and layers 5 and 6 stay in the weights' own dtype.
     """
 
     def __init__(self, settings: NetworkSettings, precision: str = "float32") -> None:
@@ -160,7 +160,7 @@ class FactoredCNN(SignalCNN):
         weight, bias = self._cast(self.conv1)
         u, v = u.to(self.dtype), v.to(self.dtype)
         form = torch.channels_last  # as the second convolution likes it
-        if weight.requires_grad:
+        if weight.requires_grad or bias.requires_grad:
             x = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
             return self.tail(x.contiguous(memory_format=form))  # (n, 10, 46, 46)
         side = self.settings.pooled[0]

@@ -10,14 +10,14 @@ from repro.cnn.factored import DTYPES, on_this_processor
 from repro.cnn.network import SignalCNN
 from repro.cnn.schedule import TrainingSettings
 
-#: a, b, c of p(x) = x (a + b x^2 + c x^4): applied three times it lifts singular values from 0.02 on to near one.
+#: a, b, c of p(x) = x (a + b x^2 + c x^4): applied three times it lifts singular values from 0.02 on to 0.7 to 1.2.
 #: Jordan, "Muon", 2024.
 QUINTIC = (3.4445, -4.7750, 2.0315)
 QUINTIC_TIMES = 3
 
 
 def _lift(gram: Tensor, times: int) -> Tensor:
-    """The polynomial of G by which p, applied so many times, multiplies X."""
+    """Q(G) such that p, applied so many times to X, is Q(G) X."""
     a, b, c = QUINTIC
     factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
     factor.diagonal().add_(a)
@@ -28,7 +28,7 @@ def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
     """The matrix with its singular values brought near one, its singular vectors kept.
 
     An odd polynomial of X is a polynomial of G = X X^T times X, so the iteration runs on the small G, in single
-    precision, and only two products are as wide as X.
+    precision, and only two products are as wide as X: the one that forms G, and the last.
 
     Parameters
     ----------
@@ -65,8 +65,7 @@ class Muon(torch.optim.Optimizer):
     """
 
     def __init__(self, weights: Iterable[Tensor], lr: float, dtype: torch.dtype) -> None:
-        super().__init__(weights, {"lr": lr, "momentum": 0.95})
-        self.dtype = dtype
+        super().__init__(weights, {"lr": lr, "momentum": 0.95, "dtype": dtype})
 
     @torch.no_grad()
     def step(self, _closure: None = None) -> None:  # type: ignore[override]
@@ -78,7 +77,7 @@ class Muon(torch.optim.Optimizer):
                     state["momentum"] = torch.zeros_like(weight)
                 momentum = state["momentum"].lerp_(weight.grad, 1 - group["momentum"])
                 ahead = weight.grad.lerp(momentum, group["momentum"]).flatten(1)  # Nesterov's look ahead
-                step = orthogonalised(ahead, self.dtype)
+                step = orthogonalised(ahead, group["dtype"])
                 weight.add_(step.view_as(weight), alpha=-0.2 * math.sqrt(max(step.shape)) * group["lr"])
 
 

@@ -65,7 +65,8 @@ class TrainingSettings:
     log_every, checkpoint_every : int
         Steps between rows of the history, and between checkpoints.
     precision : {"auto", "float32", "bfloat16"}
-        Arithmetic of layers 1 to 4 during training; auto takes bfloat16 where the processor has it.
+        Arithmetic of layers 1 to 4 and of Muon's wide products during training; auto takes bfloat16 where the
+        processor has it.
     paper : PaperSchedule
         Settings of the paper's recipe.
     """

@@ -84,7 +84,7 @@ def _batches(
 
 
 def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
-    """Mean loss over a set.
+    """Mean loss over a set, in the network's arithmetic.
 
     Parameters
     ----------

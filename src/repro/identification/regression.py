@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from repro.model.parameters import Array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False)  # hashed by identity: what is made of one is kept for it
 class Regression:
     """A recording made ready for a method.
 

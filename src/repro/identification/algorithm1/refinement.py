@@ -51,7 +51,7 @@ class RefinementSettings:
         reach where the differences do not, such as when a single candidate is left.
     starts : int
         Refinements of the same candidates along other moves, all of whose results are candidates. On a short log of
-        a real arm every fourth and more ends in a local optimum.
+        a real arm three of ten end in a local optimum.
     """
 
     restarts: int = 500
