@@ -35,12 +35,11 @@ def resolve(options: Options, report: Report) -> list[Method]:
     if set(options.methods) & set(NETWORKS):
         from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
         from repro.identification.algorithm1.own_network import NetworkSearch, methods  # noqa: PLC0415
-        from repro.identification.algorithm1.refinement import RefinementSettings  # noqa: PLC0415
 
         training = TrainingSettings(steps=options.steps, seed=options.seed)
         search = NetworkSearch(options.cache, training, seed=options.seed, threads=options.threads)
         if "algorithm1+refinement" not in options.methods:
-            search = replace(search, refinement=RefinementSettings(passes=0))
+            search = replace(search, refinement=replace(search.refinement, passes=0))
         for method in methods(search, lambda done, total, note: report("training the CNN", done, total, note)):
             known[method.name] = method
     return [known[name] for name in options.methods]
