@@ -3,10 +3,15 @@
 import json
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
 
 from repro.errors import InputError
 
@@ -79,3 +84,20 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     if missing:
         raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
     return frame
+
+
+def write_tensors(
+    path: Path | str, arrays: Mapping[str, NDArray[Any]], header: Mapping[str, str] | None = None
+) -> None:
+    """Write arrays as safetensors; of several facts in the header the order is any."""
+    laid = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # written as memory lies
+    write_whole(path, lambda temporary: save_file(laid, temporary, dict(header) if header else None))
+
+
+def read_tensors(path: Path, expected: str = "a safetensors file") -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+    """Read the arrays and the header of a safetensors file."""
+    try:
+        with safe_open(path, framework="np") as f:
+            return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118
+    except (OSError, SafetensorError) as error:
+        raise InputError.at(str(path), f"no readable safetensors file ({error})", expected) from error

@@ -115,8 +115,8 @@ class PerfectNetwork:
         self._inverse = np.linalg.pinv(model.reshape(-1, 9))
         self._constant = constant
 
-    def forward_shared(self, u, v):
-        alpha = v.numpy()[:, 0].astype(np.float64)  # (2, S)
+    def __call__(self, u, v):
+        alpha = v.numpy()[0, :, 0].astype(np.float64)  # (2, S)
         psi = self._constant * u.numpy()[:, :, 0].astype(np.float64)  # (n, 2, S)
         guess = (2 * alpha - psi).reshape(len(psi), -1) @ self._inverse.T
         right = self._inverse @ alpha.ravel()
@@ -232,7 +232,7 @@ def test_refinement_never_ends_below_algorithm_1(untrained, found):
 
 def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
     class Refused:
-        def forward_shared(self, u, v):
+        def __call__(self, u, v):
             return torch.full((len(u), 9), -10.0)
 
     literal = experiment(refinement=RefinementSettings(passes=0))

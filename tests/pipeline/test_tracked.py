@@ -101,7 +101,7 @@ def test_the_ideal_motion_needs_no_file():
 def test_a_file_of_fewer_motions_is_refused(motions):
     with pytest.raises(InputError, match="position: found another shape"):
         training_motion(small(7), motions)
-    with pytest.raises(InputError, match="no safetensors file"):
+    with pytest.raises(InputError, match="no readable safetensors file"):
         training_motion(small(), motions.with_name("none"))
 
 

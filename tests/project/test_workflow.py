@@ -29,7 +29,7 @@ CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="ut
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 #: Rules that only name other rules' files.
-COLLECTIONS = {"all", "paper_recipe", "ablation", "metric_search", "why", "coverage", *EXHIBITS}
+COLLECTIONS = {"all", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
 
 
 def targets(results="results", figures="paper_figures"):

@@ -16,18 +16,7 @@ rule ablation_train:
     params:
         code=code("ablation_train.py"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
-        config=sections(
-            "signals",
-            "network",
-            "data",
-            "image",
-            "training",
-            "networks",
-            "algorithm1",
-            "board",
-            "experiment",
-            "ablation",
-        ),
+        config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment", "ablation"),
     message:
         "Training for the reading {wildcards.trained}"
     script:
@@ -50,7 +39,7 @@ rule ablation_run:
         mem_mb=2000,
     params:
         code=code("ablation_run.py"),
-        config=ablation_sections(),
+        config=sections(*USED, *ARM, "networks", "numeric", "ablation"),
     message:
         "Headline numbers under the reading {wildcards.reading}"
     script:

@@ -1,5 +1,8 @@
 CODE = CodeDigests(Path(".snakemake/code.json"))
 
+# What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
+AWAITED, TRAINING, LONG = 20, 10, 5
+
 
 def code(script, *modules):
     """Digest of the code that a script reaches, and of further modules; a docstring changes nothing."""
@@ -21,9 +24,15 @@ def sections(*names, of=config):
     return parts
 
 
+# What jobs depend on that have to do with the arm, that train a network, and that use one.
+ARM = ("signals", "arm", "board", "experiment")
+TRAINED = ("signals", "network", "data", "image", "training")
+USED = (*TRAINED, "metric", "algorithm1", "refinement")
+
+
 def network_sections(*names):
-    """The same parts, as the network of a job changes them."""
-    return lambda wildcards: sections(*names, of=of_network(config, network_name(wildcards)))
+    """What a job that uses a network depends on, as that network changes it, and further parts."""
+    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards)))
 
 
 def trained_as(wildcards):
@@ -79,14 +88,14 @@ def captures(motions):
     return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "program", "json"])
 
 
-def experiment_identifications():
-    """Identifications of the arm: every network with every seed, and least squares."""
+def experiment_identifications(suffix=""):
+    """Identifications of the arm with every seed: by one network, or by those of the tables and by least squares."""
     numbered = expand(
         f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
-        suffix=SUFFIXES,
+        suffix=suffix or SUFFIXES,
         seed=config["experiment"]["search_seeds"],
     )
-    return [*numbered, f"{R}/identification/experiment-least-squares.json"]
+    return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
 
 
 def spread_scores():
@@ -97,26 +106,6 @@ def spread_scores():
 def network_of(reading):
     """Network that a reading uses: its own, or another reading's."""
     return reading if READINGS[reading].trained else READINGS[reading].of
-
-
-def ablation_sections():
-    """What the runs of the ablation depend on, whatever the reading."""
-    return sections(
-        "signals",
-        "network",
-        "data",
-        "image",
-        "training",
-        "networks",
-        "metric",
-        "algorithm1",
-        "refinement",
-        "numeric",
-        "arm",
-        "board",
-        "experiment",
-        "ablation",
-    )
 
 
 def ledger_sources():
@@ -133,6 +122,4 @@ def ledger_sources():
 
 def ledger_sections():
     """Settings that are held against published ones."""
-    return sections(
-        "signals", "metric", "data", "training", "networks", "algorithm1", "numeric", "arm", "board", "experiment"
-    )
+    return sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")

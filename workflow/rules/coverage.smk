@@ -12,8 +12,7 @@ rule check_coverage:
         f"{R}/logs/check_coverage.log",
     benchmark:
         f"{R}/benchmarks/check_coverage.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -22,21 +21,8 @@ rule check_coverage:
     params:
         code=code("check_coverage.py"),
         trained_as=configuration_digest(of_network(config, "tracked")),
-        config=sections(
-            *("signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric"),
-            *("algorithm1", "refinement", "coverage"),
-            of=of_network(config, "tracked"),
-        ),
+        config=sections(*USED, *ARM, "coverage", of=of_network(config, "tracked")),
     message:
         "Checking the intervals of the network of tracked motions"
     script:
         "../scripts/check_coverage.py"
-
-
-rule coverage:
-    input:
-        f"{F}/coverage.pdf",
-        f"{R}/tables/coverage.csv",
-        f"{R}/tables/intervals.csv",
-    message:
-        "Figure and tables of the intervals are up to date"

@@ -5,8 +5,7 @@ rule simulate_tracked:
         f"{R}/logs/simulate_tracked.log",
     benchmark:
         f"{R}/benchmarks/simulate_tracked.tsv"
-    # A network waits for it.
-    priority: 20
+    priority: AWAITED
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -27,8 +26,7 @@ rule mean_torque:
         f"{R}/logs/mean_torque.log",
     benchmark:
         f"{R}/benchmarks/mean_torque.tsv"
-    # Every identification waits for it.
-    priority: 20
+    priority: AWAITED
     conda:
         "../../envs/repro.yaml"
     resources:

@@ -73,14 +73,19 @@ for (family, *sources), exhibits in TOGETHER.items():
             "../scripts/exhibits.py"
 
 
-# Each is a target.
+# Each is a target, and so are table and figure of one name.
+TARGETS = {}
 for exhibit in EXHIBITS:
+    for target in dict.fromkeys((exhibit.target, exhibit.name)):
+        TARGETS.setdefault(target, []).append(exhibit)
+
+for target, exhibits in TARGETS.items():
 
     rule:
         name:
-            exhibit.target
+            target
         input:
-            [str(file) for file in files_of(exhibit).values()],
+            [str(file) for exhibit in exhibits for file in files_of(exhibit).values()],
         localrule: True
         message:
-            f"{exhibit.title} ({exhibit.label}) is up to date"
+            ", ".join(f"{exhibit.title} ({exhibit.label})" for exhibit in exhibits) + " is up to date"

@@ -15,8 +15,7 @@ rule acquire:
         f"{R}/logs/acquire-{{motion}}.log",
     benchmark:
         f"{R}/benchmarks/acquire-{{motion}}.tsv"
-    # What identifies the arm waits for it.
-    priority: 20
+    priority: AWAITED
     # A port hangs on the computer where the run is started.
     localrule: True
     conda:
@@ -26,7 +25,7 @@ rule acquire:
         serial_port=int(SERIAL),
     params:
         code=code("acquire.py"),
-        config=sections("signals", "arm", "board", "experiment"),
+        config=sections(*ARM),
     message:
         "Capture of {wildcards.motion}"
     script:
@@ -48,8 +47,7 @@ rule identify_experiment:
         f"{R}/logs/identify_experiment{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/identify_experiment{{suffix}}.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -58,19 +56,7 @@ rule identify_experiment:
         code=code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
-        config=network_sections(
-            "signals",
-            "arm",
-            "board",
-            "experiment",
-            "network",
-            "data",
-            "image",
-            "training",
-            "metric",
-            "algorithm1",
-            "refinement",
-        ),
+        config=network_sections(*ARM),
     message:
         "Identifying the arm, network{wildcards.suffix}"
     script:
@@ -92,7 +78,7 @@ rule identify_least_squares:
         mem_mb=2000,
     params:
         code=code("identify_least_squares.py"),
-        config=sections("signals", "arm", "board", "experiment"),
+        config=sections(*ARM),
     message:
         "Identifying the arm by least squares"
     script:
@@ -102,22 +88,22 @@ rule identify_least_squares:
 rule score_experiment:
     input:
         captures=captures(PROGRAMS),
-        identifications=experiment_identifications(),
+        identifications=lambda wildcards: experiment_identifications(wildcards.suffix),
     output:
-        f"{R}/validation/experiment.csv",
+        f"{R}/validation/experiment{{suffix}}.csv",
     log:
-        f"{R}/logs/score_experiment.log",
+        f"{R}/logs/score_experiment{{suffix}}.log",
     benchmark:
-        f"{R}/benchmarks/score_experiment.tsv"
+        f"{R}/benchmarks/score_experiment{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
     resources:
         mem_mb=2000,
     params:
         code=code("score_experiment.py"),
-        config=sections("signals", "arm", "board", "experiment", "metric"),
+        config=sections(*ARM, "metric"),
     message:
-        f"Scoring the arm's estimates on ID and {SPAN}"
+        f"Scoring the arm's estimates on ID and {SPAN}{{wildcards.suffix}}"
     script:
         "../scripts/score_experiment.py"
 
@@ -129,15 +115,14 @@ rule simulate_spread:
         f"{R}/logs/simulate_spread.log",
     benchmark:
         f"{R}/benchmarks/simulate_spread.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
         mem_mb=2000,
     params:
         code=code("simulate_spread.py"),
-        config=sections("signals", "data", "arm", "board", "experiment", "spread"),
+        config=sections(*ARM, "data", "spread"),
     message:
         "Simulating many specimens of the arm"
     script:
@@ -155,8 +140,7 @@ rule score_spread:
         f"{R}/logs/score_spread-{{index}}.log",
     benchmark:
         f"{R}/benchmarks/score_spread-{{index}}.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -165,21 +149,7 @@ rule score_spread:
     params:
         code=code("score_spread.py"),
         trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
-        config=sections(
-            "signals",
-            "arm",
-            "board",
-            "experiment",
-            "network",
-            "data",
-            "image",
-            "training",
-            "metric",
-            "algorithm1",
-            "refinement",
-            "networks",
-            "spread",
-        ),
+        config=sections(*USED, *ARM, "networks", "spread"),
     message:
         "Identifying and scoring many specimens, identification duration {wildcards.index}"
     script:

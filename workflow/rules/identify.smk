@@ -12,8 +12,7 @@ rule identify_numeric:
         f"{R}/logs/identify_numeric{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/identify_numeric{{suffix}}.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -22,9 +21,7 @@ rule identify_numeric:
         code=code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
         trained_as=trained_as,
-        config=network_sections(
-            "signals", "network", "data", "image", "training", "metric", "algorithm1", "refinement", "numeric"
-        ),
+        config=network_sections("numeric"),
     message:
         "Identifying N1 to N4, network{wildcards.suffix}"
     script:

@@ -19,11 +19,3 @@ rule search_metric:
         "Searching the formula of metr2ev that explains Table 7"
     script:
         "../scripts/search_metric.py"
-
-
-rule metric_search:
-    input:
-        f"{F}/metric_search.pdf",
-        f"{R}/tables/metric_search.csv",
-    message:
-        "Figure and table of the metric search are up to date"

@@ -14,8 +14,7 @@ rule train:
         f"{R}/logs/train{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/train{{suffix}}.tsv"
-    # Most of the time of a run: nothing that a core can do meanwhile is to keep a network waiting.
-    priority: 10
+    priority: TRAINING
     conda:
         "../../envs/repro.yaml"
     # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.

@@ -8,8 +8,7 @@ rule explain:
         f"{R}/logs/explain{{suffix}}.log",
     benchmark:
         f"{R}/benchmarks/explain{{suffix}}.tsv"
-    # Long: before the short ones, so that no core is idle at the end.
-    priority: 5
+    priority: LONG
     conda:
         "../../envs/repro.yaml"
     resources:
@@ -18,19 +17,8 @@ rule explain:
     params:
         code=code("explain.py"),
         trained_as=trained_as,
-        config=network_sections(
-            *("signals", "arm", "board", "experiment", "network", "data", "image", "training", "metric"),
-            *("algorithm1", "refinement", "why"),
-        ),
+        config=network_sections(*ARM, "why"),
     message:
         "From the ideal case to the recording, network{wildcards.suffix}"
     script:
         "../scripts/explain.py"
-
-
-rule why:
-    input:
-        f"{F}/why.pdf",
-        f"{R}/tables/why.csv",
-    message:
-        "Figure and table of the causes are up to date"

@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
 from torch import Tensor, nn
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.factored import FactoredCNN, on_this_processor
 from repro.cnn.schedule import Precision
 from repro.cnn.weights import read_weights
-from repro.errors import InputError
-from repro.files import write_whole
+from repro.files import read_tensors, write_tensors
 
 
 @dataclass(frozen=True)
@@ -40,11 +37,6 @@ class Progress:
     rows: list[tuple[float, float, float, float, float]] = field(default_factory=list)
 
 
-def _write(path: Path, tensors: dict[str, Tensor], metadata: dict[str, str]) -> None:
-    contiguous = {name: t.detach().contiguous() for name, t in tensors.items()}
-    write_whole(path, lambda temporary: save_file(contiguous, temporary, metadata))
-
-
 def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> None:
     """Write the weights.
 
@@ -58,15 +50,7 @@ def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> No
         A fact kept in the file's header, one at most: several are written in any order. Nothing that changes from run
         to run belongs here.
     """
-    _write(path, network.state_dict(), metadata)
-
-
-def _read(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
-    try:
-        with safe_open(path, framework="pt") as f:
-            return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118
-    except (OSError, SafetensorError) as error:
-        raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
+    write_tensors(path, {name: weight.numpy() for name, weight in network.state_dict().items()}, metadata)
 
 
 def load_network(
@@ -119,11 +103,11 @@ def save_checkpoint(
     run : str
         What identifies the run; only the same run may continue from the file.
     """
-    tensors = {f"network.{name}": t for name, t in network.state_dict().items()}
+    arrays = {f"network.{name}": weight.numpy() for name, weight in network.state_dict().items()}
     for which, optimiser in enumerate(optimisers):
         for index, state in optimiser.state_dict()["state"].items():
-            tensors |= {f"{which}.{index}.{key}": t for key, t in state.items() if isinstance(t, Tensor)}
-    _write(path, tensors, {"progress": json.dumps(progress.__dict__), "run": run})
+            arrays |= {f"{which}.{index}.{key}": t.numpy() for key, t in state.items() if isinstance(t, Tensor)}
+    write_tensors(path, arrays, {"progress": json.dumps(progress.__dict__), "run": run})
 
 
 def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], run: str) -> Progress:
@@ -147,12 +131,10 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     """
     if not path.exists():
         return Progress()
-    try:
-        tensors, metadata = _read(path)
-    except InputError as error:
-        raise InputError(f"{error}; delete it to start anew") from error
+    arrays, metadata = read_tensors(path, "a checkpoint; delete it to start anew")
     if metadata.get("run") != run:
         return Progress()
+    tensors = {name: torch.from_numpy(array) for name, array in arrays.items()}
     prefix = "network."
     network.load_state_dict({n.removeprefix(prefix): t for n, t in tensors.items() if n.startswith(prefix)})
     for which, optimiser in enumerate(optimisers):

@@ -47,7 +47,10 @@ def _windows(x: Tensor, kernel: int) -> Tensor:
 
 
 class _FirstLayer(torch.autograd.Function):
-    """ReLU(bias + maxpool2(conv(Z))) and its gradients for weight and bias; the images need none."""
+    """ReLU(bias + maxpool2(conv(Z))) and its gradients for weight and bias; the images need none.
+
+    Where no gradient is asked for, `v` may be one for all images.
+    """
 
     @staticmethod
     def forward(ctx: Any, u: Tensor, v: Tensor, weight: Tensor, bias: Tensor) -> Tensor:  # noqa: ANN401
@@ -56,11 +59,12 @@ class _FirstLayer(torch.autograd.Function):
         rows = _windows(u, k).permute(0, 4, 3, 1, 2, 5)  # (n, parity, i, d, r, k)
         half = rows.shape[2]
         rows = rows.reshape(n, 2 * half, d * r * k)
-        columns = _windows(v, k).permute(4, 0, 1, 2, 5, 3).reshape(2, n * d * r, k, half)  # (parity, (n d r), l, j)
+        m = len(v)  # n or 1
+        columns = _windows(v, k).permute(4, 0, 1, 2, 5, 3).reshape(2, m * d * r, k, half)  # (parity, (m d r), l, j)
         kernel = weight.permute(1, 2, 0, 3).reshape(1, d, 1, k * maps, k)  # (1, d, 1, (k o), l)
-        kernel = kernel.expand(n, d, r, k * maps, k).reshape(n * d * r, k * maps, k)
-        t = [torch.bmm(kernel, c).view(n, d * r * k, maps * half) for c in columns]  # (n, (d r k), (o j)) each
-        members = [torch.bmm(rows, x).view(n, 2, half, maps * half) for x in t]  # (n, parity, i, (o j)) each
+        kernel = kernel.expand(m, d, r, k * maps, k).reshape(m * d * r, k * maps, k)
+        t = [torch.bmm(kernel, c).view(m, d * r * k, maps * half).squeeze(0) for c in columns]  # (m, (d r k), (o j))
+        members = [torch.matmul(rows, x).view(n, 2, half, maps * half) for x in t]  # (n, parity, i, (o j)) each
         pooled = torch.maximum(members[0][:, 0], members[0][:, 1])
         for x in (members[1][:, 0], members[1][:, 1]):
             torch.maximum(pooled, x, out=pooled)
@@ -149,8 +153,10 @@ class FactoredCNN(SignalCNN):
 
         Parameters
         ----------
-        u, v : tensors of shape (n, 2, 2, 100)
-            Factors from `repro.cnn.image.image_factors`.
+        u : tensor of shape (n, 2, 2, 100)
+            First factors from `repro.cnn.image.image_factors`.
+        v : tensor of shape (n, 2, 2, 100) or (1, 2, 2, 100)
+            Second factors: images of many guesses at one torque share theirs. One needs layer 1 without gradients.
 
         Returns
         -------
@@ -167,43 +173,9 @@ class FactoredCNN(SignalCNN):
         x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
         for k in range(0, len(u), PIECE):
             piece = slice(k, k + PIECE)
-            x[piece] = _FirstLayer.apply(u[piece], v[piece], weight, bias)  # type: ignore[no-untyped-call]
+            columns = v[piece] if len(v) > 1 else v
+            x[piece] = _FirstLayer.apply(u[piece], columns, weight, bias)  # type: ignore[no-untyped-call]
         return self.tail(x)  # (n, 10, 46, 46)
-
-    def forward_shared(self, u: Tensor, v: Tensor) -> Tensor:
-        """Residuals for many guesses at one torque, whose images share `v`: no gradients.
-
-        Parameters
-        ----------
-        u : tensor of shape (n, 2, 2, 100)
-            First factors.
-        v : tensor of shape (2, 2, 100)
-            Second factors.
-
-        Returns
-        -------
-        tensor of shape (n, 9)
-            Residuals in units of the largest torque.
-        """
-        n, c = len(u), self.dtype
-        weight, bias = self._cast(self.conv1)
-        maps, _, k, _ = weight.shape
-        rows = _windows(u.to(c), k).permute(4, 0, 3, 1, 2, 5)  # (parity, n, i, d, r, k)
-        half = rows.shape[2]
-        columns = _windows(v.to(c), k)  # (d, r, j, parity, l)
-        t = torch.einsum("odkl,drjpl->pdrkjo", weight, columns).flatten(1, 3).flatten(2)
-        flat = rows.reshape(2, n * half, -1)
-        biases, step = bias.repeat(half), PIECE * half
-        x = torch.empty(n * half, half * maps, dtype=c)  # (n i, (j o))
-        other = torch.empty(step, half * maps, dtype=c)
-        for first in range(0, n * half, step):
-            part, (even, odd) = x[first : first + step], flat[:, first : first + step]
-            torch.mm(even, t[0], out=part)
-            for member in ((even, t[1]), (odd, t[0]), (odd, t[1])):
-                torch.maximum(part, torch.mm(*member, out=other[: len(part)]), out=part)
-            part.add_(biases).relu_()
-        x = x.view(n, half, half, maps)
-        return self.tail(x.permute(0, 3, 1, 2))  # (n, 10, 46, 46), channels last as conv2 likes it
 
     def tail(self, x: Tensor) -> Tensor:
         """Layers 2 to 6 on the pooled maps of layer 1, ``(n, 10, 46, 46) -> (n, 9)``."""

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
 
 from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
+from repro.files import read_tensors
 
 
 def read_weights(path: Path, settings: NetworkSettings, said: str | None = None) -> dict[str, NDArray[np.floating]]:
@@ -32,12 +32,8 @@ def read_weights(path: Path, settings: NetworkSettings, said: str | None = None)
     InputError
         If the file is missing, damaged, another network's, or holds other sizes or a value that is not finite.
     """
-    try:
-        with safe_open(path, framework="np") as f:
-            weights: dict[str, NDArray[np.floating]] = {name: f.get_tensor(name) for name in f.keys()}  # noqa: SIM118
-            header = [*(f.metadata() or {}).values()]
-    except (OSError, SafetensorError) as error:
-        raise InputError.at(str(path), f"no readable weights ({error})", "a safetensors file") from error
+    weights, metadata = read_tensors(path, "weights of a network")
+    header = [*metadata.values()]
     wanted, found = settings.weights, {name: w.shape for name, w in weights.items()}
     if wanted != found:
         wrong = sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n))[0]

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safetensors import SafetensorError
-from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
-from repro.files import write_whole
+from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
@@ -93,18 +91,15 @@ def simulate_spread(config: Config, out: Path) -> None:
     kept: dict[str, np.ndarray[Any, np.dtype[Any]]] = {"parameters": beta}
     for k, (name, q) in enumerate(desired.items()):
         own = np.s_[k * len(seeds) : (k + 1) * len(seeds), :, : q.shape[-1]]
-        kept |= {f"{name}/position": position[own].copy(), f"{name}/pwm": pwm[own].copy()}
+        kept |= {f"{name}/position": position[own], f"{name}/pwm": pwm[own]}
         kept[f"{name}/desired"] = q.astype(np.float32)
-    write_whole(out, lambda temporary: save_file(kept, temporary))
+    write_tensors(out, kept)
 
 
 def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     """Recordings of every seed for one identification duration."""
     seeds, duration = config["spread"]["seeds"], config["spread"]["durations_s"][index]
-    try:
-        kept = load_file(path)
-    except (OSError, SafetensorError) as error:
-        raise InputError.at(str(path), f"no safetensors file ({error})", "the recordings of the spread") from error
+    kept, _ = read_tensors(path, "the recordings of the spread")
     true = kept.get("parameters", np.empty(0))
     if true.shape != (len(seeds), 9):
         raise InputError.at(f"{path}: parameters", "another shape or nothing", f"an array of shape ({len(seeds)}, 9)")

@@ -7,10 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from safetensors import SafetensorError, safe_open
-
 from repro.errors import InputError
-from repro.files import write_text, write_whole
+from repro.files import read_tensors, write_text, write_whole
 from repro.pipeline.job import Config
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
@@ -59,12 +57,11 @@ def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     stored = stored_files(config["training"]["networks"], suffix)
     weights = stored["weights"]
     expected = "one trained with this configuration; training.source: trained trains it"
+    _, metadata = read_tensors(weights, expected)
     try:
-        with safe_open(weights, framework="np") as f:
-            metadata = f.metadata() or {}
         card, digest = stored["card"].read_text(encoding="utf-8"), hashlib.sha256(weights.read_bytes()).hexdigest()
-    except (OSError, SafetensorError, UnicodeDecodeError) as error:
-        raise InputError.at(str(weights), f"no readable stored network ({error})", expected) from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError.at(str(stored["card"]), f"no readable model card ({error})", expected) from error
     if metadata.get(CONFIGURATION) != configuration_digest(config):
         raise InputError.at(str(weights), "a network of another configuration", expected)
     if digest not in card:

@@ -6,17 +6,14 @@ that has seen one motion has no reason to bear another one: this extension shows
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError
-from safetensors.numpy import load_file, save_file
 
 from repro.cnn.dataset import SampledMotion, SignalSettings, image_regressor, sample_motion, stack_motions
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
-from repro.files import write_whole
+from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
@@ -86,23 +83,14 @@ def simulate_tracked(config: Config, out: Path) -> None:
     """Simulate the arms whose motions a network is trained on, and keep them."""
     t = config["data"]["tracked"]
     arms = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
-    # safetensors writes memory as it lies
-    counts = {name: np.ascontiguousarray(getattr(arms, name)) for name in ("position", "pwm")}
-    arrays: dict[str, np.ndarray[Any, np.dtype[Any]]] = {
-        **counts,
-        "desired": arms.program.q.astype(np.float32),
-        "parameters": arms.parameters,
-    }
-    write_whole(out, lambda temporary: save_file(arrays, temporary))
+    kept = {name: getattr(arms, name) for name in ("position", "pwm", "parameters")}
+    write_tensors(out, {**kept, "desired": arms.program.q.astype(np.float32)})
 
 
 def read_tracked(path: Path, config: Config) -> Tracked:
     """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them."""
     program, arms = _program(config), config["data"]["tracked"]["arms"]
-    try:
-        kept = load_file(path)
-    except (OSError, SafetensorError) as error:
-        raise InputError.at(str(path), f"no safetensors file ({error})", "motions of `simulate_tracked`") from error
+    kept, _ = read_tensors(path, "motions of `simulate_tracked`")
     n = program.q.shape
     for name, shape in (("position", (arms, *n)), ("pwm", (arms, *n)), ("desired", n), ("parameters", (arms, 9))):
         if name not in kept or kept[name][: shape[0]].shape != shape:

@@ -55,5 +55,5 @@ class ResidualReader:
         u, v = image_factors(np.broadcast_to(self._alpha, psi.shape), psi, self._image)
         with torch.no_grad():
             # Lines 19 and 20: the sigmoid of the output layer and its inverse cancel.
-            residual = self._network.forward_shared(torch.from_numpy(u), torch.from_numpy(v[0].copy()))
+            residual: torch.Tensor = self._network(torch.from_numpy(u), torch.from_numpy(v[:1].copy()))
         return residual.numpy().astype(np.float64)
