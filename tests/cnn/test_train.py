@@ -159,9 +159,8 @@ def test_run_killed_between_checkpoints_ends_with_the_same_bits(settings, last, 
     assert started[0].step == last
     whole = run(settings)
     assert_same(whole, resumed)
-    assert resumed.seconds >= started[0].seconds > 0
+    assert resumed.seconds_at[-1] >= started[0].seconds > 0
     assert (np.diff(resumed.seconds_at) > 0).all()
-    assert resumed.seconds == resumed.seconds_at[-1]
 
 
 # Each changes something else about the run that the checkpoint came from.

@@ -167,22 +167,19 @@ class FactoredCNN(SignalCNN):
         u, v = u.to(self.dtype), v.to(self.dtype)
         form = torch.channels_last  # as the second convolution likes it
         if weight.requires_grad or bias.requires_grad:
-            x = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
-            return self.tail(x.contiguous(memory_format=form))  # (n, 10, 46, 46)
-        side = self.settings.pooled[0]
-        x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
-        for k in range(0, len(u), PIECE):
-            piece = slice(k, k + PIECE)
-            columns = v[piece] if len(v) > 1 else v
-            x[piece] = _FirstLayer.apply(u[piece], columns, weight, bias)  # type: ignore[no-untyped-call]
-        return self.tail(x)  # (n, 10, 46, 46)
-
-    def tail(self, x: Tensor) -> Tensor:
-        """Layers 2 to 6 on the pooled maps of layer 1, ``(n, 10, 46, 46) -> (n, 9)``."""
+            x: Tensor = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
+            x = x.contiguous(memory_format=form)  # (n, 10, 46, 46)
+        else:
+            side = self.settings.pooled[0]
+            x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
+            for k in range(0, len(u), PIECE):
+                piece = slice(k, k + PIECE)
+                columns = v[piece] if len(v) > 1 else v
+                x[piece] = _FirstLayer.apply(u[piece], columns, weight, bias)  # type: ignore[no-untyped-call]
         # ReLU after the pool: the same function on a quarter of the data.
         x = F.conv2d(x, *self._cast(self.conv2))  # -> (n, 10, 42, 42)
-        pooled: Tensor = _MaxPool2.apply(x)  # type: ignore[no-untyped-call]
-        x = F.relu(pooled)  # -> (n, 10, 21, 21)
+        x = _MaxPool2.apply(x)  # type: ignore[no-untyped-call]
+        x = F.relu(x)  # -> (n, 10, 21, 21)
         x = F.conv2d(x, *self._cast(self.conv3))  # -> (n, 10, 19, 19)
         x = F.linear(F.relu_(x.flatten(1)), *self._cast(self.fc4))  # (n, 3610) -> (n, 100)
         x = F.relu(self.fc5(F.relu(x.to(self.fc5.weight.dtype))))  # -> (n, 50)

@@ -51,10 +51,6 @@ class SignalCNN(nn.Module):
         x = F.max_pool2d(F.relu(self.conv1(image)), 2)  # (n, 2, 100, 100) -> (n, 10, 92, 92) -> (n, 10, 46, 46)
         x = F.max_pool2d(F.relu(self.conv2(x)), 2)  # -> (n, 10, 42, 42) -> (n, 10, 21, 21)
         x = F.relu(self.conv3(x))  # -> (n, 10, 19, 19)
-        return self.head(x)
-
-    def head(self, x: Tensor) -> Tensor:
-        """Layers 4 to 6 on the maps of layer 3, ``(n, 10, 19, 19) -> (n, 9)``."""
         x = F.relu(self.fc4(x.flatten(1)))  # (n, 3610) -> (n, 100)
         x = F.relu(self.fc5(x))  # -> (n, 50)
         residual: Tensor = self.fc6(x)  # -> (n, 9)

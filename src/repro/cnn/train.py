@@ -41,15 +41,12 @@ class Trained:
         Ready for use, in the arithmetic of its training.
     history : array of shape (rows, 4)
         Step, learning rate, mean training loss since the row before, test loss.
-    seconds : float
-        Wall time spent on training, over all runs that contributed.
     seconds_at : array of shape (rows,)
-        Wall time at each row of `history`.
+        Wall time at each row of `history`, over all runs that contributed.
     """
 
     network: FactoredCNN
     history: NDArray[np.float64]
-    seconds: float
     seconds_at: NDArray[np.float64]
 
 
@@ -57,30 +54,21 @@ def _tensors(samples: Samples) -> tuple[Tensor, Tensor, Tensor]:
     return torch.from_numpy(samples.u), torch.from_numpy(np.array(samples.v)), torch.from_numpy(samples.residual)
 
 
-def _streamed(s: TrainingSettings, motion: SampledMotion, data: DataSettings, start: int) -> Iterator[Samples]:
-    """A fresh batch for every step from `start`."""
-    for step in range(start, s.steps):
-        yield draw_samples(stream(s.seed, Stream.TRAIN_STEP, step), s.batch, motion, data)
-
-
-def _fixed(s: TrainingSettings, pool: Samples, start: int) -> Iterator[Samples]:
-    """Batches drawn with replacement from the fixed training set."""
-    for step in range(start, s.steps):
-        pick = stream(s.seed, Stream.TRAIN_STEP, step).integers(len(pool.residual), size=s.batch)
-        yield Samples(pool.u[pick], pool.v[pick], pool.residual[pick])
-
-
 def _batches(
     s: TrainingSettings, motion: SampledMotion, data: DataSettings, start: int
 ) -> tuple[Iterator[Samples], Samples]:
-    """Training batches from `start`, and the test set."""
+    """A batch for every step from `start`, and the test set."""
+    streams = (stream(s.seed, Stream.TRAIN_STEP, step) for step in range(start, s.steps))
     if s.recipe == "streamed":
         test = draw_samples(stream(s.seed, Stream.TEST_SET), s.test_samples, motion, data)
-        return _streamed(s, motion, data, start), test
+        return (draw_samples(rng, s.batch, motion, data) for rng in streams), test
     fixed = draw_samples(stream(s.seed, Stream.FIXED_SET), s.paper.images, motion, data)
     cut = round(s.paper.train_share * s.paper.images)
-    train = Samples(fixed.u[:cut], fixed.v[:cut], fixed.residual[:cut])
-    return _fixed(s, train, start), Samples(fixed.u[cut:], fixed.v[cut:], fixed.residual[cut:])
+
+    def part(index: slice | NDArray[np.int64]) -> Samples:
+        return Samples(fixed.u[index], fixed.v[index], fixed.residual[index])
+
+    return (part(rng.integers(cut, size=s.batch)) for rng in streams), part(slice(cut, None))  # with replacement
 
 
 def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
@@ -192,4 +180,4 @@ def train(
             saved = Progress(done, loss_sum, time.perf_counter() - began, rows)
             save_checkpoint(checkpoint, net, optimisers, saved, run)
     table = np.array(rows, dtype=np.float64)
-    return Trained(net, table[:, :4], float(table[-1, 4]), table[:, 4])
+    return Trained(net, table[:, :4], table[:, 4])

@@ -6,8 +6,6 @@ Eq. 10. Torque and f of the image are both columns of the filtered regressor, su
 samples first, as line 7 has it, would no longer be the motion that made the torque.
 """
 
-import ctypes
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -31,29 +29,6 @@ from repro.identification.methods.interface import Estimate, Method, NoSolutionE
 from repro.identification.regression import Regression
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
-
-#: Numbers of glibc's mallopt, the variables that set the same, and values in bytes.
-LIMITS = (
-    (-3, "MALLOC_MMAP_THRESHOLD_", 2**25),
-    (-1, "MALLOC_TRIM_THRESHOLD_", 2**31 - 1),
-    (-2, "MALLOC_TOP_PAD_", 2**28),
-)
-
-
-def keep_blocks() -> bool:
-    """Set the limits that the environment does not set.
-
-    Returns
-    -------
-    bool
-        Whether the allocator took them; False where it is not glibc's.
-    """
-    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
-    if mallopt is None:
-        return False
-    taken = [mallopt(number, value) for number, variable, value in LIMITS if variable not in os.environ]
-    return all(taken)
-
 
 #: Side of the image.
 SAMPLES = 100
@@ -84,7 +59,7 @@ class NetworkSearch:
     """
 
     cache: Path
-    training: TrainingSettings = field(default_factory=lambda: TrainingSettings(steps=1500))
+    training: TrainingSettings
     data: DataSettings = field(default_factory=DataSettings)
     network: NetworkSettings = field(default_factory=NetworkSettings)
     search: SearchSettings = field(
@@ -144,7 +119,6 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
         Trained.
     """
     s = settings
-    keep_blocks()
     torch.set_num_threads(s.threads)
     key = fingerprint(motion, s.data, s.network, s.training)[:24]
     kept, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
