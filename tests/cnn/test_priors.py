@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.cnn.priors import PRIORS, GuessSettings, sample_beta, training_guess, uniform_guess
+from repro.cnn.priors import PRIORS, GuessSettings, sample_beta, training_guess
 from repro.model.feasibility import is_positive_definite
 from repro.model.parameters import STANDARD_GRAVITY
 
@@ -115,8 +115,9 @@ def test_unknown_prior_is_refused():
         sample_beta(np.random.default_rng(0), 3, "normal")
 
 
-def test_search_guesses_are_uniform_on_the_published_range():
-    guess = uniform_guess(np.random.default_rng(0), MANY, GuessSettings())
+def test_the_other_guesses_are_uniform_on_the_published_range():
+    none_exact_or_near = GuessSettings(exact_share=0.0, near_share=0.0)
+    guess = training_guess(np.random.default_rng(0), arms("uniform", MANY, 5), none_exact_or_near)
     assert guess.shape == (MANY, 9)
     assert guess.min() >= 1e-3
     assert guess.max() <= 3.0

@@ -5,14 +5,14 @@ arms with I2 of 0.42 to 0.98. The default is therefore a mixture that covers bot
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from repro.model.parameters import Array, Links, inertial_from_links
 
 Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
-PRIORS: tuple[Prior, ...] = ("mixture", "uniform", "log-uniform", "links", "published")
+PRIORS: tuple[Prior, ...] = get_args(Prior)
 
 LOW, HIGH = 1e-3, 1.0
 
@@ -50,6 +50,9 @@ def _published_beta(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([inertial, rng.uniform(LOW, HIGH, (n, 4))], -1)
 
 
+DRAWS = {
+    "uniform": _uniform_beta, "log-uniform": _log_uniform_beta, "links": _links_beta, "published": _published_beta
+}  # fmt: skip
 #: Shares of the mixture.
 MIXTURE = ((_uniform_beta, 0.5), (_log_uniform_beta, 0.25), (_links_beta, 0.25))
 
@@ -80,11 +83,9 @@ def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> A
         counts = rng.multinomial(n, [share for _, share in MIXTURE])
         parts = [draw(rng, int(k)) for (draw, _), k in zip(MIXTURE, counts, strict=True)]
         return rng.permutation(np.concatenate(parts))
-    draws = {"uniform": _uniform_beta, "log-uniform": _log_uniform_beta, "links": _links_beta}
-    draws["published"] = _published_beta
-    if prior not in draws:
+    if prior not in DRAWS:
         raise ValueError(f"prior: must be one of {PRIORS}, got {prior!r}.")
-    return draws[prior](rng, n)
+    return DRAWS[prior](rng, n)
 
 
 @dataclass(frozen=True)
@@ -118,26 +119,6 @@ class GuessSettings:
             raise ValueError("exact_share, near_share: must not be negative nor add up to more than 1.")
 
 
-def uniform_guess(rng: np.random.Generator, n: int, settings: GuessSettings) -> Array:
-    """Guesses of Algorithm 1, line 17: nine numbers uniform on [1e-3, 3].
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n : int
-        How many.
-    settings : GuessSettings
-        Range.
-
-    Returns
-    -------
-    array of shape (n, 9)
-        Guesses in units of the largest torque.
-    """
-    return rng.uniform(settings.low, settings.high, (n, 9))
-
-
 def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:
     """Guesses for training images: uniform, near and exact in the chosen shares.
 
@@ -159,5 +140,6 @@ def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSet
     kind = rng.uniform(size=(n, 1))
     size = _log_uniform(rng, settings.near_low, settings.near_high, (n, 1))
     near = np.maximum(beta_bar + size * rng.standard_normal((n, 9)), settings.low)
-    guess = np.where(kind < settings.exact_share + settings.near_share, near, uniform_guess(rng, n, settings))
+    uniform = rng.uniform(settings.low, settings.high, (n, 9))  # as line 17 of Algorithm 1 draws them
+    guess = np.where(kind < settings.exact_share + settings.near_share, near, uniform)
     return np.where(kind < settings.exact_share, beta_bar, guess)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from repro.cnn.dataset import DataSettings, SignalSettings, sample_motion
 from repro.cnn.image import assemble, colours, image_factors
-from repro.cnn.priors import sample_beta, uniform_guess
+from repro.cnn.priors import sample_beta
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.pipeline.numeric import motion_of
@@ -67,7 +67,7 @@ def example_images(signals: SignalSettings, data: DataSettings, seed: int, count
     tau = rebuild_torque(motion.torque, beta)
     largest = np.abs(tau).max((-2, -1), keepdims=True)
     alpha = tau / largest
-    guesses = {"Mp": beta / largest[:, 0], "Mn": uniform_guess(rng, count, data.guess)}
+    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess.low, data.guess.high, (count, 9))}
     side = signals.samples
     row, column = (a.ravel() for a in np.meshgrid(np.arange(side), np.arange(side), indexing="ij"))
     frames = []
