@@ -18,7 +18,7 @@ def accept_config(config: Mapping[str, Any], schema: Path, files: Iterable[str |
         raise SystemExit(2) from None
 
 
-#: glibc keeps freed blocks instead of returning them: page faults otherwise cost a third of a training step.
+#: glibc keeps freed blocks instead of returning them: page faults otherwise cost a twentieth of a training step.
 ALLOCATOR = {
     "MALLOC_MMAP_THRESHOLD_": str(32 << 20),
     "MALLOC_TRIM_THRESHOLD_": str(8 << 30),
