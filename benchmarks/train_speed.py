@@ -4,7 +4,6 @@ import argparse
 import os
 import sys
 import time
-from dataclasses import replace
 
 from repro import contract
 
@@ -21,7 +20,7 @@ import torch
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.factored import DTYPES, FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import SignalCNN, sigmoid_loss
 from repro.cnn.optimisers import make_optimisers
@@ -72,9 +71,7 @@ def main() -> None:
     runs["factored bfloat16 still"].conv1.requires_grad_(False)
     for network in runs.values():
         network.load_state_dict(runs["plain float32"].state_dict())
-    optimisers = {
-        name: make_optimisers(network, replace(settings, precision=name.split()[1])) for name, network in runs.items()
-    }
+    optimisers = {name: make_optimisers(network, settings, DTYPES[name.split()[1]]) for name, network in runs.items()}
     seconds = {name: [] for name in runs}
 
     def inputs(name, samples):

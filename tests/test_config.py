@@ -95,7 +95,7 @@ def test_the_smoke_run_trains_every_network_briefly():
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
     budgets |= {"inner_limit", "threshold_numeric", "threshold", "restarts", "keep", "passes", "search_seeds"}
-    budgets |= {"paper_steps", "arms", "guesses", "results", "figures", "enforce"}
+    budgets |= {"arms", "guesses", "results", "figures", "enforce"}
     assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
 
 

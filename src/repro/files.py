@@ -86,15 +86,13 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     return frame
 
 
-def write_tensors(
-    path: Path | str, arrays: Mapping[str, NDArray[Any]], header: Mapping[str, str] | None = None
-) -> None:
+def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:
     """Write arrays as safetensors; of several facts in the header the order is any."""
     laid = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # written as memory lies
-    write_whole(path, lambda temporary: save_file(laid, temporary, dict(header) if header else None))
+    write_whole(path, lambda temporary: save_file(laid, temporary, header))
 
 
-def read_tensors(path: Path, expected: str = "a safetensors file") -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Read the arrays and the header of a safetensors file."""
     try:
         with safe_open(path, framework="np") as f:

@@ -129,7 +129,7 @@ def test_weight_that_is_not_finite_is_refused_by_name(weights, value):
 def stepped(seed, recipe="streamed"):
     """A network and optimisers that have state: two steps down random gradients."""
     network = literal.untrained(seed=seed).requires_grad_(True)
-    optimisers = make_optimisers(network, TrainingSettings(recipe=recipe))
+    optimisers = make_optimisers(network, TrainingSettings(recipe=recipe), torch.float32)
     for _ in range(2):
         descend(network, optimisers)
     return network, optimisers

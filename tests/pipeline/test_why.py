@@ -20,7 +20,8 @@ from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
-from repro.pipeline.why import STEPS, beyond, dissect, explain, simulate_states
+from repro.pipeline.why import beyond, dissect, explain, simulate_states
+from repro.render.why import STEPS
 from repro.settings import data_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -82,7 +83,7 @@ def test_a_dead_band_is_what_the_motors_do_not_see():
 
 def test_every_step_has_one_cause_more(steps):
     """Least squares knows the parameters in the ideal case, but for what the filter takes from Coulomb friction."""
-    assert tuple(steps) == STEPS
+    assert tuple(steps) == tuple(STEPS)
     assert error_of(steps["ideal"]) < 5e-3
     assert error_of(steps["beyond"]) > 3 * error_of(steps["ideal"])
     ideal, beyond, quantised, loop, recorded = (step.regression for step in steps.values())

@@ -16,7 +16,7 @@ rule ablation_train:
     params:
         code=code("ablation_train.py"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
-        config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment", "ablation"),
+        config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment"),
     message:
         "Training for the reading {wildcards.trained}"
     script:

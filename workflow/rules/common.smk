@@ -98,16 +98,6 @@ def experiment_identifications(suffix=""):
     return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
 
 
-def spread_scores():
-    """Scores of every identification duration."""
-    return expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))
-
-
-def network_of(reading):
-    """Network that a reading uses: its own, or another reading's."""
-    return reading if READINGS[reading].trained else READINGS[reading].of
-
-
 def ledger_sources():
     """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
     stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None

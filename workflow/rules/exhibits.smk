@@ -8,7 +8,7 @@ SOURCES = {
         "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     },
     "arm": {"identifications": experiment_identifications(), "scores": f"{R}/validation/experiment.csv"},
-    "spread": {"scores": spread_scores()},
+    "spread": {"scores": expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))},
     "why": {"scores": expand(f"{R}/why/steps{{suffix}}.csv", suffix=SUFFIXES)},
     "coverage": {name: f"{R}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
     "history": {"history": f"{R}/model/training.csv"},
@@ -48,17 +48,19 @@ for exhibit in EXHIBITS:
 
 for (family, *sources), exhibits in TOGETHER.items():
 
+    drawing = "_".join(["draw", family, *sources])
+
     rule:
         name:
-            "_".join(["draw", family, *sources])
+            drawing
         input:
             **{key: files for source in sources for key, files in SOURCES[source].items()},
         output:
             **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
         log:
-            f"{R}/logs/{'_'.join(['draw', family, *sources])}.log",
+            f"{R}/logs/{drawing}.log",
         benchmark:
-            f"{R}/benchmarks/{'_'.join(['draw', family, *sources])}.tsv"
+            f"{R}/benchmarks/{drawing}.tsv"
         conda:
             "../../envs/repro.yaml"
         resources:
@@ -88,4 +90,4 @@ for target, exhibits in TARGETS.items():
             [str(file) for exhibit in exhibits for file in files_of(exhibit).values()],
         localrule: True
         message:
-            ", ".join(f"{exhibit.title} ({exhibit.label})" for exhibit in exhibits) + " is up to date"
+            f"{target} is up to date"

@@ -85,6 +85,7 @@ rule identify_least_squares:
         "../scripts/identify_least_squares.py"
 
 
+# Without a suffix the networks of the tables and least squares together.
 rule score_experiment:
     input:
         captures=captures(PROGRAMS),
@@ -103,7 +104,7 @@ rule score_experiment:
         code=code("score_experiment.py"),
         config=sections(*ARM, "metric"),
     message:
-        f"Scoring the arm's estimates on ID and {SPAN}{{wildcards.suffix}}"
+        f"Scoring the arm's estimates{{wildcards.suffix}} on ID and {SPAN}"
     script:
         "../scripts/score_experiment.py"
 

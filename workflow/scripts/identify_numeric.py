@@ -3,8 +3,7 @@
 from repro.files import write_json
 from repro.pipeline.job import job
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.numeric import read_mean_torque
-from repro.pipeline.numeric import identify_arms
+from repro.pipeline.numeric import identify_arms, read_mean_torque
 from repro.settings import numeric_settings, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):

@@ -140,9 +140,8 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     for which, optimiser in enumerate(optimisers):
         state: dict[int, dict[str, Tensor]] = {}
         for name, tensor in tensors.items():
-            owner, _, rest = name.partition(".")
+            owner, index, key = name.split(".")
             if owner == str(which):
-                index, _, key = rest.partition(".")
                 state.setdefault(int(index), {})[key] = tensor
         optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
     raw = json.loads(metadata["progress"])

@@ -63,7 +63,8 @@ class _FirstLayer(torch.autograd.Function):
         columns = _windows(v, k).permute(4, 0, 1, 2, 5, 3).reshape(2, m * d * r, k, half)  # (parity, (m d r), l, j)
         kernel = weight.permute(1, 2, 0, 3).reshape(1, d, 1, k * maps, k)  # (1, d, 1, (k o), l)
         kernel = kernel.expand(m, d, r, k * maps, k).reshape(m * d * r, k * maps, k)
-        t = [torch.bmm(kernel, c).view(m, d * r * k, maps * half).squeeze(0) for c in columns]  # (m, (d r k), (o j))
+        # (m, (d r k), (o j)) each, without m where it is 1: one product for all images
+        t = [torch.bmm(kernel, c).view(m, d * r * k, maps * half).squeeze(0) for c in columns]
         members = [torch.matmul(rows, x).view(n, 2, half, maps * half) for x in t]  # (n, parity, i, (o j)) each
         pooled = torch.maximum(members[0][:, 0], members[0][:, 1])
         for x in (members[1][:, 0], members[1][:, 1]):
@@ -156,7 +157,8 @@ class FactoredCNN(SignalCNN):
         u : tensor of shape (n, 2, 2, 100)
             First factors from `repro.cnn.image.image_factors`.
         v : tensor of shape (n, 2, 2, 100) or (1, 2, 2, 100)
-            Second factors: images of many guesses at one torque share theirs. One needs layer 1 without gradients.
+            Second factors: images of many guesses at one torque share theirs. Shared only where
+            layer 1 learns nothing.
 
         Returns
         -------

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 import torch
 from torch import Tensor
 
-from repro.cnn.factored import DTYPES, on_this_processor
 from repro.cnn.network import SignalCNN
 from repro.cnn.schedule import TrainingSettings
 
@@ -81,7 +80,7 @@ class Muon(torch.optim.Optimizer):
                 weight.add_(step.view_as(weight), alpha=-0.2 * math.sqrt(max(step.shape)) * group["lr"])
 
 
-def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Optimizer]:
+def make_optimisers(net: SignalCNN, s: TrainingSettings, dtype: torch.dtype) -> list[torch.optim.Optimizer]:
     """Gradient descent for the paper's recipe; for the streamed one Muon on all weights, Adam on the biases.
 
     Muon's orthogonalised steps give a lower loss than Adam after the same number of samples.
@@ -92,6 +91,8 @@ def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Opt
         Network to train.
     s : TrainingSettings
         Recipe and learning rate.
+    dtype : torch.dtype
+        Arithmetic of the network.
 
     Returns
     -------
@@ -104,5 +105,5 @@ def make_optimisers(net: SignalCNN, s: TrainingSettings) -> list[torch.optim.Opt
     biases = [p for p in net.parameters() if p.ndim == 1]
     return [
         torch.optim.Adam(biases, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
-        Muon(weights, s.learning_rate, DTYPES[on_this_processor(s.precision)]),
+        Muon(weights, s.learning_rate, dtype),
     ]

@@ -50,6 +50,7 @@ def _published_beta(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([inertial, rng.uniform(LOW, HIGH, (n, 4))], -1)
 
 
+#: All but the mixture.
 DRAWS = {
     "uniform": _uniform_beta, "log-uniform": _log_uniform_beta, "links": _links_beta, "published": _published_beta
 }  # fmt: skip

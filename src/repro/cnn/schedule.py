@@ -1,12 +1,12 @@
 """Recipes of training: budgets and learning rates; `repro.cnn.optimisers` takes the steps."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 Recipe = Literal["streamed", "paper"]
-RECIPES: tuple[Recipe, ...] = ("streamed", "paper")
+RECIPES: tuple[Recipe, ...] = get_args(Recipe)
 Precision = Literal["auto", "float32", "bfloat16"]
-PRECISIONS: tuple[Precision, ...] = ("auto", "float32", "bfloat16")
+PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 
 #: What the history of a training run holds of each of its rows.
 HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")

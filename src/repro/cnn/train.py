@@ -150,7 +150,7 @@ def train(
     if settings.recipe == "streamed":  # layers 2 and 3 begin by handing on their maps: those around them learn at once
         for kernel in (net.conv2.weight, net.conv3.weight):
             torch.nn.init.dirac_(kernel)
-    optimisers = make_optimisers(net, settings)
+    optimisers = make_optimisers(net, settings, net.dtype)
     gain = 1.0 if settings.recipe == "streamed" else settings.paper.gradient_gain
     run = fingerprint(motion, data, network, settings)
     progress = load_checkpoint(checkpoint, net, optimisers, run) if checkpoint else Progress()

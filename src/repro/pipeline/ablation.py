@@ -1,12 +1,10 @@
 """What each reading of the paper does to the headline numbers."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from repro.cnn.checkpoint import save_network
-from repro.cnn.train import train
 from repro.files import write_json
 from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
@@ -15,33 +13,17 @@ from repro.pipeline.experiment_runs import CASE, identify_recording, least_squar
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import identify_arms, mean_training_torque, score_estimates
-from repro.pipeline.readings import READINGS, read_as
+from repro.pipeline.readings import READINGS, network_of, read_as
 from repro.pipeline.recordings import Recording, read_recordings
-from repro.pipeline.tracked import training_motion
-from repro.progress import Progress
-from repro.settings import (
-    data_settings,
-    metric_settings,
-    network_settings,
-    numeric_settings,
-    signal_settings,
-    training_settings,
-)
+from repro.pipeline.training import trained_as_configured
+from repro.settings import data_settings, metric_settings, numeric_settings, signal_settings
 
 
 def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, config: Config) -> None:
     """Train the network of a reading and keep its held-out loss beside it."""
     reading, weights = READINGS[name], Path(weights_file)
-    c = read_as(config, reading)
-    progress = Progress(f"training, {reading.question}: {reading.name}")
-    trained = train(
-        training_motion(c, Path(tracked)),
-        data_settings(c),
-        network_settings(c),
-        training_settings(c),
-        Path(checkpoint),
-        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
-    )
+    said = f"{reading.question}: {reading.name}"
+    trained = trained_as_configured(read_as(config, reading), tracked, checkpoint, said)
     save_network(weights, trained.network, {"reading": name})
     step, _, test_loss = (float(x) for x in trained.history[-1][:3])
     write_json(weights.with_suffix(".json"), {"steps": int(step), "held_out_loss": test_loss})
@@ -55,12 +37,8 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
     c = {**read_as(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
     tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
-    arms, algorithm1 = (
-        numeric_settings(c),
-        algorithm1_of("published", weights, c, name if reading.trained else reading.of),
-    )
-    literal = replace(algorithm1, refinement=replace(algorithm1.refinement, passes=0))
-    runs = [identify_arms(literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
+    arms, algorithm1 = numeric_settings(c), algorithm1_of("published", weights, c, network_of(name))
+    runs = [identify_arms(algorithm1.literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
     numeric = score_estimates(runs, signals, arms, metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()
     arm = _arm_scores(for_the_arm(algorithm1, c), read_recordings(captures, c), tau_mean, c)
@@ -81,9 +59,9 @@ def _arm_scores(
     The literal search is the median of the seeds; one of them is refined.
     """
     signals, true, seeds = signal_settings(c), true_parameters(c), c["ablation"]["seeds"]
-    literal = replace(refined, refinement=replace(refined.refinement, passes=0))
+    one_of = {seeds[0]: refined}
     runs = [
-        identify_recording(refined if seed == seeds[0] else literal, recordings[0], tau_mean, signals, seed, true)
+        identify_recording(one_of.get(seed, refined.literal), recordings[0], tau_mean, signals, seed, true)
         for seed in seeds
     ]
     runs.append({**least_squares_of(recordings[0], signals, true), "seed": seeds[0]})

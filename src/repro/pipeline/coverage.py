@@ -8,6 +8,7 @@ import pandas as pd
 
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.uncertainty import (
@@ -38,20 +39,26 @@ def read_arms(
     algorithm1: Algorithm1, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
 ) -> tuple[Array, Array]:
     """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque."""
-    signals, search = signal_settings(config), algorithm1.search
     torque = control_constants(config).torque_per_count[:, np.newaxis]
     estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
     progress = Progress(f"reading {len(truth)} arms")
     for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
         recording = Recording(arms.program, position * RADIANS_PER_COUNT, pwm * torque)
-        prepared = prepare_recording(recording, tau_mean, signals, search.image_motion)
-        rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
-        guess = rng.uniform(search.low, search.high, (guesses, 9))
-        estimates[k] = ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(guess)
+        prepared, estimates[k] = _read(algorithm1, recording, tau_mean, guesses, config, which, k)
         # In canonical time, which is the recorded one here, and in units of the largest torque.
         truth[k] = arms.parameters[k] / prepared.largest
         progress(k + 1, len(truth))
     return estimates, truth
+
+
+def _read(
+    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, config: Config, which: int, k: int
+) -> tuple[Prepared, Array]:
+    search = algorithm1.search
+    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
+    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
+    guess = rng.uniform(search.low, search.high, (guesses, 9))
+    return prepared, ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(guess)
 
 
 def coverage(
@@ -91,12 +98,7 @@ def coverage(
 def _intervals(
     algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, factor: Array, config: Config
 ) -> pd.DataFrame:
-    search = algorithm1.search
-    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
-    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, OWN, 0)
-    found = ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(
-        rng.uniform(search.low, search.high, (guesses, 9))
-    )
+    prepared, found = _read(algorithm1, recording, tau_mean, guesses, config, OWN, 0)
     spread = spread_of(found)
     bounds = (spread.centre, spread.centre - factor * spread.width, spread.centre + factor * spread.width)
     centre, low, high = (prepared.recorded(x * prepared.largest) for x in bounds)

@@ -90,11 +90,15 @@ READINGS: dict[str, Reading] = {
 }
 
 
+def network_of(reading: str) -> str:
+    """Reading whose network a reading uses: itself, or another."""
+    return reading if READINGS[reading].trained else READINGS[reading].of
+
+
 def read_as(config: Config, reading: Reading) -> dict[str, Any]:
-    """Configuration under a reading, with the budgets of the ablation."""
+    """Configuration under a reading."""
     changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))
-    paper = changed["training"]["recipe"] == "paper"
-    changed["training"]["steps"] = reading.longer * changed["ablation"]["paper_steps" if paper else "steps"]
+    changed["training"]["steps"] *= reading.longer
     return changed
 
 
@@ -110,8 +114,8 @@ def ablation_table(results: Mapping[str, Mapping[str, Any]], losses: Mapping[str
     """
     rows = []
     for name, reading in READINGS.items():
-        own = losses[name if reading.trained else reading.of]
-        rows.append({"question": reading.question, "reading": reading.name, **own, **results[name]})
+        own = {**losses[network_of(name)], **results[name]}
+        rows.append({"question": reading.question, "reading": reading.name, **own})
     columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean"]
     table = pd.DataFrame(rows)[[*columns, *ARM]]
     return table.astype({"steps": np.int64})

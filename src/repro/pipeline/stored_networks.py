@@ -58,10 +58,11 @@ def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     weights = stored["weights"]
     expected = "one trained with this configuration; training.source: trained trains it"
     _, metadata = read_tensors(weights, expected)
+    digest = hashlib.sha256(weights.read_bytes()).hexdigest()
     try:
-        card, digest = stored["card"].read_text(encoding="utf-8"), hashlib.sha256(weights.read_bytes()).hexdigest()
+        card = stored["card"].read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError.at(str(stored["card"]), f"no readable model card ({error})", expected) from error
+        raise InputError.at(str(stored["card"]), f"no readable text ({error})", f"the card of {weights}") from error
     if metadata.get(CONFIGURATION) != configuration_digest(config):
         raise InputError.at(str(weights), "a network of another configuration", expected)
     if digest not in card:

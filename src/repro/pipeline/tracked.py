@@ -17,12 +17,12 @@ from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
+from repro.identification.algorithm1.listing import derivatives
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
-from repro.signals.dct import dct2dev
 from repro.signals.programs import Program, identification_program
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
@@ -101,9 +101,7 @@ def read_tracked(path: Path, config: Config) -> Tracked:
 
 def derived_motion(q: Array, signals: SignalSettings) -> Motion:
     """Motion of a recorded position, lines 1 and 2 of Algorithm 1."""
-    dq = dct2dev(q, signals.h, signals.c_f, signals.reading)
-    time = signals.h * np.arange(q.shape[-1], dtype=np.float64)
-    return Motion(time, q, dq, dct2dev(dq, signals.h, signals.c_f, signals.reading))
+    return Motion(signals.h * np.arange(q.shape[-1], dtype=np.float64), *derivatives(q, signals))
 
 
 def describe_motions(config: Config) -> str:

@@ -30,9 +30,6 @@ from repro.signals.dct import dct2low
 from repro.signals.metric import metr2ev
 from repro.streams import Stream, stream
 
-#: Each has one cause more than the one before; `repro.render.why` puts them in words.
-STEPS = ("ideal", "beyond", "quantised", "loop", "recording")
-
 
 def beyond(q: Array, dq: Array, config: Config) -> Array:
     """Torque that Eq. 1 leaves out of the specimen that was recorded, N m, shape (2, N)."""
@@ -76,7 +73,7 @@ def simulate_states(config: Config) -> States:
 
 
 def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[str, Prepared]:
-    """Signals of each step after line 12 of Algorithm 1."""
+    """Signals of each step, one cause more than the one before, after line 12; `repro.render.why` words them."""
     signals, beta, control = signal_settings(config), true_parameters(config), control_constants(config)
     states = simulate_states(config)
     program, recording = states.recording.program, states.recording
@@ -103,11 +100,10 @@ def dissect(tau_mean: Array, config: Config, image_motion: ImageMotion) -> dict[
         return first, second, third
 
     shown = cut(sent) if image_motion == "desired" else None
-    cut_steps = {
-        step: regression_of(cut(motion), dct2low(tau, h, c_f, reading)[:, proper], signals)
-        for step, (motion, tau) in steps.items()
-    }
-    return {step: prepare(cut_steps[step], tau_mean, signals, shown=shown) for step in STEPS}
+    regressions = (
+        regression_of(cut(motion), dct2low(tau, h, c_f, reading)[:, proper], signals) for motion, tau in steps.values()
+    )
+    return {step: prepare(each, tau_mean, signals, shown=shown) for step, each in zip(steps, regressions, strict=True)}
 
 
 def explain(algorithm1: Algorithm1, tau_mean: Array, seeds: Sequence[int], config: Config) -> pd.DataFrame:

@@ -36,9 +36,8 @@ def table(frame: pd.DataFrame) -> Table:
         "of the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the"
         " eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over "
         f"{SPAN} (arm val.), medians of the seeds; the same mean for the refined Algorithm 1 (refined), least "
-        "squares (LS) and the true parameters (true). The networks are trained with a reduced budget (steps), so "
-        "the numbers do not compare with Tables 6 and 7; a reading that needs no network of its own has the "
-        "default's. Held-out losses under different labels or images do not compare."
+        "squares (LS) and the true parameters (true). A reading that needs no network of its own has the default's. "
+        "Held-out losses under different labels or images do not compare."
     )
     names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
     loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")

@@ -1,6 +1,6 @@
 """Algorithm 1, its refinement and the refinement's control on one arm's signals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,11 @@ class Algorithm1:
     image: ImageSettings
     search: SearchSettings
     refinement: RefinementSettings
+
+    @property
+    def literal(self) -> "Algorithm1":
+        """The same without refinement."""
+        return replace(self, refinement=replace(self.refinement, passes=0))
 
     def run(
         self, prepared: Prepared, search_rng: np.random.Generator, refine_rng: np.random.Generator
