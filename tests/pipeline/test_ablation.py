@@ -17,14 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 TINY = copy.deepcopy(CONFIG)
 TINY["ablation"] = {"seeds": [1]}
-TINY["training"] |= {
-    "steps": 3,
-    "batch": 8,
-    "test_samples": 16,
-    "checkpoint_every": 2,
-    "log_every": 1,
-    "precision": "float32",
-}
+TINY["training"] |= {"steps": 3, "batch": 8, "test_samples": 16, "checkpoint_every": 2, "log_every": 1}
+TINY["training"] |= {"precision": "float32"}
 TINY["training"]["paper"] |= {"images": 10}
 TINY["networks"]["paper-recipe"]["training"] |= {"steps": 3, "batch": 2}
 TINY["networks"]["scale-aware"]["training"] |= {"steps": 3}
