@@ -6,12 +6,15 @@ from pathlib import Path
 import pytest
 import yaml
 
+from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.train import train
 from repro.config import check_config
 from repro.files import read_json
 from repro.pipeline.ablation import run_reading, train_reading
 from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, read_as
 from repro.pipeline.stored_networks import configuration_digest
-from repro.settings import of_network
+from repro.pipeline.tracked import training_motion
+from repro.settings import data_settings, network_settings, of_network, training_settings
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
@@ -68,7 +71,9 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
     run_reading(name, str(weights), CAPTURES, str(tmp_path / "out.json"), TINY)
     loss, result = read_json(weights.with_suffix(".json")), read_json(tmp_path / "out.json")
     assert loss["steps"] == 3
-    assert 0 < loss["held_out_loss"] < 1
+    c = read_as(TINY, READINGS[name])
+    again = train(training_motion(c), data_settings(c), network_settings(c), training_settings(c))
+    assert loss["held_out_loss"] == pytest.approx(again.history[-1, HISTORY_COLUMNS.index("test_loss")], rel=1e-5)
     assert all(0 <= result[key] <= 1 for key in (*HEADLINES, "id_lowest"))
     assert result["arm_true"] == pytest.approx(0.9475, abs=2e-4)  # of the stored captures, whatever the network
     assert not (tmp_path / "checkpoint.safetensors").exists()

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from repro.cnn.checkpoint import save_network
+from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.files import write_json
 from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
@@ -25,8 +26,8 @@ def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, c
     said = f"{reading.question}: {reading.name}"
     trained = trained_as_configured(read_as(config, reading), tracked, checkpoint, said)
     save_network(weights, trained.network, {"reading": name})
-    step, _, test_loss = (float(x) for x in trained.history[-1][:3])
-    write_json(weights.with_suffix(".json"), {"steps": int(step), "held_out_loss": test_loss})
+    last = dict(zip(HISTORY_COLUMNS, trained.history[-1].tolist(), strict=True))
+    write_json(weights.with_suffix(".json"), {"steps": int(last["step"]), "held_out_loss": last["test_loss"]})
     Path(checkpoint).unlink(missing_ok=True)
 
 
