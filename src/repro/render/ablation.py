@@ -125,7 +125,8 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
     left = low - strip / (1.0 - strip) * (high - low)
     axes.set_xlim(left, high)
     ticks = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-    axes.set_xticks([tick for tick in ticks if low <= tick <= min(high, 100.0)])
+    first = low + margin if strip > 0.0 else low  # clear of the word below the strip
+    axes.set_xticks([tick for tick in ticks if first <= tick <= min(high, 100.0)])
     if strip > 0.0:
         axes.axvspan(left, low, color="0.94", lw=0.0, zorder=0.0)
         axes.set_xticks([(left + low) / 2], labels=["lower"], minor=True)
