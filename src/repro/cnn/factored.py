@@ -157,8 +157,7 @@ class FactoredCNN(SignalCNN):
         u : tensor of shape (n, 2, 2, 100)
             First factors from `repro.cnn.image.image_factors`.
         v : tensor of shape (n, 2, 2, 100) or (1, 2, 2, 100)
-            Second factors: images of many guesses at one torque share theirs. Shared only where
-            layer 1 learns nothing.
+            Second factors, or those that all images share; shared only where layer 1 learns nothing.
 
         Returns
         -------

@@ -60,10 +60,9 @@ def _arm_scores(
     The literal search is the median of the seeds; one of them is refined.
     """
     signals, true, seeds = signal_settings(c), true_parameters(c), c["ablation"]["seeds"]
-    one_of = {seeds[0]: refined}
     runs = [
-        identify_recording(one_of.get(seed, refined.literal), recordings[0], tau_mean, signals, seed, true)
-        for seed in seeds
+        identify_recording(refined.literal if k else refined, recordings[0], tau_mean, signals, seed, true)
+        for k, seed in enumerate(seeds)
     ]
     runs.append({**least_squares_of(recordings[0], signals, true), "seed": seeds[0]})
     scores = score_runs(runs, recordings, signals, metric_settings(c))
