@@ -104,7 +104,7 @@ rule score_experiment:
         code=code("score_experiment.py"),
         config=sections(*ARM, "metric"),
     message:
-        f"Scoring the arm's estimates{{wildcards.suffix}} on ID and {SPAN}"
+        f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
     script:
         "../scripts/score_experiment.py"
 
