@@ -324,5 +324,14 @@ def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regress
     data_regression.check(found | {"exhibits": exhibits})
 
 
+@pytest.mark.parametrize("suffix", ["", "-paper-recipe"])
+def test_the_arms_scores_are_of_the_tables_networks_and_least_squares_or_of_one_network(rules, suffix):
+    (told,) = [told for told in rules["score_experiment"].input if callable(told)]
+    networks = [suffix] if suffix else ["", "-scale-aware", "-tracked"]
+    expected = {f"results/identification/experiment{s}-seed{k}.json" for s in networks for k in SEARCH_SEEDS}
+    expected |= set() if suffix else {"results/identification/experiment-least-squares.json"}
+    assert set(told(SimpleNamespace(suffix=suffix))) == expected
+
+
 def test_no_script_is_left_over(working):
     assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
