@@ -3,18 +3,17 @@
 import copy
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
 
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.cnn.train import train
 from repro.config import check_config
-from repro.files import read_json
+from repro.files import read_csv, read_json
 from repro.pipeline.ablation import run_reading, train_reading
-from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, read_as
+from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, network_files, read_as
 from repro.pipeline.stored_networks import configuration_digest
-from repro.pipeline.tracked import training_motion
-from repro.settings import data_settings, network_settings, of_network, training_settings
+from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
@@ -57,6 +56,15 @@ def test_a_reading_without_a_network_of_its_own_would_train_the_one_it_takes(nam
     assert configuration_digest(own) == configuration_digest(taken)
 
 
+@pytest.mark.parametrize("name", [name for name in READINGS if network_files(name)[0].startswith("model/")])
+def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name):
+    weights, history = network_files(name)
+    suffix = weights.removeprefix("model/cnn").removesuffix(".safetensors")
+    assert history == f"model/training{suffix}.csv"
+    own = of_network(CONFIG, suffix.removeprefix("-") or "published")
+    assert configuration_digest(read_as(CONFIG, READINGS[name])) == configuration_digest(own)
+
+
 def test_every_open_question_of_the_notes_has_a_reading():
     questions = {reading.question for reading in READINGS.values()}
     for word in ("omega", "motion", "ranges", "label", "time factor", "physically", "recipe", "L_exe"):
@@ -66,27 +74,24 @@ def test_every_open_question_of_the_notes_has_a_reading():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["label-physical", "recipe-paper"])
 def test_a_reading_is_trained_and_scored(name, tmp_path):
-    weights = tmp_path / f"{name}.safetensors"
-    train_reading(name, str(weights), "", str(tmp_path / "checkpoint.safetensors"), TINY)
-    run_reading(name, str(weights), CAPTURES, str(tmp_path / "out.json"), TINY)
-    loss, result = read_json(weights.with_suffix(".json")), read_json(tmp_path / "out.json")
-    assert loss["steps"] == 3
-    c = read_as(TINY, READINGS[name])
-    again = train(training_motion(c), data_settings(c), network_settings(c), training_settings(c))
-    assert loss["held_out_loss"] == pytest.approx(again.history[-1, HISTORY_COLUMNS.index("test_loss")], rel=1e-5)
+    weights, history, checkpoint = (str(tmp_path / part) for part in ("w.safetensors", "h.csv", "c.safetensors"))
+    train_reading(name, weights, history, "", checkpoint, TINY)
+    run_reading(name, weights, CAPTURES, str(tmp_path / "out.json"), TINY)
+    table, result = read_csv(Path(history), HISTORY_COLUMNS), read_json(tmp_path / "out.json")
+    assert table["step"].iloc[-1] == 3
     assert all(0 <= result[key] <= 1 for key in (*HEADLINES, "id_lowest"))
     assert result["arm_true"] == pytest.approx(0.9475, abs=2e-4)  # of the stored captures, whatever the network
-    assert not (tmp_path / "checkpoint.safetensors").exists()
+    assert not Path(checkpoint).exists()
 
 
-def test_a_reading_without_a_network_shows_the_default_ones_loss():
+def test_the_table_has_each_readings_last_held_out_loss():
     numbers = dict.fromkeys(("id_mean", "id_lowest", "validation_mean", *HEADLINES), 0.5)
-    losses = {name: {"steps": k, "held_out_loss": k / 10} for k, name in enumerate(READINGS, start=1)}
-    table = ablation_table(dict.fromkeys(READINGS, numbers), losses)
-    assert len(table) == len(READINGS)
-    by_name = dict(zip(READINGS, table["steps"], strict=True))
-    assert by_name["limit-20"] == by_name["default"] == 1
-    assert by_name["omega-index"] == losses["omega-index"]["steps"]
+    rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(READINGS) + 2)]
+    histories = [pd.DataFrame(row, columns=list(HISTORY_COLUMNS)) for row in rows]
+    table = ablation_table([numbers] * len(READINGS), histories)
+    assert table["reading"].tolist() == [reading.name for reading in READINGS.values()]
+    assert table["steps"].tolist() == list(range(2, len(READINGS) + 2))
+    assert table["held_out_loss"].tolist() == [k / 10 for k in table["steps"]]  # not the loss of the training
     figure = ablation_figure(table)
     assert len(figure) == len(READINGS) * len(HEADLINES)
     assert set(figure["quantity"]) == set(HEADLINES)

@@ -289,7 +289,7 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 
 #: Values of every wildcard, for what depends on one.
-ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked"}
+ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked-few"}
 
 
 def of_a_job(told):

@@ -3,7 +3,7 @@ rule ablation_train:
         tracked=f"{R}/data/tracked.safetensors",
     output:
         weights=f"{R}/ablation/{{trained}}.safetensors",
-        loss=f"{R}/ablation/{{trained}}.json",
+        history=f"{R}/ablation/{{trained}}.csv",
     log:
         f"{R}/logs/ablation_train-{{trained}}.log",
     benchmark:
@@ -25,7 +25,7 @@ rule ablation_train:
 
 rule ablation_run:
     input:
-        weights=lambda wildcards: f"{R}/ablation/{network_of(wildcards.reading)}.safetensors",
+        weights=lambda wildcards: f"{R}/{network_files(wildcards.reading)[0]}",
         captures=captures(PROGRAMS),
     output:
         f"{R}/ablation/readings/{{reading}}.json",

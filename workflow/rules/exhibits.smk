@@ -21,7 +21,7 @@ SOURCES = {
     "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", "-paper-recipe"])},
     "readings": {
         "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=READINGS),
-        "losses": [f"{R}/ablation/{name}.json" for name, reading in READINGS.items() if reading.trained],
+        "losses": [f"{R}/{network_files(reading)[1]}" for reading in READINGS],
     },
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }

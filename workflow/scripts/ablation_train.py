@@ -7,6 +7,7 @@ with job(snakemake.log[0], snakemake.threads):
     train_reading(
         snakemake.wildcards.trained,
         snakemake.output.weights,
+        snakemake.output.history,
         snakemake.input.tracked,
         snakemake.params.checkpoint,
         snakemake.params.config,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made
 from repro.files import read_csv, read_json
@@ -50,8 +51,8 @@ def _numbers(path: Path) -> dict[str, Any]:
 
 
 def _readings(inputs: Inputs) -> pd.DataFrame:
-    results, losses = ({path.stem: _numbers(path) for path in inputs[key]} for key in ("results", "losses"))
-    return ablation_table(results, losses)
+    histories = [read_csv(path, HISTORY_COLUMNS) for path in inputs["losses"]]
+    return ablation_table([_numbers(path) for path in inputs["results"]], histories)
 
 
 MADE: Family = {

@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from repro.cnn.checkpoint import save_network
-from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.files import write_json
 from repro.identification.algorithm1.run import Algorithm1
 from repro.model.parameters import Array
@@ -14,20 +12,18 @@ from repro.pipeline.experiment_runs import CASE, identify_recording, least_squar
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import identify_arms, mean_training_torque, score_estimates
-from repro.pipeline.readings import READINGS, network_of, read_as
+from repro.pipeline.readings import READINGS, read_as
 from repro.pipeline.recordings import Recording, read_recordings
-from repro.pipeline.training import trained_as_configured
+from repro.pipeline.stored_networks import configuration_digest
+from repro.pipeline.training import train_and_keep
 from repro.settings import data_settings, metric_settings, numeric_settings, signal_settings
 
 
-def train_reading(name: str, weights_file: str, tracked: str, checkpoint: str, config: Config) -> None:
-    """Train the network of a reading and keep its held-out loss beside it."""
-    reading, weights = READINGS[name], Path(weights_file)
-    said = f"{reading.question}: {reading.name}"
-    trained = trained_as_configured(read_as(config, reading), tracked, checkpoint, said)
-    save_network(weights, trained.network, {"reading": name})
-    last = dict(zip(HISTORY_COLUMNS, trained.history[-1].tolist(), strict=True))
-    write_json(weights.with_suffix(".json"), {"steps": int(last["step"]), "held_out_loss": last["test_loss"]})
+def train_reading(name: str, weights: str, history: str, tracked: str, checkpoint: str, config: Config) -> None:
+    """Write weights and history of a network that no table has."""
+    reading = READINGS[name]
+    said, c = f"{reading.question}: {reading.name}", read_as(config, reading)
+    train_and_keep(said, Path(weights), Path(history), checkpoint, c, tracked)
     Path(checkpoint).unlink(missing_ok=True)
 
 
@@ -38,7 +34,7 @@ def run_reading(name: str, weights: str, captures: Sequence[str], out: str, conf
     c = {**read_as(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
     tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
-    arms, algorithm1 = numeric_settings(c), algorithm1_of("published", weights, c, network_of(name))
+    arms, algorithm1 = numeric_settings(c), algorithm1_of("published", weights, c, configuration_digest(c))
     runs = [identify_arms(algorithm1.literal, signals, arms, tau_mean, seed) for seed in c["ablation"]["seeds"]]
     numeric = score_estimates(runs, signals, arms, metric)
     cells = numeric.groupby(["trajectory", "case", "joint"])["total"].median()

@@ -1,7 +1,7 @@
 """Readings of what the paper leaves open (docs/reproduction-notes.md), as changes of the configuration."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -90,9 +90,14 @@ READINGS: dict[str, Reading] = {
 }
 
 
-def network_of(reading: str) -> str:
-    """Reading whose network a reading uses: itself, or another."""
-    return reading if READINGS[reading].trained else READINGS[reading].of
+def network_files(reading: str) -> tuple[str, str]:
+    """Weights and history of the network that a reading uses, below the results: the tables' own where that is it."""
+    of = reading if READINGS[reading].trained else READINGS[reading].of
+    owner = READINGS[of]
+    if owner.change or owner.longer > 1:
+        return f"ablation/{of}.safetensors", f"ablation/{of}.csv"
+    suffix = "" if owner.network == "published" else f"-{owner.network}"
+    return f"model/cnn{suffix}.safetensors", f"model/training{suffix}.csv"
 
 
 def read_as(config: Config, reading: Reading) -> dict[str, Any]:
@@ -106,16 +111,17 @@ def read_as(config: Config, reading: Reading) -> dict[str, Any]:
 ARM = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
 
 
-def ablation_table(results: Mapping[str, Mapping[str, Any]], losses: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
-    """Table of all readings.
+def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Table of all readings, in their order, from their headline numbers and their networks' histories.
 
     Columns ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_id, arm_validation,
     arm_refined, arm_least_squares, arm_true``.
     """
     rows = []
-    for name, reading in READINGS.items():
-        own = {**losses[network_of(name)], **results[name]}
-        rows.append({"question": reading.question, "reading": reading.name, **own})
+    for reading, result, history in zip(READINGS.values(), results, histories, strict=True):
+        steps, loss = history[["step", "test_loss"]].iloc[-1]
+        rows.append({"question": reading.question, "reading": reading.name, "steps": steps, "held_out_loss": loss})
+        rows[-1] |= result
     columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean"]
     table = pd.DataFrame(rows)[[*columns, *ARM]]
     return table.astype({"steps": np.int64})

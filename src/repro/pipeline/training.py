@@ -9,7 +9,7 @@ import pandas as pd
 from repro.cnn.checkpoint import save_network
 from repro.cnn.factored import on_this_processor
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.cnn.train import Trained, train
+from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.pipeline.description import model_card
 from repro.pipeline.job import Config
@@ -27,21 +27,20 @@ def train_network(
     if config["training"]["source"] == "stored" and name != "paper-recipe":
         take_stored(name, out, config)
         return
-    trained = trained_as_configured(config, motions, checkpoint, name)
-    history = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
-    save_network(out["weights"], trained.network, {CONFIGURATION: configuration_digest(config)})
-    write_csv(out["history"], history)
+    history, seconds = train_and_keep(name, out["weights"], out["history"], checkpoint, config, motions)
     network, data, training = network_settings(config), data_settings(config), training_settings(config)
     training = replace(training, precision=on_this_processor(training.precision))
-    seconds, said = trained.seconds_at.tolist(), describe_motions(config)
-    write_text(out["card"], model_card(out["weights"], history, network, data, training, seconds, said))
+    card = model_card(out["weights"], history, network, data, training, seconds, describe_motions(config))
+    write_text(out["card"], card)
     Path(checkpoint).unlink(missing_ok=True)
 
 
-def trained_as_configured(config: Config, motions: str | None, checkpoint: str, name: str) -> Trained:
-    """Train a network, from its checkpoint on if there is one, and say how far it is."""
+def train_and_keep(
+    name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: str | None
+) -> tuple[pd.DataFrame, list[float]]:
+    """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
     progress = Progress(f"training, {name}")
-    return train(
+    trained = train(
         training_motion(config, Path(motions) if motions else None),
         data_settings(config),
         network_settings(config),
@@ -49,3 +48,7 @@ def trained_as_configured(config: Config, motions: str | None, checkpoint: str, 
         Path(checkpoint),
         lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
     )
+    table = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
+    save_network(weights, trained.network, {CONFIGURATION: configuration_digest(config)})
+    write_csv(history, table)
+    return table, trained.seconds_at.tolist()
