@@ -31,6 +31,7 @@ class NumericSettings:
 
     margin: int  # samples recorded before and after the trajectory, which **cut** removes
     validation_reading: FrequencyReading  # unit of omega in the filter that makes the validation trajectory
+    validation_samples: int  # its length
     arms: dict[str, Array]  # name of each test arm and its nine parameters, an array of shape (9,)
 
 
@@ -108,5 +109,6 @@ def numeric_settings(config: Config) -> NumericSettings:
     return NumericSettings(
         margin=n["margin_samples"],
         validation_reading=n["validation_frequency_reading"],
+        validation_samples=n["validation_samples"],
         arms={name: np.array(beta, dtype=np.float64) for name, beta in n["arms"].items()},
     )

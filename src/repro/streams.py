@@ -31,6 +31,9 @@ class Stream(IntEnum):
     COVERAGE_ARMS = 20
     COVERAGE_GUESSES = 21
     SELF_TEST = 22
+    PLAIN_STEP = 23
+    FACTORIAL_SEARCH = 24
+    UNIFORM_SEARCH = 25
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

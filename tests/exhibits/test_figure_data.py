@@ -22,7 +22,7 @@ from repro.exhibits.make import made_of
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
-from repro.paper.metric_search import search
+from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
 from repro.pipeline import figure_data
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.numeric import score_estimates, validation_motion
@@ -84,7 +84,9 @@ def inputs(tmp_path_factory, scores):
     write_csv(folder / "training.csv", history)
     torch.manual_seed(0)
     save_network(folder / "cnn.safetensors", FactoredCNN(NetworkSettings(hidden=(4, 3))), {})
-    write_csv(folder / "search.csv", search(0, repeats=1, bandwidths=(10.0,)))
+    searched = score_motions(0, repeats=1, motions=(RandomMotion(3770, 10.0), band_number_motion(2000)))
+    write_csv(folder / "search.csv", rank_candidates(searched))
+    write_csv(folder / "motions.csv", compare_motions(searched))
     files = sorted(folder.glob("run*.json"))
     numbers = {"id_mean": 0.97, "id_lowest": 0.96, "validation_mean": 0.98}
     numbers |= {"arm_id": 0.5, "arm_validation": 0.4, "arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
@@ -101,6 +103,7 @@ def inputs(tmp_path_factory, scores):
         "history": [folder / "training.csv"],
         "weights": [folder / "cnn.safetensors"],
         "search": [folder / "search.csv"],
+        "motions": [folder / "motions.csv"],
         "results": results,
         "losses": losses,
         "table": [folder / "ablation.csv"],

@@ -47,8 +47,31 @@ def training_sections(wildcards):
     return {**parts, "training": {**parts["training"], **source}}
 
 
+def factorial_training_sections(wildcards):
+    """What a network of the factorial depends on."""
+    plain = config["factorial"]["plain"] if wildcards.cell.startswith("plain") else {"noise": 0.0}
+    return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
+
+
+def factorial_sections():
+    """What a search of the factorial depends on: not how many there are."""
+    left_out = ("training_seeds", "search_seeds")
+    own = {key: value for key, value in config["factorial"].items() if key not in left_out}
+    return {**sections(*USED, *ARM), "factorial": own}
+
+
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
 SUFFIXES = ["", "-scale-aware", "-tracked"]
+# Those of the arm: the motions of the training and the motion of line 18 are crossed there.
+ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
+
+
+def weights(suffix):
+    """Weights of a network: those of the first one that is trained in the same way."""
+    names = ["", *(f"-{name}" for name in config["networks"])]
+    digests = {each: configuration_digest(of_network(config, each.removeprefix("-") or "published")) for each in names}
+    own = next(each for each in names if digests[each] == digests[suffix])
+    return f"{R}/model/cnn{own}.safetensors"
 
 
 def is_stored(wildcards):
@@ -92,7 +115,7 @@ def experiment_identifications(suffix=""):
     """Identifications of the arm with every seed: by one network, or by those of the tables and by least squares."""
     numbered = expand(
         f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
-        suffix=suffix or SUFFIXES,
+        suffix=suffix or ARM_SUFFIXES,
         seed=config["experiment"]["search_seeds"],
     )
     return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]

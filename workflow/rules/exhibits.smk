@@ -9,11 +9,10 @@ SOURCES = {
     },
     "arm": {"identifications": experiment_identifications(), "scores": f"{R}/validation/experiment.csv"},
     "spread": {"scores": expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))},
-    "why": {"scores": expand(f"{R}/why/steps{{suffix}}.csv", suffix=SUFFIXES)},
     "coverage": {name: f"{R}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
     "history": {"history": f"{R}/model/training.csv"},
     "weights": {"weights": f"{R}/model/cnn.safetensors"},
-    "search": {"search": f"{R}/metric/search.csv"},
+    "search": {"search": f"{R}/metric/search.csv", "motions": f"{R}/metric/motions.csv"},
     "paper_recipe": {
         "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=["", "-paper-recipe"]),
         "experiment": expand(f"{R}/validation/experiment{{suffix}}.csv", suffix=["", "-paper-recipe"]),

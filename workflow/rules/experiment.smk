@@ -35,7 +35,7 @@ rule acquire:
 rule identify_experiment:
     input:
         captures=captures(["ID"]),
-        weights=f"{R}/model/cnn{{suffix}}.safetensors",
+        weights=lambda wildcards: weights(wildcards.suffix),
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
         expand(

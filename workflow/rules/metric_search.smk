@@ -1,9 +1,12 @@
 rule search_metric:
     output:
         search=f"{R}/metric/search.csv",
+        motions=f"{R}/metric/motions.csv",
         composition=f"{R}/metric/composition.csv",
         abstract=f"{R}/metric/abstract.csv",
         bounds=f"{R}/metric/bounds.csv",
+        torque_bounds=f"{R}/metric/torque_bounds.csv",
+        least_squares_torque=f"{R}/metric/least_squares_torque.csv",
     log:
         f"{R}/logs/search_metric.log",
     benchmark:
@@ -16,6 +19,6 @@ rule search_metric:
         code=code("search_metric.py"),
         config=sections("metric_search"),
     message:
-        "Searching the formula of metr2ev that explains Table 7"
+        "Searching for the formula of metr2ev and the random motion that explain Table 7"
     script:
         "../scripts/search_metric.py"

@@ -1,13 +1,17 @@
-"""Which formula of metr2ev explains Table 7, and the checks of the published similarities."""
+"""Search for the formula of metr2ev and the random motion of Table 7, and check the published similarities."""
 
 from repro.files import write_csv
-from repro.paper.metric_checks import abstract_check, composition, pair_bounds
-from repro.paper.metric_search import search
+from repro.paper.metric_checks import abstract_check, composition, least_squares_torque, pair_bounds, torque_bounds
+from repro.paper.metric_search import compare_motions, rank_candidates, score_motions
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):
     settings = snakemake.params.config["metric_search"]
-    write_csv(snakemake.output.search, search(settings["seed"], repeats=settings["repeats"]))
+    scores = score_motions(settings["seed"], repeats=settings["repeats"])
+    write_csv(snakemake.output.search, rank_candidates(scores))
+    write_csv(snakemake.output.motions, compare_motions(scores))
     write_csv(snakemake.output.composition, composition())
     write_csv(snakemake.output.abstract, abstract_check().cells)
     write_csv(snakemake.output.bounds, pair_bounds())
+    write_csv(snakemake.output.torque_bounds, torque_bounds())
+    write_csv(snakemake.output.least_squares_torque, least_squares_torque())

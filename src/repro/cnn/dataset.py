@@ -207,6 +207,19 @@ def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settin
         Single precision.
     """
     m = motion.torque.shape[-2]
+    alpha, beta_bar, which = draw_torques(rng, n, motion, settings)
+    alpha = alpha.astype(np.float32)
+    beta_n = training_guess(rng, beta_bar, settings.guess)
+    psi = 2 * alpha - _rebuilt(motion.model, beta_n, which).reshape(n, 2, m).astype(np.float32)
+    u, v = image_factors(alpha, psi, settings.image)
+    return Samples(u, v, (beta_bar - beta_n).astype(np.float32))
+
+
+def draw_torques(
+    rng: np.random.Generator, n: int, motion: SampledMotion, settings: DataSettings
+) -> tuple[Array, Array, NDArray[np.int64] | None]:
+    """Torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
+    m = motion.torque.shape[-2]
     beta = sample_beta(rng, n, settings.prior)
     many = motion.torque.ndim == 4
     which = rng.integers(len(motion.torque), size=n) if many else None
@@ -220,11 +233,7 @@ def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settin
     largest = np.abs(tau).max(-1, keepdims=True)
     # psi equals alpha for the right guess only if parameters are read in units of the largest torque.
     beta_bar = beta / largest if settings.label == "largest-torque" else beta
-    alpha = (tau / largest).reshape(n, 2, m).astype(np.float32)
-    beta_n = training_guess(rng, beta_bar, settings.guess)
-    psi = 2 * alpha - _rebuilt(motion.model, beta_n, which).reshape(n, 2, m).astype(np.float32)
-    u, v = image_factors(alpha, psi, settings.image)
-    return Samples(u, v, (beta_bar - beta_n).astype(np.float32))
+    return (tau / largest).reshape(n, 2, m), beta_bar, which
 
 
 def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Array:

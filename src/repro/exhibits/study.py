@@ -9,16 +9,16 @@ import pandas as pd
 
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.errors import InputError
-from repro.exhibits.inputs import Family, Inputs, Made
+from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.files import read_csv, read_json
 from repro.identification.registry import OPPONENTS
 from repro.model.parameters import Array
+from repro.pipeline.experiment_runs import CASE
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.render import ablation, coverage, experiment_tables, spread, why
 from repro.streams import Stream, stream
 
 SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
-EXPLAINED = ("network", "step", "seed", "total1", "total2", "error_uniform", "error_near")
 RANKS = ("arms", "parameter", "bin", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned")
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
@@ -39,10 +39,6 @@ def _drawn_spread(inputs: Inputs) -> pd.DataFrame:
     return drawn.assign(median=median)
 
 
-def _explained(inputs: Inputs) -> pd.DataFrame:
-    return pd.concat([read_csv(path, EXPLAINED) for path in inputs["scores"]], ignore_index=True)
-
-
 def _numbers(path: Path) -> dict[str, Any]:
     content = read_json(path)
     if not isinstance(content, dict):
@@ -56,8 +52,8 @@ def _readings(inputs: Inputs) -> pd.DataFrame:
 
 
 MADE: Family = {
-    ("table", "why"): Made(lambda i, _: why_table(_explained(i)), why.table),
-    ("figure", "why"): Made(lambda i, _: _explained(i)[["network", "step", "seed", "total1", "total2"]], why.figure),
+    ("table", "why"): Made(lambda i, _: why_table(crossed(arm_scores(i))), why.table),
+    ("figure", "why"): Made(lambda i, _: crossed(arm_scores(i)), why.figure),
     ("table", "coverage"): Made(lambda i, _: read_csv(i["coverage"][0], COVERAGE), coverage.table),
     ("figure", "coverage"): Made(lambda i, _: read_csv(i["ranks"][0], RANKS), coverage.figure),
     ("table", "intervals"): Made(lambda i, _: read_csv(i["intervals"][0], INTERVALS), coverage.intervals),
@@ -72,16 +68,49 @@ MADE: Family = {
 }
 
 
-def why_table(explained: pd.DataFrame) -> pd.DataFrame:
-    """Medians over the seeds, and what each step costs."""
-    groups = explained.groupby(["network", "step"], sort=False)
-    table = groups[["total1", "total2", "error_uniform", "error_near"]].median()
-    table[["spread1", "spread2"]] = groups[["total1", "total2"]].std(ddof=1).fillna(0.0).to_numpy()
-    table["seeds"] = groups.size()
-    mean = table[["total1", "total2"]].mean(axis=1)
-    table["lost"] = mean.groupby("network", sort=False).transform(lambda totals: 0.0 - totals.diff().fillna(0.0))
-    columns = ["network", "step", "seeds", "total1", "total2", "spread1", "spread2", "lost"]
-    return table.reset_index()[[*columns, "error_uniform", "error_near"]]
+#: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
+CAUSES = {
+    "algorithm1": ("ideal", "measured"),
+    "algorithm1+desired": ("ideal", "desired"),
+    "algorithm1+tracked-measured": ("tracked", "measured"),
+    "algorithm1+tracked": ("tracked", "desired"),
+}
+#: Weights of the four cells, in this order, in each effect.
+EFFECTS = {
+    "image_motion": (-0.5, 0.5, -0.5, 0.5),
+    "training": (-0.5, -0.5, 0.5, 0.5),
+    "both": (0.5, -0.5, -0.5, 0.5),
+}
+
+
+def crossed(scores: pd.DataFrame) -> pd.DataFrame:
+    """Mean total of each seed in the four cells.
+
+    Columns ``training, image_motion, seed, response, value``, the response being ``id`` or ``validation``.
+    """
+    of_causes = scores[scores["method"].isin(CAUSES)]
+    on_id = of_causes["case"].eq(CASE).map({True: "id", False: "validation"}).rename("response")
+    means = of_causes.groupby(["method", "seed", on_id])["total"].mean().rename("value").reset_index()
+    levels = pd.DataFrame(means["method"].map(CAUSES).tolist(), columns=["training", "image_motion"], index=means.index)
+    return pd.concat([levels, means[["seed", "response", "value"]]], axis=1)
+
+
+def why_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """Mean and spread over the seeds of the four cells and of the effects, from `crossed`.
+
+    Columns ``row, training, image_motion, response, value, spread, seeds``; an effect has its name under ``training``.
+    """
+    values = cells.pivot(index=["response", "seed"], columns=["training", "image_motion"], values="value")
+    values = values[list(CAUSES.values())]
+    effects = pd.DataFrame({name: values @ np.array(weights) for name, weights in EFFECTS.items()})
+    rows: list[tuple[object, ...]] = []
+    for kind, frame in (("cell", values), ("effect", effects)):
+        for name in frame.columns:
+            for response, of_seeds in frame[name].groupby("response"):
+                where = name if kind == "cell" else (name, "")
+                rows.append((kind, *where, response, of_seeds.mean(), of_seeds.std(ddof=1), len(of_seeds)))
+    columns = ["row", "training", "image_motion", "response", "value", "spread", "seeds"]
+    return pd.DataFrame(rows, columns=columns).fillna({"spread": 0.0})
 
 
 #: Resamples of the bootstrap.

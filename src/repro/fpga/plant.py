@@ -1,7 +1,7 @@
 """The simulated arm: Eq. 1 and what Eq. 1 leaves out, moved on by one sampling period at a time.
 
-What is left out is Stribeck friction, a torque ripple that turns with the joint and a PWM dead band. Each is zero
-unless asked for.
+Eq. 1 does not model Stribeck friction, a torque ripple that turns with the joint, and a PWM dead band. Each is zero
+unless the caller sets it.
 """
 
 from collections.abc import Sequence
@@ -22,37 +22,42 @@ SLOW = 0.2
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """Effects that Eq. 1 does not hold.
+    """Effects that Eq. 1 does not model.
 
     Attributes
     ----------
-    stribeck : float
-        Share by which Coulomb friction is higher near standstill.
+    stribeck : pair of float
+        Share by which the Coulomb friction of each joint is higher near standstill.
     stribeck_velocity : float
         Velocity over which that share fades, rad/s.
-    ripple : float
-        Amplitude of the torque ripple, N m.
+    ripple : pair of float
+        Amplitude of the torque ripple of each joint, N m.
     ripple_cycles : float
         Ripple cycles in one turn of the joint.
     dead_band : int
         PWM counts that do not move the motor.
     """
 
-    stribeck: float = 0.0
+    stribeck: tuple[float, float] = (0.0, 0.0)
     stribeck_velocity: float = 0.2
-    ripple: float = 0.0
+    ripple: tuple[float, float] = (0.0, 0.0)
     ripple_cycles: float = 17.0
     dead_band: int = 0
 
     def __post_init__(self) -> None:
         """Refuse levels that are negative or not finite."""
         for name in ("stribeck", "ripple", "ripple_cycles", "dead_band"):
-            if not 0 <= getattr(self, name) < np.inf:
+            level = np.asarray(getattr(self, name))
+            if level.shape != ((2,) if name in LEVELS else ()):
+                raise ValueError(f"{name}: must be {'a number for each joint' if name in LEVELS else 'one number'}.")
+            if not ((level >= 0) & (level < np.inf)).all():
                 raise ValueError(f"{name}: must be finite and not negative, got {getattr(self, name)}.")
         if not 0 < self.stribeck_velocity < np.inf:
             raise ValueError(f"stribeck_velocity: must be positive and finite, got {self.stribeck_velocity}.")
 
 
+#: Fields of `Unmodelled` that may differ between the arms of a batch.
+LEVELS = ("stribeck", "ripple")
 #: No such effects: Eq. 1 alone.
 NOTHING = Unmodelled()
 
@@ -110,10 +115,11 @@ class Plant:
         each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
         effects = each[0]
         if len(each) != batch or any(
-            replace(e, stribeck=0, ripple=0) != replace(effects, stribeck=0, ripple=0) for e in each
+            replace(e, **dict.fromkeys(LEVELS, (0.0, 0.0))) != replace(effects, **dict.fromkeys(LEVELS, (0.0, 0.0)))
+            for e in each
         ):
             raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
-        stribeck, ripple = (np.array([getattr(e, level) for e in each]) for level in ("stribeck", "ripple"))
+        stribeck, ripple = (np.array([getattr(e, level) for e in each]).T for level in LEVELS)  # (2, batch)
         i1, i2, i3, g1, g2, b1, b2, k1, k2 = np.ascontiguousarray(arms.T)
         self._effects, self.state = effects, np.zeros((4, batch))
         # Arguments of sin and tanh and the velocities are linear in the state (q1, q2, dq1, dq2).
@@ -131,9 +137,9 @@ class Plant:
         # Weights of those features in gravity, ripple, Coulomb and viscous friction, subtracted from the torque.
         weight = np.zeros((2, 11, batch))
         weight[0, 0], weight[:, 1] = g1, g2
-        weight[0, 2] = weight[1, 3] = ripple
+        weight[0, 2], weight[1, 3] = ripple
         for j, (b, k) in enumerate(((b1, k1), (b2, k2))):
-            weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + stribeck), -k * stribeck, b
+            weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + stribeck[j]), -k * stribeck[j], b
         # Both rows of Eq. 1 are divided by I3.
         self._weight, self._per_i3 = -weight / i3, 1.0 / i3
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0

@@ -50,9 +50,19 @@ _DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
 #: By name, in the order of tables and legends; the first is the paper's as listed.
 METHODS: dict[str, Entry] = {
     "algorithm1": Entry("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
+    "algorithm1+desired": Entry(
+        "Algorithm 1, f of line 18 on the desired motion (extension)",
+        "Algorithm 1, desired motion",
+        *_look("#3b7dbd", _SHORT, 1.0, "*", 4.2),
+    ),
+    "algorithm1+tracked-measured": Entry(
+        "Algorithm 1, trained on closed-loop motions, f on the measured motion (extension)",
+        "Algorithm 1, closed-loop training",
+        *_look("#c080c4", _SHORT, 1.0, "P", 3.6),
+    ),
     "algorithm1+tracked": Entry(
-        "Algorithm 1, trained on tracked motions (extension)",
-        "Algorithm 1, tracked motions",
+        "Algorithm 1, trained on closed-loop motions, f on the desired motion (extension)",
+        "Algorithm 1, both",
         *_look("#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
     ),
     "algorithm1+refinement": Entry(

@@ -29,6 +29,7 @@ def findings(published: Published | None = None) -> tuple[Finding, ...]:
         *similarities.numeric_claims(p),
         *similarities.experimental_claims(p),
         *similarities.comparison_with_least_squares(p),
+        *similarities.coulomb_friction(p),
         *similarities.lost_table(p),
         *arms.definiteness(p),
         *arms.training_ranges(p),

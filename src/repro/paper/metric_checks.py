@@ -1,8 +1,9 @@
-"""Checks of the published similarities that need no random trajectory.
+"""Checks of the published similarities that need no random motion.
 
-`composition` asks whether each Total is the product of the factors printed with it, `abstract_check` scores the
-published pairs on Eq. 10 against the abstract's 97.38 %, and `pair_bounds` asks which Time values are possible
-at all beside the Freq. values they are printed with.
+- `composition` compares each Total with the product of the factors printed with it.
+- `abstract_check` scores the published pairs on Eq. 10 and compares them with the abstract's 97.38 %.
+- `pair_bounds` computes which Time values are possible with the Freq. values printed next to them.
+- `torque_bounds` and `least_squares_torque` compute how large the torques of Table 10 can be.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from repro.signals.trajectories import identification_trajectory
 
 EXPONENT = PUBLISHED_METRIC.exponent
 
+_FACTORS = ("time", "frequency")
+
 
 @dataclass(frozen=True)
 class AbstractCheck:
@@ -25,7 +28,7 @@ class AbstractCheck:
     cells: pd.DataFrame  # ``case, joint, time, frequency, total``, fractions of 1, for N1 ... N4 and both joints
     mean: float  # of the eight totals
     minimum: float
-    published: float  # what the abstract says the similarity exceeds
+    published: float  # the similarity that the numeric tests exceed according to the abstract
 
 
 def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, PublishedValue]]:
@@ -39,8 +42,8 @@ def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, P
 def composition(published: Published | None = None) -> pd.DataFrame:
     """Check the published Totals of Tables 7 and 10 against the factors printed with them.
 
-    If the printed factors carry the power 0.4 already, Total = Time x Freq.; if it is put on the product afterwards,
-    Total = (Time x Freq.)^0.4. A Total agrees if it lies within what the rounding of all three printed numbers allows.
+    If the power 0.4 is part of the printed factors, Total = Time x Freq. If it is applied to their product, Total =
+    (Time x Freq.)^0.4. A Total agrees if the difference is within the rounding of all three printed numbers.
     """
     numbers = load_published() if published is None else published
     rows = []
@@ -74,7 +77,7 @@ def abstract_check(
 ) -> AbstractCheck:
     """Score the pairs of Tables 4 and 5 on Eq. 10 with ``metr2ev``, against the abstract's 97.38 %.
 
-    Table 6, which held these eight totals, is lost; the abstract says that they exceed the figure.
+    Table 6, which contained these eight totals, is lost. According to the abstract they exceed this percentage.
     """
     numbers = load_published() if published is None else published
     motion = identification_trajectory(h=h)
@@ -94,21 +97,29 @@ def abstract_check(
     return AbstractCheck(cells, float(s.total.mean()), float(s.total.min()), stated)
 
 
-def pair_bounds(published: Published | None = None) -> pd.DataFrame:
-    """What the printed Freq. values leave possible for the Time values beside them.
+def _time_error(time: PublishedValue, step: float = 0.0) -> float:
+    """Error of a printed Time value, with the value moved by `step` half steps of its last digit."""
+    return float(1.0 - ((time.value + step * time.half_step) / 100.0) ** (1.0 / EXPONENT))
 
-    Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II keeps inner products, so the signals have the cosine c =
-    1 - d^2/2, and however y is scaled, |x - y|^2 >= |x|^2 (1 - c^2). So a time error of |x-y|^2 / |x|^2 is never below
-    1 - c^2, whatever the torque was. A time error of mean((x-y)^2) is free of that, but bounds the torque: rms(x) <=
-    sqrt(error / (1 - c^2)). With unsigned spectra |X| in the place of X the true c is smaller still, so both bounds
-    stand.
+
+def _least_energy_error(frequency: PublishedValue, step: float = 0.0) -> float:
+    """Least |x-y|^2 / |x|^2 that a printed Freq. value permits, with the value moved by `step` half steps."""
+    distance = 1.0 - ((frequency.value + step * frequency.half_step) / 100.0) ** (1.0 / EXPONENT)
+    return float(1.0 - (1.0 - 0.5 * distance**2) ** 2)
+
+
+def pair_bounds(published: Published | None = None) -> pd.DataFrame:
+    """Compute which Time values are possible with the printed Freq. values.
+
+    Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II preserves inner products, so the signals have the cosine
+    c = 1 - d^2/2, and |x - y|^2 >= |x|^2 (1 - c^2) for any scale of y. A time error |x-y|^2 / |x|^2 is therefore at
+    least 1 - c^2 for any torque. A time error mean((x-y)^2) has no such limit, but it bounds the torque: rms(x) <=
+    sqrt(error / (1 - c^2)). With unsigned spectra |X| instead of X the true c is smaller, and both bounds remain valid.
     """
     numbers = load_published() if published is None else published
     rows = []
     for time, frequency, _ in _triples(numbers):
-        error = 1.0 - ((time.value - time.half_step) / 100.0) ** (1.0 / EXPONENT)
-        distance = 1.0 - ((frequency.value + frequency.half_step) / 100.0) ** (1.0 / EXPONENT)
-        least = 1.0 - (1.0 - 0.5 * distance**2) ** 2
+        error, least = _time_error(time, -1.0), _least_energy_error(frequency, 1.0)
         rows.append(
             {
                 "id": time.id.replace("/time/", "/"),
@@ -124,4 +135,38 @@ def pair_bounds(published: Published | None = None) -> pd.DataFrame:
                 "largest_rms": np.sqrt(error / least),
             }
         )
+    return pd.DataFrame(rows)
+
+
+def torque_bounds(published: Published | None = None) -> pd.DataFrame:
+    """Compute the largest mean-square torque of each motion and joint of Table 10, in (N m)^2.
+
+    The bound of `pair_bounds` applies to the actual torque, which is the same for both methods, so the smaller bound
+    counts. `published_method` is the method whose pair gives it. The time error is assumed to be mean((x-y)^2) in N m.
+    """
+    bounds = pair_bounds(published)
+    bounds = bounds[bounds["place"] == "Table 10"]
+    smallest = bounds.loc[bounds.groupby(["case", "joint"], sort=False)["largest_rms"].idxmin()]
+    table = smallest[["case", "joint"]].assign(
+        largest_mean_square=smallest["largest_rms"] ** 2, published_method=smallest["method"]
+    )
+    return table.reset_index(drop=True)
+
+
+def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
+    """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
+
+    The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
+    error on this run, but over both joints with common parameters, so that the scale of a single joint need not be the
+    best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
+    below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
+    """
+    numbers = load_published() if published is None else published
+    bounds = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
+    rows = []
+    for joint in (1, 2):
+        time, frequency = (numbers[f"table10/ID/least-squares/{factor}/joint{joint}"] for factor in _FACTORS)
+        low, estimate, high = (_time_error(time, -s) / _least_energy_error(frequency, s) for s in (-1.0, 0.0, 1.0))
+        possible = bool(low <= bounds[f"table10/ID/algorithm1/joint{joint}"])
+        rows.append({"joint": joint, "mean_square": estimate, "low": low, "high": high, "possible": possible})
     return pd.DataFrame(rows)

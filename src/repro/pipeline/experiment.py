@@ -58,8 +58,13 @@ def control_constants(config: Config) -> ControlConstants:
 
 
 def true_parameters(config: Config) -> Array:
-    """Parameters of the simulated arm, shape (9,)."""
-    return np.array(config["arm"]["parameters"], dtype=np.float64)
+    """Parameters of Eq. 1 as the PWM torque sees the simulated arm, shape (9,).
+
+    The motors' back-EMF is a torque -k_e dq, which no torque computed from the PWM can separate from viscous friction.
+    """
+    beta = np.array(config["arm"]["parameters"], dtype=np.float64)
+    beta[5:7] += config["arm"]["back_emf_nm_s_per_rad"]
+    return beta
 
 
 def program_settings(config: Config) -> ProgramSettings:
@@ -72,9 +77,9 @@ def program_settings(config: Config) -> ProgramSettings:
         margin=e["margin_samples"],
         lead_in=e["lead_in_s"],
         validation_samples=e["validation_samples"],
-        c_f=s["filter_coefficient"],
-        t1_reading=e["random_frequency_reading"],
+        t1_bands=e["random_bands"],
         t1_limit=e["random_range_rad"],
+        t1_range_of=e["random_range_of"],
     )
 
 

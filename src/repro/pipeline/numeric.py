@@ -51,7 +51,8 @@ def read_mean_torque(path: str, signals: SignalSettings) -> Array:
 def validation_motion(signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:
     """Random trajectory that the estimates of a seed are validated on (Fig. 16)."""
     rng = stream(seed, Stream.VALIDATION)
-    return random_trajectory(rng, signals.duration, signals.h, signals.c_f, numeric.validation_reading)
+    duration = numeric.validation_samples * signals.h
+    return random_trajectory(rng, duration, signals.h, signals.c_f, numeric.validation_reading)
 
 
 def motion_of(trajectory: str, signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:

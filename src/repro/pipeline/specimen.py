@@ -1,5 +1,6 @@
 """The simulated arm from the configuration: what its parameters leave out, and the board that drives it."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -19,13 +20,18 @@ def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
     phase = rng.uniform(0.0, 2.0 * np.pi, 2)
     factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
     levels = Unmodelled(
-        stribeck=float(a["stribeck"] * factor[0]),
+        stribeck=_scaled(a["stribeck"], factor[0]),
         stribeck_velocity=a["stribeck_velocity_rad_s"],
-        ripple=float(a["ripple_nm"] * factor[1]),
+        ripple=_scaled(a["ripple_nm"], factor[1]),
         ripple_cycles=a["ripple_cycles"],
         dead_band=a["dead_band_counts"],
     )
     return levels, phase
+
+
+def _scaled(levels: Sequence[float], factor: float) -> tuple[float, float]:
+    first, second = levels
+    return float(first * factor), float(second * factor)
 
 
 def board_from_config(config: Config, seed: int | None = None) -> Board:

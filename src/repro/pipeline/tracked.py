@@ -68,7 +68,9 @@ def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects:
     drawn = count + count // 4 + 1
     beta = draw_arms(rng, drawn, config)
     levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2)) * effects
-    unmodelled = [Unmodelled(stribeck=s, ripple=a, ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()]
+    unmodelled = [
+        Unmodelled(stribeck=(s, s), ripple=(a, a), ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()
+    ]
     plant = Plant(beta, program.h, unmodelled, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
     progress = Progress(f"simulating {drawn} arms")
     position, pwm = simulate(plant, control_constants(config), program.q, progress)

@@ -1,7 +1,7 @@
 """Similarity of two signals in time and in frequency: ``metr2ev`` (Algorithm 2, Tables 6-8, 10).
 
-The listing of Algorithm 2 is lost. The formulas are among those that explain the published figures well and do not
-change with the unit; `repro.paper.metric_search` ranks the alternatives. Because the DCT-II of Eq. 5 is orthonormal it
+The listing of Algorithm 2 is lost. The formulas are those that explain the printed numbers best;
+`repro.paper.metric_search` ranks the alternatives. Because the DCT-II of Eq. 5 is orthonormal it
 keeps inner products (Parseval), so the frequency similarity needs no transform: with X, Y the spectra of x, y,
 ``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``. `TorqueScorer` rests on that.
 """
@@ -14,8 +14,8 @@ import numpy as np
 from repro.model.parameters import Array, check_beta
 from repro.signals.dct import spectrum
 
-TimeFormula = Literal["energy", "mean-square"]
-TIME_FORMULAS: tuple[TimeFormula, ...] = ("energy", "mean-square")
+TimeFormula = Literal["mean-square", "energy"]
+TIME_FORMULAS: tuple[TimeFormula, ...] = ("mean-square", "energy")
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,13 @@ class MetricSettings:
 
     Attributes
     ----------
-    time_formula : {"energy", "mean-square"}
-        Time error: |x-y|^2 / |x|^2, or the mean of (x-y)^2 in the signal's own unit.
+    time_formula : {"mean-square", "energy"}
+        Time error: the mean of (x-y)^2 in the signal's own unit, or |x-y|^2 / |x|^2.
     exponent : float
         Power that balances the two factors; the paper prints 0.4.
     """
 
-    time_formula: TimeFormula = "energy"
+    time_formula: TimeFormula = "mean-square"
     exponent: float = 0.4
 
     def __post_init__(self) -> None:
@@ -74,7 +74,7 @@ def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: Me
 def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> Similarity:
     """Similarity of a rebuilt signal `y` to an actual signal `x`.
 
-    time = (1 - |x-y|^2 / |x|^2)^0.4 and frequency = (1 - |X/|X| - Y/|Y||)^0.4 with X, Y the DCT-II
+    time = (1 - mean((x-y)^2))^0.4 and frequency = (1 - |X/|X| - Y/|Y||)^0.4 with X, Y the DCT-II
     spectra, each floored at 0; total = time * frequency.
 
     Parameters

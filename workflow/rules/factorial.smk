@@ -1,0 +1,90 @@
+rule simulate_factorial:
+    output:
+        f"{R}/factorial/recordings.safetensors",
+    log:
+        f"{R}/logs/simulate_factorial.log",
+    benchmark:
+        f"{R}/benchmarks/simulate_factorial.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    resources:
+        mem_mb=2000,
+    params:
+        code=code("simulate_factorial.py"),
+        config=sections(*ARM, "data", "factorial"),
+    message:
+        "Simulating the blocks of the factorial"
+    script:
+        "../scripts/simulate_factorial.py"
+
+
+rule train_factorial:
+    input:
+        motions=f"{R}/data/tracked.safetensors",
+    output:
+        f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
+    log:
+        f"{R}/logs/train_factorial-{{cell}}-seed{{seed}}.log",
+    benchmark:
+        f"{R}/benchmarks/train_factorial-{{cell}}-seed{{seed}}.tsv"
+    priority: TRAINING
+    conda:
+        "../../envs/repro.yaml"
+    resources:
+        mem_mb=3000,
+        runtime=90,
+    params:
+        code=CODE.of("repro.cnn.train", "repro.cnn.plain"),
+        checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
+        config=factorial_training_sections,
+    message:
+        "Training {wildcards.cell}, seed {wildcards.seed}"
+    script:
+        "../scripts/train_factorial.py"
+
+
+rule score_factorial:
+    input:
+        weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
+        recordings=f"{R}/factorial/recordings.safetensors",
+        mean_torque=f"{R}/data/mean_torque.csv",
+    output:
+        f"{R}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
+    log:
+        f"{R}/logs/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.log",
+    benchmark:
+        f"{R}/benchmarks/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        code=code("score_factorial.py"),
+        config=factorial_sections(),
+    message:
+        "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
+    script:
+        "../scripts/score_factorial.py"
+
+
+rule score_factorial_references:
+    input:
+        f"{R}/factorial/recordings.safetensors",
+    output:
+        f"{R}/factorial/references.csv",
+    log:
+        f"{R}/logs/score_factorial_references.log",
+    benchmark:
+        f"{R}/benchmarks/score_factorial_references.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    resources:
+        mem_mb=2000,
+    params:
+        code=code("score_factorial_references.py"),
+        config=factorial_sections(),
+    message:
+        "Least squares on the blocks of the factorial"
+    script:
+        "../scripts/score_factorial_references.py"

@@ -1,0 +1,16 @@
+"""One network of the factorial."""
+
+from pathlib import Path
+
+from repro.pipeline.factorial import train_cell
+from repro.pipeline.job import job
+
+with job(snakemake.log[0], snakemake.threads):
+    train_cell(
+        snakemake.wildcards.cell,
+        int(snakemake.wildcards.seed),
+        Path(snakemake.output[0]),
+        snakemake.params.checkpoint,
+        Path(snakemake.input.motions),
+        snakemake.params.config,
+    )
