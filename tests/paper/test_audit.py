@@ -70,6 +70,12 @@ EXPECTED = [
     ("section6/experimental/threshold", (93.55 + 94.51) / 2, 92.37),
     ("least-squares/identification", 1, 2),
     ("least-squares/validation", 8, 8),
+    # T4, Algorithm 1, joint 1, half a digit down in time and up in frequency; the torque is its square root.
+    (
+        "table10/coulomb-friction",
+        math.sqrt((1 - 0.99905**2.5) / (1 - (1 - (1 - 0.93215**2.5) ** 2 / 2) ** 2)),
+        math.sqrt(7.1236e-8) / 0.001,
+    ),
     ("range/I1", 3 * 0.01 + 0.1 + 1, 0.6944),
     ("range/I2", 2 * 0.1 * 0.1, 0.9779),
     ("range/I3", 0.01 + 1, 0.8725),
@@ -185,6 +191,9 @@ TAMPERED = [
     ({"section7/experimental/total": "94.51"}, "section7/experimental/total", "verdict", "contradicts itself"),
     ({"section6/experimental/threshold": "94.20"}, "section6/experimental/threshold", "verdict", "contradicts itself"),
     ({"table10/T1/least-squares/total/joint2": "91.95"}, "least-squares/validation", "verdict", "holds in part"),
+    ({"table10/T4/algorithm1/time/joint1": "99.94"}, "table10/coulomb-friction", "verdict", "contradicts itself"),
+    ({"table10/T1/least-squares/time/joint1": "99.99"}, "table10/coulomb-friction", "verdict", "contradicts itself"),
+    ({"appendix/coupling": "1.9e-8"}, "table10/coulomb-friction", "verdict", "consistent"),
     ({"table04/N1/true/I1": "0.5500"}, "definite/N1/true", "verdict", "not possible"),
     ({"section4a/length-high": "1"}, "range/I2", "verdict", "consistent"),
     ({"section4a/length-high": "1"}, "range/reach", "verdict", "consistent"),

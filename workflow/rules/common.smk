@@ -47,9 +47,19 @@ def training_sections(wildcards):
     return {**parts, "training": {**parts["training"], **source}}
 
 
+def is_plain(wildcards):
+    """Whether a network of the factorial reads the torque, not an image."""
+    return CELLS[wildcards.cell].reader == "plain"
+
+
+def factorial_motions(wildcards):
+    """Motions that a network of the factorial is trained on, where they are not Eq. 10's own."""
+    return f"{R}/data/tracked.safetensors" if CELLS[wildcards.cell].motions == "tracked" else []
+
+
 def factorial_training_sections(wildcards):
     """What a network of the factorial depends on."""
-    plain = config["factorial"]["plain"] if wildcards.cell.startswith("plain") else {"noise": 0.0}
+    plain = config["factorial"]["plain"] if is_plain(wildcards) else {"noise": 0.0}
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
 
 

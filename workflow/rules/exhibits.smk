@@ -22,6 +22,15 @@ SOURCES = {
         "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=READINGS),
         "losses": [f"{R}/{network_files(reading)[1]}" for reading in READINGS],
     },
+    "factorial": {
+        "scores": [
+            f"{R}/factorial/{cell}-seed{seed}-search{search}.csv"
+            for cell in CELLS
+            for seed in config["factorial"]["training_seeds"]
+            for search in config["factorial"]["search_seeds"][: 1 if CELLS[cell].reader == "plain" else None]
+        ],
+        "references": f"{R}/factorial/references.csv",
+    },
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }
 

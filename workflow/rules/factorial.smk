@@ -20,7 +20,7 @@ rule simulate_factorial:
 
 rule train_factorial:
     input:
-        motions=f"{R}/data/tracked.safetensors",
+        motions=factorial_motions,
     output:
         f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
     log:
@@ -34,7 +34,7 @@ rule train_factorial:
         mem_mb=3000,
         runtime=90,
     params:
-        code=CODE.of("repro.cnn.train", "repro.cnn.plain"),
+        code=lambda wildcards: CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train"),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:

@@ -11,6 +11,6 @@ with job(snakemake.log[0], snakemake.threads):
         int(snakemake.wildcards.seed),
         Path(snakemake.output[0]),
         snakemake.params.checkpoint,
-        Path(snakemake.input.motions),
+        snakemake.input.get("motions"),
         snakemake.params.config,
     )

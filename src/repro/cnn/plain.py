@@ -4,6 +4,7 @@ It learns from the same arms and motions as the CNN: the mean and the covariance
 torque samples, by the likelihood of a normal distribution (amortised Gaussian posterior, Papamakarios and Murray 2016).
 """
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +39,7 @@ class PlainNetwork(nn.Module):
     def __init__(self, samples: int, width: int) -> None:
         super().__init__()
         sizes = (2 * samples, width, width, width)
-        layers = [(nn.Linear(a, b), nn.SiLU()) for a, b in zip(sizes, sizes[1:], strict=False)]
+        layers = [(nn.Linear(a, b), nn.SiLU()) for a, b in itertools.pairwise(sizes)]
         self.body = nn.Sequential(*(part for pair in layers for part in pair))
         self.mean = nn.Linear(width, _N)
         self.factor = nn.Linear(width, len(_LOWER[0]))
@@ -78,7 +79,8 @@ def train_plain(
         alpha, beta_bar, _ = draw_torques(stream(seed, Stream.PLAIN_STEP, step), settings.batch, motion, data)
         optimiser.zero_grad()
         inputs = torch.from_numpy(alpha.reshape(len(alpha), -1).astype(np.float32))
-        loss = negative_log_likelihood(*network(inputs), torch.from_numpy(beta_bar.astype(np.float32)))
+        mean, factor = network(inputs)
+        loss = negative_log_likelihood(mean, factor, torch.from_numpy(beta_bar.astype(np.float32)))
         loss.backward()  # type: ignore[no-untyped-call]
         nn.utils.clip_grad_norm_(network.parameters(), 10.0)
         optimiser.step()

@@ -6,7 +6,7 @@ import pandas as pd
 
 from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.pipeline import experiment_data as data
-from repro.pipeline.experiment import control_constants, program_settings
+from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings
 from repro.pipeline.experiment_runs import CASE, every_seed, tracking
 from repro.pipeline.identified import read_identifications
 from repro.pipeline.job import Config
@@ -61,7 +61,10 @@ MADE: Family = {
     ("table", "table09"): Made(lambda i, _: _parameters(i), experiment_tables.parameters),
     ("table", "table10"): Made(lambda i, _: median_cells(arm_scores(i)), result_tables.experiment),
     ("table", "stability"): Made(
-        lambda i, _: data.stability_table(_estimates(i), ("algorithm1", *data.SHOWN, "true")),
+        lambda i, c: data.stability_table(
+            {**_estimates(i), "appendix": mechanical_parameters(c)},
+            ("algorithm1", *data.SHOWN, "true", "appendix"),
+        ),
         experiment_tables.stability,
     ),
     ("figure", "fig18"): Made(lambda _, c: _setup(c), experiment_setup.setup),

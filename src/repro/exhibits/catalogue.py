@@ -97,7 +97,15 @@ TABLES = (
         target="verdict",
     ),
     _ours(
-        "table", "stability", "Stability", "Conditions of the appendix", EXPERIMENT, "arm", "arm", target="stability"
+        "table",
+        "stability",
+        "Stability",
+        "Conditions of the appendix",
+        EXPERIMENT,
+        "arm",
+        "arm",
+        target="stability",
+        of=("arm",),
     ),
     _ours("table", "metric_search", "Metric search", "Ranking of the formulas of metr2ev", METRIC, "paper", "search"),
     _ours(
@@ -118,6 +126,27 @@ TABLES = (
         ABLATION,
         "numeric",
         "paper_recipe",
+        optional=True,
+    ),
+    _ours(
+        "table",
+        "factorial",
+        "Factorial",
+        "Effects of the causes",
+        ABLATION,
+        "study",
+        "factorial",
+        optional=True,
+    ),
+    _ours(
+        "table",
+        "factorial_cells",
+        "Factorial, cells",
+        "Similarities under each combination of the causes",
+        ABLATION,
+        "study",
+        "factorial",
+        target="factorial_cells",
         optional=True,
     ),
     _ours(
@@ -174,6 +203,7 @@ FIGURES = (
         of=("training", "networks"),
         optional=True,
     ),
+    _ours("figure", "factorial", "Factorial", "Effects of the causes", ABLATION, "study", "factorial", optional=True),
     _ours(
         "figure", "ablation", "Ablation", "Headline numbers by reading", ABLATION, "study", "ablation", optional=True
     ),

@@ -13,9 +13,11 @@ from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.files import read_csv, read_json
 from repro.identification.registry import OPPONENTS
 from repro.model.parameters import Array
+from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.experiment_runs import CASE
+from repro.pipeline.factorial import COLUMNS
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
-from repro.render import ablation, coverage, experiment_tables, spread, why
+from repro.render import ablation, coverage, experiment_tables, factorial, spread, why
 from repro.streams import Stream, stream
 
 SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
@@ -37,6 +39,10 @@ def _drawn_spread(inputs: Inputs) -> pd.DataFrame:
     drawn = _spread(inputs).query("method in @DRAWN")[list(SPREAD)]
     median = drawn.groupby(["case", "joint", "method", "duration"])["total"].transform("median")
     return drawn.assign(median=median)
+
+
+def _factorial(inputs: Inputs) -> pd.DataFrame:
+    return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
 
 
 def _numbers(path: Path) -> dict[str, Any]:
@@ -61,6 +67,11 @@ MADE: Family = {
         lambda i, _: verdict(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
     ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
+    ("table", "factorial"): Made(lambda i, _: effects(_factorial(i)), factorial.effects_table),
+    ("figure", "factorial"): Made(lambda i, _: effects(_factorial(i)), factorial.figure),
+    ("table", "factorial_cells"): Made(
+        lambda i, _: cell_means(_factorial(i), read_csv(i["references"][0])), factorial.cells_table
+    ),
     ("table", "ablation"): Made(lambda i, _: _readings(i), ablation.table),
     ("figure", "ablation"): Made(
         lambda i, _: ablation_figure(read_csv(i["table"][0], ("question", "reading", *HEADLINES))), ablation.figure

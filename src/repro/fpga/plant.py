@@ -115,8 +115,7 @@ class Plant:
         each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
         effects = each[0]
         if len(each) != batch or any(
-            replace(e, **dict.fromkeys(LEVELS, (0.0, 0.0))) != replace(effects, **dict.fromkeys(LEVELS, (0.0, 0.0)))
-            for e in each
+            replace(e, stribeck=effects.stribeck, ripple=effects.ripple) != effects for e in each
         ):
             raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
         stribeck, ripple = (np.array([getattr(e, level) for e in each]).T for level in LEVELS)  # (2, batch)

@@ -109,6 +109,9 @@ METHODS: dict[str, Entry] = {
         "consistent",
     ),
     "true": Entry("True parameters", "True parameters", *_look("0.0", (1.0, 2.0), 1.1, "+", 4.0)),
+    "appendix": Entry(
+        "True parameters without back-EMF", "Without back-EMF", *_look("0.45", (1.0, 2.0), 1.1, "1", 4.0)
+    ),
 }
 
 #: What Algorithm 1 is held against, with the method that solves it.

@@ -57,12 +57,17 @@ def control_constants(config: Config) -> ControlConstants:
     return ControlConstants(kp, kv, hz, full)
 
 
-def true_parameters(config: Config) -> Array:
-    """Parameters of Eq. 1 as the PWM torque sees the simulated arm, shape (9,).
+def mechanical_parameters(config: Config) -> Array:
+    """Parameters of the simulated arm without its motors' back-EMF, shape (9,)."""
+    return np.array(config["arm"]["parameters"], dtype=np.float64)
 
-    The motors' back-EMF is a torque -k_e dq, which no torque computed from the PWM can separate from viscous friction.
+
+def true_parameters(config: Config) -> Array:
+    """Parameters of Eq. 1 that the PWM torque of the simulated arm obeys, shape (9,).
+
+    Back-EMF is a torque -k_e dq, which cannot be distinguished from viscous friction in a torque computed from the PWM.
     """
-    beta = np.array(config["arm"]["parameters"], dtype=np.float64)
+    beta = mechanical_parameters(config)
     beta[5:7] += config["arm"]["back_emf_nm_s_per_rad"]
     return beta
 

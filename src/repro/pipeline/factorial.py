@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from repro.cnn.checkpoint import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
+from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -27,7 +28,7 @@ from repro.identification.algorithm1.search import ImageMotion, SearchSettings, 
 from repro.identification.methods.every import METHODS
 from repro.model.feasibility import CHECKS
 from repro.model.parameters import Array
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording
@@ -35,7 +36,6 @@ from repro.pipeline.specimen import disturbance
 from repro.pipeline.stored_networks import configuration_digest
 from repro.pipeline.tracked import training_motion
 from repro.pipeline.training import train_and_keep
-from repro.config import merged
 from repro.progress import Progress
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, TorqueScorer
@@ -93,16 +93,18 @@ def _plain_settings(config: Config) -> PlainSettings:
     return PlainSettings(p["width"], p["steps"], p["batch"], p["learning_rate"])
 
 
-def train_cell(name: str, seed: int, weights: Path, checkpoint: str, motions: Path, config: Config) -> None:
+def train_cell(name: str, seed: int, weights: Path, checkpoint: str, motions: str | None, config: Config) -> None:
     """Train one network of the factorial."""
     cell = CELLS[name]
     c = _configured(config, cell, seed)
     if cell.reader == "plain":
         progress = Progress(f"training, {name}")
-        network = train_plain(training_motion(c, motions), data_settings(c), _plain_settings(c), seed, progress)
+        network = train_plain(
+            training_motion(c, Path(motions) if motions else None), data_settings(c), _plain_settings(c), seed, progress
+        )
         save_plain(weights, network)
         return
-    train_and_keep(f"{name}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, str(motions))
+    train_and_keep(f"{name}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
     Path(checkpoint).unlink(missing_ok=True)
 
 
@@ -174,7 +176,7 @@ def read_blocks(path: Path, config: Config) -> list[Block]:
     return blocks
 
 
-METRICS = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
+METRICS: dict[str, MetricSettings] = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
 COLUMNS = (
     "reader", "image_motion", "training", "omega", "back_emf", "metric", "block", "arm", "training_seed",
     "search_seed", "id", "validation", "error", "met",
@@ -213,11 +215,13 @@ def search_under(
     guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
     beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
     possible = CHECKS[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
-    results = {}
+    results: dict[str, tuple[Array, int]] = {}
     for name, metric in METRICS.items():
         n_e = np.where(possible, TorqueScorer(prepared.alpha, prepared.y_sub, metric)(beta).total.mean(-1), 0.0)
         met = n_e >= settings.threshold
-        before = np.cumsum(met, axis=1) - met == 0  # up to and with the first that meets the threshold
+        before: NDArray[np.bool_] = (
+            np.cumsum(met, axis=1) - met == 0
+        )  # up to and with the first that meets the threshold
         selected = select(beta[possible & before], prepared, replace(settings, metric=metric))
         results[name] = (selected.beta, int(met.any(axis=1).sum()))
     return results, beta[:, 0]

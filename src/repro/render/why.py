@@ -27,15 +27,12 @@ def table(frame: pd.DataFrame) -> Table:
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
         of_kind = frame[frame["row"] == kind]
         cells = []
-        for (training, motion), rows in of_kind.groupby(["training", "image_motion"], sort=False):
-            words = (
-                [plain(TRAINING[training]), plain(IMAGE_MOTION[motion])]
-                if kind == "cell"
-                else [plain(EFFECTS[training]), plain("")]
-            )
-            by = rows.set_index("response")
-            values = [number(100 * by.loc[r, "value"], 1, 100 * by.loc[r, "spread"]) for r in RESPONSES]
-            cells.append([*words, *values])
+        for key, rows in of_kind.groupby(["training", "image_motion"], sort=False):
+            training, motion = map(str, key)
+            words = [EFFECTS[training], ""] if kind == "effect" else [TRAINING[training], IMAGE_MOTION[motion]]
+            by = rows.set_index("response")[["value", "spread"]].astype(float).T.to_dict()
+            values = [number(100.0 * by[r]["value"], 1, 100.0 * by[r]["spread"]) for r in RESPONSES]
+            cells.append([*map(plain, words), *values])
         blocks.append((plain(heading), cells))
     seeds = int(frame["seeds"].min())
     caption = plain(

@@ -85,9 +85,9 @@ class Results:
     def stability(self, quantity: str, column: str) -> float:
         """A number of the appendix for the arm behind the simulated board."""
         name = "tables/stability.csv"
-        names = self._rows(name, method="true")["quantity"].astype(str)
+        names = self._rows(name, method="appendix")["quantity"].astype(str)
         full = next((text for text in names if text.startswith(quantity)), quantity)
-        return self._number(name, column, method="true", quantity=full)
+        return self._number(name, column, method="appendix", quantity=full)
 
     def loss(self) -> float:
         """Held-out loss at the end of the training."""

@@ -1,0 +1,110 @@
+"""Main effects and interactions of the factorial, with intervals over its blocks and training seeds."""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from repro.model.parameters import Array
+from repro.pipeline.factorial import CONFIRMATION
+
+#: Level of each factor that counts as high; an effect is high minus low.
+HIGH: Mapping[str, object] = {
+    "image_motion": "desired",
+    "training": "tracked",
+    "omega": "index",
+    "back_emf": "high",
+    "metric": "energy",
+    "reader": "plain",
+}
+#: Factors of the image CNN with Algorithm 1, and of both readers.
+OF_CNN = ("image_motion", "training", "omega", "back_emf", "metric")
+OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
+RESPONSES = ("id", "validation", "error")
+#: Share of the distribution that an interval leaves out.
+OUTSIDE = 0.05
+
+
+def with_levels(scores: pd.DataFrame) -> pd.DataFrame:
+    """Scores with the two back-EMFs called low and high, and blocks as text."""
+    low = scores["back_emf"].min()
+    return scores.assign(back_emf=np.where(scores["back_emf"] == low, "low", "high"), block=scores["block"].astype(str))
+
+
+def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
+    """Mean over the cells with a positive sign minus that over the others, of each block (row) and seed (column).
+
+    The sign of a cell is the product over the factors of `effect`, +1 for the high level of each: for two factors the
+    contrast is half the difference of their differences.
+    """
+    cells = scores.groupby(["block", "training_seed", *factors])[response].mean().rename("value").reset_index()
+    sign = np.prod([np.where(cells[name] == HIGH[name], 1.0, -1.0) for name in effect], axis=0)
+    signed = cells.assign(side=np.where(sign > 0, "plus", "minus"))
+    means = signed.groupby(["block", "training_seed", "side"])["value"].mean().unstack("side")
+    return (means["plus"] - means["minus"]).unstack("training_seed")
+
+
+def interval(values: Array) -> tuple[float, float, float]:
+    """Mean of blocks (rows) crossed with training seeds (columns), and its interval.
+
+    Blocks and seeds are both samples, so that the variance of the mean is that of the row means over their number plus
+    that of the column means over theirs; degrees of freedom by Welch and Satterthwaite.
+    """
+    parts = [values.mean(axis=axis).var(ddof=1) / n for axis, n in ((1, len(values)), (0, values.shape[1])) if n > 1]
+    freedom = [n - 1 for n in values.shape if n > 1]
+    mean, variance = float(values.mean()), float(sum(parts))
+    if not variance > 0:
+        return mean, mean, mean
+    degrees = variance**2 / sum(part**2 / f for part, f in zip(parts, freedom, strict=True))
+    half = float(student.ppf(1 - OUTSIDE / 2, degrees) * np.sqrt(variance))
+    return mean, mean - half, mean + half
+
+
+def effects(scores: pd.DataFrame) -> pd.DataFrame:
+    """Every main effect and every interaction of two factors, of the image CNN and of the reader.
+
+    From the columns of `repro.pipeline.factorial.score_cell`. Columns ``of, effect, response, value, low, high, blocks,
+    training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the plain network
+    compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its better one.
+    """
+    leveled = with_levels(scores)
+    cnn = leveled[leveled["reader"] == "cnn"]
+    plain = leveled[leveled["reader"] == "plain"]
+    of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])
+    asked: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
+        ("cnn", cnn, OF_CNN, [*((name,) for name in OF_CNN), *combinations(OF_CNN, 2)]),
+        ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
+        ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
+    ]
+    rows: list[dict[str, Any]] = []
+    for of, frame, factors, chosen in asked:
+        for effect in chosen:
+            for response in RESPONSES:
+                if response == "error" and "metric" in effect:
+                    continue  # an estimate does not depend on the metric
+                values = contrast(frame, factors, effect, response)
+                held_out = values.index == CONFIRMATION
+                mean, low, high = interval(values[~held_out].to_numpy())
+                rows.append(
+                    {
+                        "of": of, "effect": " x ".join(effect), "response": response, "value": mean, "low": low,
+                        "high": high, "blocks": int((~held_out).sum()), "training_seeds": values.shape[1],
+                        "confirmation": float(values[held_out].to_numpy().mean()),
+                    }
+                )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
+    """Mean of each cell over blocks and seeds, with the methods that need no network beside them.
+
+    Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
+    """
+    names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
+    both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
+    both = both[both["block"].astype(str) != CONFIRMATION]
+    means = both.groupby(names, sort=False)[["id", "validation", "error", "met"]].mean()
+    return means.reset_index()
