@@ -40,14 +40,10 @@ class FreeChoices:
     # length of link 1, m. The arm's reach of 2.52 m/s / 8 rad/s = 0.315 m (Section III) leaves l2 = 0.150 m
     l1: float = 0.165
     g1: float = 0.95  # gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9
-    # coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
-    # Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in Table 8 settles k2, which
-    # lies near k1 as it should with the same motor and gearbox
+    # Coulomb friction, N m. b1 and b2 stay below it, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
     k1: float = 0.4538
-    # coulomb friction, N m. b1 and b2 stay below them, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
-    # Friction of joint 2 is what its position error is made of: the tracking of 99.02 % in Table 8 settles k2, which
-    # lies near k1 as it should with the same motor and gearbox
-    k2: float = 0.31
+    # Friction of joint 2 is most of its position error: with back-EMF, the tracking of 99.02 % in Table 8 determines it.
+    k2: float = 0.228
 
 
 def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:
