@@ -45,7 +45,7 @@ def multisine(rng):
 def unlike_eq_1(count, rng):
     """What Eq. 1 leaves out of each arm: Stribeck friction and ripple of random size."""
     return [
-        Unmodelled(stribeck=s, stribeck_velocity=0.3, ripple=r, ripple_cycles=11.0)
+        Unmodelled(stribeck=(s, s), stribeck_velocity=0.3, ripple=(r, r), ripple_cycles=11.0)
         for s, r in zip(rng.uniform(0.0, 0.5, count), rng.uniform(0.0, 0.1, count), strict=True)
     ]
 

@@ -13,13 +13,18 @@ from repro.fpga.checksums import verify_folder
 from repro.fpga.frames import FRAME_BYTES
 from repro.fpga.parser import StreamParser
 from repro.fpga.recorded import samples, verify_control
+from repro.identification.methods.every import METHODS
+from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.paper.metric_checks import least_squares_torque
+from repro.paper.published import load_published
+from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.experiment_runs import tracking
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import disturbance
-from repro.settings import metric_settings
+from repro.settings import metric_settings, signal_settings
+from repro.signals.metric import metr2ev
 
 pytestmark = pytest.mark.slow
 
@@ -49,23 +54,45 @@ def test_a_capture_is_of_this_configuration_and_its_every_torque_follows_from_it
     assert samples(capture).filled == 0
     assert capture.about.control == control_constants(CONFIG)
     levels, phase = disturbance(CONFIG, CONFIG["experiment"]["seed"])
-    arm = {"parameters": true_parameters(CONFIG).tolist(), **asdict(levels), "ripple_phase": phase.tolist()}
-    assert capture.about.board["arm"] == {**arm, "seed": CONFIG["experiment"]["seed"]}
+    stated = {name: CONFIG["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
+    levels = {name: list(level) if isinstance(level, tuple) else level for name, level in asdict(levels).items()}
+    arm = {**stated, **levels, "ripple_phase": phase.tolist(), "seed": CONFIG["experiment"]["seed"]}
+    assert capture.about.board["arm"] == arm
     check = verify_control(capture)
     assert check.agree == check.checked == len(capture.index) == program.q.shape[1]
 
 
 def test_the_identification_trajectory_is_tracked_as_in_table_8():
+    """99.67 and 99.02 % as published.
+
+    Back-EMF, k2 and the unmodelled levels are solved for, and joint 2's number is one of the conditions, so it agrees
+    to the rounding of the configuration. Joint 1's number is a prediction. At the friction and the ripple that the published
+    least-squares row requires, Table 8's gains track 0.6 points worse than the paper prints.
+    """
     recording = read_recording(CAPTURES / "ID.bin", CONFIG)
     similarity = tracking(recording, metric_settings(CONFIG)).set_index("joint")["total"]
-    assert (similarity >= 0.990).all()
-    np.testing.assert_allclose(similarity, [0.9967, 0.9902], atol=0.01)
+    assert similarity[2] == pytest.approx(0.9902, abs=3e-4)
+    assert similarity[1] == pytest.approx(0.9967, abs=0.007)
+
+
+def test_least_squares_scores_on_the_stored_run_what_table_10_prints():
+    """94.27 and 93.86 %, and the mean-square torque of joint 1: the arm is solved from them."""
+    signals, published = signal_settings(CONFIG), load_published()
+    regression = read_recording(CAPTURES / "ID.bin", CONFIG).regression(signals)
+    beta = METHODS["ordinary"].estimate(regression).beta
+    rebuilt = metr2ev(regression.tau, rebuild_torque(regression.y, beta), metric_settings(CONFIG))
+    printed = [published[f"table10/ID/least-squares/total/joint{j}"].value for j in (1, 2)]
+    np.testing.assert_allclose(100 * rebuilt.total, printed, rtol=0, atol=0.05)
+    needed = least_squares_torque().set_index("joint")["mean_square"][1]
+    assert np.mean(regression.tau[0] ** 2) == pytest.approx(needed, rel=0.01)
 
 
 def test_the_arm_has_the_six_numbers_of_the_appendix():
-    true = true_parameters(CONFIG)
-    assert list(reproduced(true).values()) == [True] * 6
-    assert f"{stability_constants(true).lambda_q_min:.3f}" == "0.072"
+    mechanical = mechanical_parameters(CONFIG)
+    assert list(reproduced(mechanical).values()) == [True] * 6
+    assert f"{stability_constants(mechanical).lambda_q_min:.3f}" == "0.072"
+    # Back-EMF is damping that Appendix A does not count: with it the printed numbers would be others.
+    assert not all(reproduced(true_parameters(CONFIG)).values())
 
 
 # --- Faults -------------------------------------------------------------------------------------------------------

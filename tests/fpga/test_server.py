@@ -59,7 +59,7 @@ def opened_again(endpoint):
     return lines[0]
 
 
-@pytest.mark.parametrize("effects", [Unmodelled(), Unmodelled(stribeck=0.3, ripple=0.05)])
+@pytest.mark.parametrize("effects", [Unmodelled(), Unmodelled(stribeck=(0.3, 0.5), ripple=(0.05, 0.02))])
 def test_a_served_board_sends_what_the_loop_computes(endpoint, effects):
     constants = ControlConstants(CONTROL.kp, CONTROL.kv, CONTROL.pwm_hz, CONTROL.full_torque)
     position, pwm = simulate(Plant(BETA, 0.0025, effects), constants, DESIRED)

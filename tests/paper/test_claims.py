@@ -86,6 +86,9 @@ def claims(published, config, folder):
         (printed(relation="above"), Ours(99.0, "t", better=higher), BETTER),
         (printed(relation="above"), Ours(97.0, "t", better=higher), DIFFERS),
         (printed(relation="above"), Ours(97.096, "t", better=higher), REPRODUCED),
+        (printed(relation="below"), Ours(95.0, "t"), REPRODUCED),
+        (printed(relation="below"), Ours(97.104, "t"), REPRODUCED),
+        (printed(relation="below"), Ours(98.0, "t"), DIFFERS),
         (printed(relation="up to"), Ours(96.0, "t", better=higher), DIFFERS),
         (printed("1e-3", "about"), Ours(2e-4, "t", better=lower), BETTER),
         (printed("1e-3", "about"), Ours(1.4e-3, "t", better=lower), REPRODUCED),
@@ -278,6 +281,79 @@ def test_statements_about_all_cases_hold_for_the_worst_or_the_best(published, co
     assert rows.loc["abstract/experimental/total", "verdict"] == DIFFERS
 
 
+IN_WORDS = {
+    "gravity-over-inertia/algorithm1": 0.6 / 0.12,
+    "gravity-over-inertia/least-squares": 0.8 / 0.1,
+    "viscous-over-coulomb/algorithm1": 0.1 / 0.25,
+    "viscous-over-algorithm1": 0.05 / 0.1,
+}
+
+
+@pytest.mark.slow
+def test_comparisons_of_table_9_in_words_are_ratios_of_its_parameters(claims):
+    rows = claims[claims["place"].eq("Section V-C") & claims["quantity"].str.contains(" over |/")]
+    assert {name.removeprefix("section5c/"): row["ours"] for name, row in rows.iterrows()} == pytest.approx(IN_WORDS)
+    differing = {"section5c/viscous-over-algorithm1"}  # b2 of least squares is the lower one
+    assert set(rows.index[rows["verdict"] == DIFFERS]) == differing
+    assert set(rows["verdict"]) == {REPRODUCED, DIFFERS}
+    assert not rows["must"].any()
+    assert rows["note"].str.contains("simulated").all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("method", "parameter", "value", "differing", "ratio"),
+    [
+        ("algorithm1", "I3", 0.61, "gravity-over-inertia/algorithm1", 0.6 / 0.61),  # not I1 alone counts
+        ("least-squares", "I2", 1.6, "gravity-over-inertia/least-squares", 0.5),
+        ("algorithm1", "k1", 0.064, "viscous-over-coulomb/algorithm1", 1.25),  # the worse joint
+        ("algorithm1", "k2", 0.0, "viscous-over-coulomb/algorithm1", math.inf),
+        ("least-squares", "b1", -0.04, "viscous-over-algorithm1", -0.5),
+    ],
+)
+def test_a_comparison_in_words_fails_for_one_parameter_that_violates_it(
+    published, config, folder, method, parameter, value, differing, ratio
+):
+    path = folder / "tables" / "table09.csv"
+    table = pd.read_csv(path)
+    table.loc[(table["method"] == method) & (table["parameter"] == parameter), "estimate"] = value
+    table.to_csv(path, index=False)
+    row = compute(published, config, Results(folder)).set_index("id").loc[f"section5c/{differing}"]
+    assert (row["verdict"], row["must"]) == (DIFFERS, False)
+    assert row["ours"] == pytest.approx(ratio)
+
+
+@pytest.mark.slow
+def test_least_squares_with_higher_viscous_friction_in_both_joints_is_as_published(published, config, folder):
+    path = folder / "tables" / "table09.csv"
+    table = pd.read_csv(path)
+    higher_b2 = (table["method"] == "least-squares") & (table["parameter"] == "b2")
+    table.loc[higher_b2, "estimate"] = 0.3
+    table.to_csv(path, index=False)
+    row = compute(published, config, Results(folder)).set_index("id").loc["section5c/viscous-over-algorithm1"]
+    assert (row["verdict"], row["ours"]) == (REPRODUCED, pytest.approx(3.0))  # b1: 0.32 over 0.08
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("prior", "recipe", "words"),
+    [
+        ("mixture", "streamed", "training ranges and schedule of the network: ours"),
+        ("published", "streamed", "training schedule of the network: ours"),
+        ("mixture", "paper", "training ranges of the network: ours"),
+        ("published", "paper", ""),
+    ],
+)
+def test_numeric_similarities_say_what_of_the_training_is_ours(published, config, folder, prior, recipe, words):
+    changed = {**config, "data": {**config["data"], "prior": prior}}
+    changed["training"] = {**config["training"], "recipe": recipe}
+    notes = compute(published, changed, Results(folder)).set_index("id")["note"]
+    for name in ("table07/N3/time/joint2", "abstract/numeric/total", "section6/numeric/total"):
+        assert ("of the network: ours" in notes[name]) == bool(words)
+        assert words in notes[name]
+    assert not notes[notes.index.str.startswith("table10")].str.contains("of the network: ours").any()
+
+
 @pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, published):
     contradicted = claims[claims["verdict"] == CONTRADICTS]
@@ -345,7 +421,8 @@ def test_a_missing_result_is_named(folder, name):
     [
         ("tables/table10.csv", "T4,algorithm1,2", "T5,algorithm1,2", "case T4, method algorithm1, joint 2"),
         ("tables/table07.csv", "N1,algorithm1,1,0.95", "N1,algorithm1,1,", "time of case N1"),
-        ("tables/stability.csv", "true,Rate", "true,Race", "quantity Rate"),
+        ("tables/stability.csv", "appendix,Rate", "appendix,Race", "quantity Rate"),
+        ("tables/table09.csv", "ID,least-squares,b2", "ID,least-squares,b3", "method least-squares, parameter b2"),
         ("tables/table04.csv", "estimate,", "estimation,", "no column estimate"),
     ],
 )

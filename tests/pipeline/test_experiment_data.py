@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from experiment_example import (
+    CROSSED,
     ERROR,
     LEAST_SQUARES,
     MEDIAN,
@@ -35,7 +36,8 @@ from repro.pipeline.experiment_data import (
     stability_table,
     validation_figure,
 )
-from repro.pipeline.experiment_runs import every_seed, least_squares_of, score_runs, tracking
+from repro.pipeline.experiment_runs import least_squares_of, score_runs, tracking
+from repro.pipeline.identified import every_seed
 from repro.pipeline.recordings import read_recording
 from repro.settings import metric_settings, signal_settings
 
@@ -205,9 +207,13 @@ def test_table_10_has_every_motion_method_and_joint(inputs):
     table = arm.MADE["table", "table10"].numbers(inputs["table10"], CONFIG)
     suffixes = ("", "+scale-aware")
     methods = {f"algorithm1{step}{s}" for step in ("", "+refinement", "+local-search") for s in suffixes}
-    assert set(table["method"]) == {*methods, "least-squares", "bounded", "consistent", "true"}
-    assert len(table) == 5 * 10 * 2
-    assert (table["seeds"] == 3).all()
+    methods |= {f"algorithm1{suffix}" for suffix in CROSSED} | {"least-squares", "bounded", "consistent", "true"}
+    one_run = table["method"].str.endswith("/one-run")
+    assert set(table.loc[~one_run, "method"]) == methods
+    assert set(table.loc[one_run, "method"]) == {"algorithm1/one-run", "algorithm1+tracked/one-run"}
+    assert len(table) == 5 * (len(methods) + 2) * 2
+    assert (table.loc[~one_run, "seeds"] == 3).all()
+    assert (table.loc[one_run, "seeds"] == 1).all()
     np.testing.assert_allclose(table["total"], table["time"] * table["frequency"])
 
 

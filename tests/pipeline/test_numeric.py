@@ -17,9 +17,11 @@ from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.identified import every_seed
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     identify_arms,
+    least_squares_of_arms,
     mean_training_torque,
     motion_of,
     score_estimates,
@@ -35,7 +37,7 @@ ARMS = {
     "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
 }
 SIGNALS = SignalSettings()
-NUMERIC = NumericSettings(margin=40, validation_reading="index", arms=ARMS)
+NUMERIC = NumericSettings(margin=40, validation_reading="index", validation_samples=3770, arms=ARMS)
 METRIC = MetricSettings()
 AWARE = ImageSettings("constant", 4.0)
 
@@ -55,14 +57,15 @@ def test_true_parameters_score_one_everywhere():
 
 @pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
 def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
-    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], SIGNALS, NUMERIC, METRIC)
+    energy = MetricSettings("energy")
+    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], SIGNALS, NUMERIC, energy)
     np.testing.assert_allclose(scores["time"], (1 - (1 - factor) ** 2) ** 0.4, rtol=1e-9)
     np.testing.assert_allclose(scores["frequency"], 1.0, atol=1e-6)
     np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], rtol=1e-12)
 
 
 def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
-    estimate = ARMS["N1"] * np.linspace(0.9, 1.1, 9)
+    estimate = ARMS["N1"] * np.linspace(0.97, 1.03, 9)
     scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
     assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
     for row in scores.itertuples():
@@ -201,8 +204,9 @@ def test_methods_are_named_after_the_network(untrained, variant, suffix):
     result = identify(untrained, experiment(variant=variant, data=DataSettings()), 1)
     assert result["variant"] == variant
     for arm in result["arms"].values():
-        steps = ("", "+local-search", "+refinement")
-        assert list(arm["methods"]) == [f"algorithm1{step}{suffix}" for step in steps]
+        of_network = [f"algorithm1{step}{suffix}" for step in ("", "+local-search", "+refinement")]
+        without_network = [] if suffix else ["differential-evolution"]
+        assert list(arm["methods"]) == of_network + without_network
 
 
 def test_without_passes_there_is_algorithm_1_alone(untrained):
@@ -244,3 +248,63 @@ def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
             assert estimate["similarity"] == 0.0
     scores = score_estimates([result], SIGNALS, NUMERIC, METRIC)
     assert (scores["total"] == 0.0).all()
+
+
+def test_the_control_without_a_network_is_the_same_for_every_network():
+    """And has guesses of its own for every seed and arm."""
+    twins = {"N1": ARMS["N1"], "twin": ARMS["N1"]}
+    settings = experiment(
+        variant="published",
+        search=SearchSettings(executions=4, inner_limit=2500, threshold=0.0),  # met by the first guess
+        refinement=RefinementSettings(restarts=5, keep=100, passes=60),
+        numeric=replace(NUMERIC, arms=twins),
+    )
+
+    def control(residual, seed):
+        found = identify(lambda u, v: torch.full((len(u), 9), residual), settings, seed)["arms"]
+        return {name: arm["methods"]["differential-evolution"] for name, arm in found.items()}
+
+    first, second = control(0.0, 1), control(0.0, 2)
+    assert first == control(0.25, 1)
+    estimates = [estimate for by_arm in (first, second) for estimate in by_arm.values()]
+    assert all(estimate["images"] == 0 and estimate["similarity"] > 0.9 for estimate in estimates)
+    assert len({tuple(estimate["beta"]) for estimate in estimates}) == 4
+
+
+LEAST_SQUARES = least_squares_of_arms(SIGNALS, NUMERIC)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monkeypatch):
+    arm = LEAST_SQUARES["arms"][name]
+    np.testing.assert_array_equal(arm["true"], ARMS[name])
+    assert list(arm["methods"]) == ["least-squares", "bounded"]
+    seen = []
+    monkeypatch.setattr(Algorithm1, "run", lambda _, prepared, *__: (seen.append(prepared.regression) or {}, 0))
+    identify(None, experiment(numeric=replace(NUMERIC, arms={name: ARMS[name]})), 1)
+    (r,) = seen
+    expected, *_ = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)
+    np.testing.assert_allclose(arm["methods"]["least-squares"]["beta"], expected, rtol=1e-8)
+    for estimate in arm["methods"].values():
+        # The filter rounds the torque's steps, which biases least squares.
+        np.testing.assert_allclose(estimate["beta"], ARMS[name], atol=0.02)
+
+
+def test_bounded_least_squares_keeps_a_parameter_at_zero():
+    """Without the friction of joint 2 the ordinary solution of b2 is below zero."""
+    frictionless = replace(NUMERIC, arms={"N1": ARMS["N1"] * (np.arange(9) != 6)})
+    methods = least_squares_of_arms(SIGNALS, frictionless)["arms"]["N1"]["methods"]
+    assert methods["least-squares"]["beta"][6] < 0.0
+    assert methods["bounded"]["beta"][6] == 0.0
+    assert min(methods["bounded"]["beta"]) >= 0.0
+
+
+def test_least_squares_is_scored_on_the_motion_of_every_seed():
+    seeded = [run_of(s, {"algorithm1": ARMS["N1"]}) for s in (4, 2)]
+    scores = score_estimates(every_seed([*seeded, LEAST_SQUARES]), SIGNALS, NUMERIC, METRIC)
+    least_squares = scores[scores["method"] == "least-squares"]
+    assert sorted(set(least_squares["seed"])) == [2, 4]
+    assert least_squares["total"].between(0.99, 0.9999).all()
+    different = least_squares[least_squares["case"] == "N1"].groupby(["trajectory", "joint"])["total"].nunique()
+    assert (different["ID"] == 1).all()
+    assert (different["validation"] == 2).all()

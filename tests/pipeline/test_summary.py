@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from repro.errors import InputError
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.summary import METHODS, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import METHODS, experiment_table, median_seeds, parameter_table, similarity_table
 
 CASES = ("N1", "N2")
 TWO = ("algorithm1", "algorithm1+refinement")
@@ -122,6 +122,58 @@ def test_one_seed_has_no_spread():
     table = similarity_table(random_scores((5,)), "ID")
     assert (table["total_sd"] == 0.0).all()
     assert (table["seeds"] == 1).all()
+
+
+def test_equal_values_have_no_spread():
+    """Whatever rounding makes of their mean."""
+    table = similarity_table(make_scores((1, 2, 3), lambda *_: (0.9983, 0.1)), "ID")
+    assert (table["total_sd"] == 0.0).all()
+    assert (table["seeds"] == 3).all()
+
+
+#: Totals of Algorithm 1 by motion and seed. The mean of both joints on ID puts seed 2 in the middle; the median of
+#: joint 1 on ID is that of seed 1, and the median on T1 that of seed 3.
+TOTALS = {"ID": {1: (0.5, 0.2), 2: (0.3, 0.8), 3: (0.9, 0.9)}, "T1": {1: (0.1, 0.7), 2: (0.9, 0.1), 3: (0.4, 0.4)}}
+
+
+def arm_totals(methods, totals):
+    rows = [
+        (case, method, seed, joint, 2.0 * total, 0.5, total)
+        for case, by_seed in totals.items()
+        for method in methods
+        for seed, both in by_seed.items()
+        for joint, total in zip((2, 1), reversed(both), strict=True)
+    ]
+    return pd.DataFrame(rows, columns=["case", "method", "seed", "joint", "time", "frequency", "total"])
+
+
+def test_a_block_of_one_run_is_of_the_seed_that_is_the_median_on_id_and_medians_stay():
+    table = experiment_table(arm_totals(("least-squares", "algorithm1"), TOTALS), "ID")
+    assert list(table.columns) == SIMILARITY
+    expected = {
+        "algorithm1": (0.5, 0.8, 0.4, 0.4),
+        "algorithm1/one-run": (0.3, 0.8, 0.9, 0.1),
+        "least-squares": (0.5, 0.8, 0.4, 0.4),
+    }
+    places = [("ID", 1), ("ID", 2), ("T1", 1), ("T1", 2)]
+    rows = [(method, *place) for method in expected for place in places]
+    assert list(table[["method", "case", "joint"]].itertuples(index=False, name=None)) == rows
+    assert table["total"].tolist() == [total for totals in expected.values() for total in totals]
+    np.testing.assert_allclose(table["time"], 2.0 * table["total"])
+    one = table["method"] == "algorithm1/one-run"
+    assert (table.loc[one, "seeds"] == 1).all()
+    assert (table.loc[one, "total_sd"] == 0.0).all()
+    assert (table.loc[~one, "seeds"] == 3).all()
+    assert (table.loc[~one, "total_sd"] > 0).all()
+
+
+def test_each_method_has_a_run_of_its_own_seed():
+    tracked = {case: {4 - seed: both for seed, both in by_seed.items()} for case, by_seed in TOTALS.items()}
+    tracked["ID"][1] = (0.25, 0.75)  # the middle of 0.35, 0.5 and 0.55
+    frames = [arm_totals(("algorithm1",), TOTALS), arm_totals(("algorithm1+tracked",), tracked)]
+    table = experiment_table(pd.concat(frames), "ID").set_index("method")
+    assert table.loc["algorithm1/one-run", "total"].tolist() == [0.3, 0.8, 0.9, 0.1]
+    assert table.loc["algorithm1+tracked/one-run", "total"].tolist() == [0.25, 0.75, 0.4, 0.4]
 
 
 def test_rows_come_by_method_then_case_then_joint():

@@ -28,6 +28,10 @@ EXHIBITS = {exhibit.target: exhibit for exhibit in catalogue.EXHIBITS}
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
+#: Networks of Tables 4 to 7, and those of the arm, by the suffix of their files.
+NETWORKS = ("", "-scale-aware", "-tracked")
+ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
+LEAST_SQUARES = {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
 #: Rules that only name other rules' files.
 COLLECTIONS = {"all", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
 
@@ -88,10 +92,9 @@ def summary(folder, *arguments):
 def test_the_default_target_makes_every_table_and_figure(folder):
     files = summary(folder)
     assert targets() <= files.keys()
-    networks = ("", "-scale-aware", "-tracked")
-    expected = {f"results/identification/numeric{s}-seed{k}.json" for s in networks for k in SEEDS}
-    expected |= {f"results/identification/experiment{s}-seed{k}.json" for s in networks for k in SEARCH_SEEDS}
-    expected.add("results/identification/experiment-least-squares.json")
+    expected = {f"results/identification/numeric{s}-seed{k}.json" for s in NETWORKS for k in SEEDS}
+    expected |= {f"results/identification/experiment{s}-seed{k}.json" for s in ARM_NETWORKS for k in SEARCH_SEEDS}
+    expected |= LEAST_SQUARES
     assert {name for name in files if "/identification/" in name} == expected
     assert not [name for name in files if "paper-recipe" in name]  # a target of its own
     drawn = {file: rule for file, rule in files.items() if rule.startswith("draw_")}
@@ -110,7 +113,7 @@ def test_the_smoke_run_makes_the_same_in_folders_of_its_own(folder):
     assert targets("results/smoke", "paper_figures/smoke") <= files.keys()
     assert all(name.startswith(("results/smoke/", "paper_figures/smoke/")) for name in files)
     identified = [name for name in files if "/identification/" in name]
-    assert len(identified) == 7  # one seed and three networks for each experiment, and least squares
+    assert len(identified) == len(NETWORKS) + len(ARM_NETWORKS) + len(LEAST_SQUARES)  # one seed each
 
 
 def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
@@ -133,9 +136,11 @@ def test_each_target_can_be_asked_for_by_its_rule_name(folder):
     assert code == 0, said
     counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
     assert {counts.get(name) for name in names} == {"1"}
-    assert counts["train"] == "4"  # published, scale-aware, tracked and the paper's recipe
-    assert counts["identify_numeric"] == "4"  # every seed in one job
-    assert counts["identify_experiment"] == "4"
+    # "desired" reads with the published network; the paper's recipe is one more.
+    assert counts["train"] == str(len({*NETWORKS, *ARM_NETWORKS} - {"-desired"}) + 1)
+    assert counts["identify_numeric"] == str(len(NETWORKS) + 1)  # every seed in one job
+    assert counts["identify_experiment"] == str(len(ARM_NETWORKS) + 1)
+    assert counts["identify_numeric_least_squares"] == counts["identify_least_squares"] == "1"
     assert counts["acquire"] == "5"
 
 
@@ -290,6 +295,7 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 #: Values of every wildcard, for what depends on one.
 ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked-few"}
+ONE |= {"cell": "plain-tracked-index", "seed": "2", "search": "3"}
 
 
 def of_a_job(told):
@@ -320,16 +326,24 @@ def test_each_rule_reads_and_depends_on_what_was_looked_at(working, data_regress
             "params": sorted(params),
             "seeds": of_a_job(params.get("seeds", [])),
         }
-        assert re.fullmatch(r"[0-9a-f]{64}", params["code"]), rule.name
+        assert [len(digest) for digest in of_a_job(params["code"])] == [64], rule.name
     data_regression.check(found | {"exhibits": exhibits})
 
 
 @pytest.mark.parametrize("suffix", ["", "-paper-recipe"])
 def test_the_arms_scores_are_of_the_tables_networks_and_least_squares_or_of_one_network(rules, suffix):
     (told,) = [told for told in rules["score_experiment"].input if callable(told)]
-    networks = [suffix] if suffix else ["", "-scale-aware", "-tracked"]
+    networks = [suffix] if suffix else ARM_NETWORKS
     expected = {f"results/identification/experiment{s}-seed{k}.json" for s in networks for k in SEARCH_SEEDS}
     expected |= set() if suffix else {"results/identification/experiment-least-squares.json"}
+    assert set(told(SimpleNamespace(suffix=suffix))) == expected
+
+
+@pytest.mark.parametrize("suffix", ["", "-paper-recipe"])
+def test_the_numeric_scores_are_of_one_network_and_of_least_squares_beside_the_published_one(rules, suffix):
+    (told,) = [told for told in rules["score_numeric"].input if callable(told)]
+    expected = {f"results/identification/numeric{suffix}-seed{k}.json" for k in SEEDS}
+    expected |= set() if suffix else {"results/identification/numeric-least-squares.json"}
     assert set(told(SimpleNamespace(suffix=suffix))) == expected
 
 

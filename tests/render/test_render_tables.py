@@ -47,6 +47,19 @@ def test_similarity_table_holds_the_numbers(tmp_path: Path) -> None:
     assert "±" not in alone
 
 
+def test_a_block_of_one_run_has_no_spread_and_the_caption_says_why(tmp_path: Path) -> None:
+    one = similarity_frame(1, methods=("algorithm1/one-run",)).assign(total=0.8123)
+    tex, md = laid_out(tmp_path, "table06", pd.concat([similarity_frame(), one], ignore_index=True))
+    headings = re.findall(r"^\| \*\*(.*?)\*\*", md, flags=re.MULTILINE)
+    assert headings[:2] == ["Algorithm 1", "Algorithm 1, one run"]
+    assert "| Total τ₁ | 81.23 | 81.23 | 81.23 | 81.23 |" in md
+    for text in (tex, md):
+        assert "median of 5 seeds" in text
+        assert "All cells of a block without ± have the same seed." in text.replace("$\\pm$", "±")
+    _, alone = laid_out(tmp_path, "table06", similarity_frame())
+    assert "without ±" not in alone
+
+
 def test_description_tables(tmp_path: Path) -> None:
     tex, md = laid_out(tmp_path, "table02", TABLES["table02"]())
     assert "$m_{2}\\,l_{c2}^{2} + J_{2}$ & $\\mathrm{kg\\,m^{2}}$" in tex
@@ -73,6 +86,8 @@ def test_description_tables(tmp_path: Path) -> None:
         ("table04", lambda f: f[:-1], "0 rows"),
         ("table04", lambda f: pd.concat([f, f[:1]]), "2 rows"),
         ("table06", lambda f: f.assign(seeds=range(len(f))), "one number of seeds"),
+        ("table06", lambda f: f.assign(seeds=f["method"].map({"algorithm1": 3}).fillna(5)), "3, 5"),
+        ("table06", lambda f: f.assign(seeds=f["case"].map({"N3": 1}).fillna(5)), "1, 5"),
         ("table07", lambda f: f[f["case"] != "N4"], "case N4"),
         ("table08", lambda f: pd.concat([f, f]), "2 rows"),
         ("table09", lambda f: f[1:], "0 rows"),

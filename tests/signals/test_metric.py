@@ -8,14 +8,16 @@ from scipy.fft import dct
 from strategies import seeds
 
 from repro.model.dynamics import inverse_dynamics, regressor
-from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, Similarity, TorqueScorer, metr2ev
+from repro.signals.metric import PUBLISHED_METRIC, TIME_FORMULAS, MetricSettings, Similarity, TorqueScorer, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
+ENERGY = MetricSettings("energy")
 
-def literal(x, y, exponent=0.4):
+
+def literal(x, y, exponent=0.4, formula="mean-square"):
     """Time and frequency similarity of two single signals, in the order of Algorithm 2."""
-    a = np.linalg.norm(x - y) ** 2 / np.linalg.norm(x) ** 2
-    time = 1.0 - a
+    error = np.linalg.norm(x - y) ** 2
+    time = 1.0 - error / (x.size if formula == "mean-square" else np.linalg.norm(x) ** 2)
     big_x, big_y = dct(x, type=2, norm="ortho"), dct(y, type=2, norm="ortho")
     frequency = 1.0 - np.linalg.norm(big_x / np.linalg.norm(big_x) - big_y / np.linalg.norm(big_y))
     return max(time, 0.0) ** exponent, max(frequency, 0.0) ** exponent
@@ -28,12 +30,13 @@ def test_equal_signals_score_one(seed, n, unit):
     assert score.time == score.frequency == score.total == 1.0
 
 
+@pytest.mark.parametrize("formula", TIME_FORMULAS)
 @given(seed=seeds, n=st.integers(2, 400), level=st.floats(1e-2, 0.5), gain=st.floats(0.7, 1.3))
-def test_equals_the_literal_formula(seed, n, level, gain):
+def test_equals_the_literal_formula(formula, seed, n, level, gain):
     x, noise = np.random.default_rng(seed).normal(size=(2, n))
     y = gain * (x + level * np.linalg.norm(x) / np.linalg.norm(noise) * noise)
-    time, frequency = literal(x, y)
-    score = metr2ev(x, y)
+    time, frequency = literal(x, y, formula=formula)
+    score = metr2ev(x, y, MetricSettings(formula))
     np.testing.assert_allclose([score.time, score.frequency], [time, frequency], rtol=0, atol=1e-12)
     assert 0.0 < score.frequency < 1.0
     np.testing.assert_allclose(score.total, time * frequency, rtol=0, atol=1e-12)
@@ -51,9 +54,12 @@ def test_equals_the_closed_form_for_a_turned_signal(angle, norm):
     # |x - y| = 2 |x| sin(angle / 2), in either domain, for two signals of one norm at an angle.
     x, y = norm * np.array([1.0, 0.0]), norm * np.array([np.cos(angle), np.sin(angle)])
     chord = 2.0 * np.sin(angle / 2.0)
-    score = metr2ev(x, y)
+    score = metr2ev(x, y, ENERGY)
     np.testing.assert_allclose(score.time, (1.0 - chord**2) ** 0.4, rtol=1e-11)
     np.testing.assert_allclose(score.frequency, (1.0 - chord) ** 0.4, rtol=1e-11)
+    of_two = metr2ev(x, y)  # the mean over two samples, in the signal's own unit
+    np.testing.assert_allclose(of_two.time, max(0.0, 1.0 - (norm * chord) ** 2 / 2.0) ** 0.4, rtol=1e-9, atol=1e-6)
+    np.testing.assert_array_equal(of_two.frequency, score.frequency)
 
 
 @given(seed=seeds, scale=st.floats(1e-3, 1e3))
@@ -68,7 +74,7 @@ def test_frequency_ignores_the_scale_of_the_rebuilt_signal(seed, scale):
 )
 def test_time_sees_the_scale_of_the_rebuilt_signal(scale, time):
     x = np.sin(np.arange(50.0))
-    score = metr2ev(x, scale * x)
+    score = metr2ev(x, scale * x, ENERGY)
     assert score.time == pytest.approx(time, abs=1e-6)  # near 0 the power 0.4 turns 1e-16 into 4e-7
     assert score.frequency == pytest.approx(1.0, abs=1e-7)
 
@@ -77,7 +83,16 @@ def test_time_sees_the_scale_of_the_rebuilt_signal(scale, time):
 def test_the_energy_formula_has_no_unit(seed, unit):
     x, noise = np.random.default_rng(seed).normal(size=(2, 60))
     y = x + 0.2 * noise
-    np.testing.assert_allclose(metr2ev(unit * x, unit * y).total, metr2ev(x, y).total, rtol=1e-12)
+    np.testing.assert_allclose(metr2ev(unit * x, unit * y, ENERGY).total, metr2ev(x, y, ENERGY).total, rtol=1e-12)
+
+
+def test_the_default_formula_is_the_mean_square_in_the_unit_of_the_signal():
+    """An error of 0.1 N m in a torque of any level; a hundred times as large, the same signals have similarity zero."""
+    x = np.random.default_rng(2).normal(size=60)
+    for level in (0.3, 1.0, 20.0):
+        assert metr2ev(level * x, level * x + 0.1).time == pytest.approx(0.99**0.4, rel=1e-12)
+    assert metr2ev(100.0 * x, 100.0 * x + 10.0).time == 0.0
+    assert MetricSettings().time_formula == "mean-square"
 
 
 def test_opposite_and_orthogonal_signals_score_zero():
@@ -96,8 +111,10 @@ def test_settings_change_the_formula():
     x = np.array([1.0, 2.0, -1.0, 0.5])
     y = x + np.array([0.5, -0.1, 0.2, 0.0])
     mean_square = (0.25 + 0.01 + 0.04) / 4.0
-    score = metr2ev(x, y, MetricSettings(time_formula="mean-square", exponent=1.0))
+    score = metr2ev(x, y, MetricSettings(exponent=1.0))
     assert score.time == pytest.approx(1.0 - mean_square, rel=1e-14)
+    of_energy = metr2ev(x, y, MetricSettings(time_formula="energy", exponent=1.0))
+    assert of_energy.time == pytest.approx(1.0 - (0.25 + 0.01 + 0.04) / (1.0 + 4.0 + 1.0 + 0.25), rel=1e-14)
     assert score.frequency == pytest.approx(literal(x, y, 1.0)[1], rel=1e-13)
     doubled = metr2ev(x, y, MetricSettings(exponent=0.8))
     assert doubled.total == pytest.approx(metr2ev(x, y).total ** 2, rel=1e-13)
@@ -175,7 +192,7 @@ def score_both_ways(true, betas, settings=PUBLISHED_METRIC):
     return TorqueScorer(tau, Y, settings)(betas), metr2ev(tau, rebuilt, settings)
 
 
-@pytest.mark.parametrize("formula", ["energy", "mean-square"])
+@pytest.mark.parametrize("formula", TIME_FORMULAS)
 @settings(max_examples=25)
 @given(seed=seeds)
 def test_scorer_equals_metr2ev_for_random_parameters(formula, seed):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.fft import dct, idct
 from strategies import seeds
 
 from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics
-from repro.signals.dct import spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.limits import SPEED_LIMIT, TORQUE_LIMIT, check_limits, peaks, permitted_program
 from repro.signals.programs import PROGRAMS, Program, ProgramSettings, identification_program, lead_in, program
@@ -36,7 +36,7 @@ def rng(seed=1):
 
 def motions():
     return {
-        "T1": random_motion(rng(), 1e-4, "index"),
+        "T1": random_motion(rng()),
         "T2": circle_motion(GEOMETRY),
         "T3": profile_motion(),
         "T4": sinusoidal_motion(),
@@ -90,21 +90,40 @@ def test_derivatives_belong_to_the_positions():
         np.testing.assert_allclose(motion.dq[:, :1] + change, motion.dq[:, 1:], rtol=0, atol=1e-10, err_msg=name)
 
 
-def test_random_motion_is_filtered_and_windowed():
-    """Without the window the spectrum is that of the random vector times the filter's gain."""
-    motion = random_motion(rng(5), 1e-4, "index")
-    raw = rng(5).uniform(-1.2, 1.2, (2, 8192))
-    gain = np.exp(-1e-4 * np.arange(8192.0) ** 2)
-    middle = slice(3000, 5000)  # where the window is 1
-    filtered = motion.q / np.where((w := start_and_end_window(motion.time)) > 0.5, w, np.inf)
-    cosines = np.cos(np.pi * (np.arange(3000, 5000) + 0.5)[:, None] * np.arange(400) / 8192) * np.sqrt(2 / 8192)
-    cosines[:, 0] /= np.sqrt(2)
-    expected = (spectrum(raw) * gain)[:, :400] @ cosines.T
-    np.testing.assert_allclose(filtered[:, middle], expected, rtol=0, atol=1e-6)
+def filtered_numbers(seed, bands, limit=1.2):
+    """Random numbers filtered by Eq. 14, written out: gain exp(-(k / bands)^2) at band k of the DCT-II."""
+    raw = rng(seed).uniform(-limit, limit, (2, 8192))
+    return idct(dct(raw, norm="ortho") * np.exp(-((np.arange(8192.0) / bands) ** 2)), norm="ortho")
+
+
+@pytest.mark.parametrize("bands", [5.0, 12.0, 100.0])
+def test_random_motion_of_numbers_is_filtered_and_windowed(bands):
+    """The paper's words: random numbers between -1.2 and 1.2 rad, Eq. 14, then the window."""
+    motion = random_motion(rng(5), bands, range_of="numbers")
+    expected = filtered_numbers(5, bands) * start_and_end_window(motion.time)
+    np.testing.assert_allclose(motion.q, expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
+def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
+    motion = random_motion(rng(5), bands, limit)
+    filtered = filtered_numbers(5, bands)
+    scaled = limit * filtered / np.abs(filtered).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(np.abs(scaled).max(axis=1), limit, rtol=1e-12)  # each joint
+    np.testing.assert_allclose(motion.q, scaled * start_and_end_window(motion.time), rtol=0, atol=1e-12)
+
+
+def test_the_range_of_the_numbers_is_far_above_that_of_their_motion():
+    """A filter of 12 bands keeps few of 8192 numbers: a motion of the numbers' range is some 20 times larger."""
+    numbers = np.abs(random_motion(rng(5), range_of="numbers").q).max(axis=1)
+    motion = np.abs(random_motion(rng(5)).q).max(axis=1)
+    assert (numbers < 0.1).all()
+    assert (motion > 0.8).all()
+    assert (motion <= 1.2).all()
 
 
 def test_random_motion_depends_on_its_seed_alone():
-    a, b, c = (random_motion(rng(seed), 1e-4, "index").q for seed in (1, 1, 2))
+    a, b, c = (random_motion(rng(seed)).q for seed in (1, 1, 2))
     np.testing.assert_array_equal(a, b)
     assert np.abs(a - c).max() > 0.01
 
@@ -196,6 +215,9 @@ def test_settings_reach_the_programs():
     np.testing.assert_allclose(np.hypot(tip[0], tip[1] + 0.32), 0.04, rtol=0, atol=1e-6)
     wide = replace(SETTINGS, t1_limit=2.4)
     np.testing.assert_allclose(program("T1", wide, rng()).q, 2 * program("T1", SETTINGS, rng()).q, rtol=0, atol=1e-12)
+    for changed in ({"t1_bands": 20.0}, {"t1_range_of": "numbers"}):
+        expected = random_motion(rng(), changed.get("t1_bands", 12.0), range_of=changed.get("t1_range_of", "motion")).q
+        np.testing.assert_array_equal(program("T1", replace(SETTINGS, **changed), rng()).q, expected)
 
 
 def test_a_program_longer_than_the_memory_is_refused():
@@ -213,6 +235,12 @@ def test_a_program_longer_than_the_memory_is_refused():
         (lambda: identification_program(margin=-1), "margin"),
         (lambda: identification_program(lead_in_s=0.0), "samples"),
         (lambda: identification_program(lead_in_s=np.nan), "lead_in_s"),
+        (lambda: random_motion(rng(), 0.0), "bands: must be positive and finite"),
+        (lambda: random_motion(rng(), np.nan), "bands"),
+        (lambda: random_motion(rng(), np.inf), "bands"),
+        (lambda: random_motion(rng(), limit=-1.0), "high: must be finite and above"),
+        (lambda: random_motion(rng(), range_of="torque"), "range_of: must be one of"),
+        (lambda: random_motion(rng(), samples=1), "duration"),
         (lambda: profile_motion(samples=1), "duration"),
         (lambda: sinusoidal_motion(h=0.0), "h:"),
         (lambda: quintic(np.zeros(1), 0.0, np.zeros((3, 2)), np.zeros((3, 2))), "duration"),
@@ -238,15 +266,18 @@ def test_every_program_keeps_the_limits():
 
 
 def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
-    first = program("T1", SETTINGS, rng(0))
+    """With 45 bands, of which a fifth of the draws keep the torque limit; with the default 12 all do."""
+    fast = replace(SETTINGS, t1_bands=45.0)
     with pytest.raises(InputError, match="trajectory T1: joint 1 torque"):
-        check_limits(first, ARM)
+        check_limits(program("T1", fast, rng(0)), ARM)
     generator = rng(0)
-    draws = [program("T1", SETTINGS, generator) for _ in range(10)]
+    draws = [program("T1", fast, generator) for _ in range(10)]
     kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
-    np.testing.assert_array_equal(permitted_program("T1", SETTINGS, rng(0), ARM).q, kept.q)
+    np.testing.assert_array_equal(permitted_program("T1", fast, rng(0), ARM).q, kept.q)
     with pytest.raises(InputError, match="T1: joint 1 torque"):
-        permitted_program("T1", SETTINGS, rng(0), ARM, draws=1)
+        permitted_program("T1", fast, rng(0), ARM, draws=1)
+    for seed in range(20):
+        check_limits(program("T1", SETTINGS, rng(seed)), ARM)
 
 
 def test_peaks_of_a_motion_known_exactly():

@@ -86,7 +86,7 @@ def weights(suffix):
 
 def is_stored(wildcards):
     """Whether a network is taken from those that come with the project."""
-    return config["training"]["source"] == "stored" and wildcards.suffix in SUFFIXES
+    return config["training"]["source"] == "stored" and wildcards.suffix in ARM_SUFFIXES
 
 
 def stored_network(wildcards):
@@ -108,6 +108,10 @@ def identifications(suffixes):
         suffix=suffixes,
         seed=config["numeric"]["seeds"],
     )
+
+
+# Least squares has no seed: one result stands for every one.
+NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 
 def stored_capture(wildcards):
@@ -139,7 +143,7 @@ def ledger_sources():
         "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
         "training": f"{R}/model/training.csv",
         "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
-        "identifications": [*identifications(SUFFIXES), *experiment_identifications()],
+        "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
     }
 
 

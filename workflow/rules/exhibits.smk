@@ -4,10 +4,15 @@ SOURCES = {
     "validation": {"captures": captures(VALIDATION)},
     "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},
     "networks": {
-        "identifications": identifications(SUFFIXES),
+        "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES],
         "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     },
     "arm": {"identifications": experiment_identifications(), "scores": f"{R}/validation/experiment.csv"},
+    "headline": {
+        "captures": captures(PROGRAMS),
+        "arm": experiment_identifications(),
+        "numeric": identifications(SUFFIXES),
+    },
     "spread": {"scores": expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))},
     "coverage": {name: f"{R}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
     "history": {"history": f"{R}/model/training.csv"},

@@ -26,3 +26,23 @@ rule identify_numeric:
         "Identifying N1 to N4, network{wildcards.suffix}"
     script:
         "../scripts/identify_numeric.py"
+
+
+rule identify_numeric_least_squares:
+    output:
+        f"{R}/identification/numeric-least-squares.json",
+    log:
+        f"{R}/logs/identify_numeric_least_squares.log",
+    benchmark:
+        f"{R}/benchmarks/identify_numeric_least_squares.tsv"
+    conda:
+        "../../envs/repro.yaml"
+    resources:
+        mem_mb=1500,
+    params:
+        code=code("identify_numeric_least_squares.py"),
+        config=sections("signals", "numeric"),
+    message:
+        "Identifying N1 to N4 by least squares"
+    script:
+        "../scripts/identify_numeric_least_squares.py"

@@ -1,6 +1,10 @@
+# Without a suffix the published network and least squares together.
 rule score_numeric:
     input:
-        lambda wildcards: identifications([wildcards.suffix]),
+        lambda wildcards: [
+            *identifications([wildcards.suffix]),
+            *([] if wildcards.suffix else [NUMERIC_LEAST_SQUARES]),
+        ],
     output:
         f"{R}/validation/numeric{{suffix}}.csv",
     log:

@@ -1,8 +1,8 @@
 """Similarity of every estimate of the arm on all five motions."""
 
 from repro.files import write_csv
-from repro.pipeline.experiment_runs import every_seed, score_runs
-from repro.pipeline.identified import read_identifications
+from repro.pipeline.experiment_runs import score_runs
+from repro.pipeline.identified import every_seed, read_identifications
 from repro.pipeline.job import job
 from repro.pipeline.recordings import read_recordings
 from repro.settings import metric_settings, signal_settings

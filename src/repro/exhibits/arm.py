@@ -7,11 +7,11 @@ import pandas as pd
 from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.pipeline import experiment_data as data
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings
-from repro.pipeline.experiment_runs import CASE, every_seed, tracking
-from repro.pipeline.identified import read_identifications
+from repro.pipeline.experiment_runs import CASE, tracking
+from repro.pipeline.identified import every_seed, read_identifications
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording, read_recordings
-from repro.pipeline.summary import median_cells, parameter_table
+from repro.pipeline.summary import experiment_table, parameter_table
 from repro.render import experiment, experiment_setup, experiment_tables, result_tables
 from repro.settings import metric_settings, signal_settings
 
@@ -59,7 +59,7 @@ def _parameters(inputs: Inputs) -> pd.DataFrame:
 MADE: Family = {
     ("table", "table08"): Made(_control, experiment_tables.control),
     ("table", "table09"): Made(lambda i, _: _parameters(i), experiment_tables.parameters),
-    ("table", "table10"): Made(lambda i, _: median_cells(arm_scores(i)), result_tables.experiment),
+    ("table", "table10"): Made(lambda i, _: experiment_table(arm_scores(i), CASE), result_tables.experiment),
     ("table", "stability"): Made(
         lambda i, c: data.stability_table(
             {**_estimates(i), "appendix": mechanical_parameters(c)},

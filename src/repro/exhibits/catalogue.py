@@ -107,6 +107,17 @@ TABLES = (
         target="stability",
         of=("arm",),
     ),
+    _ours(
+        "table",
+        "both_metrics",
+        "Both metrics",
+        "Headline rows under both time factors",
+        EXPERIMENT,
+        "study",
+        "headline",
+        target="both_metrics",
+        of=(*_ARM, "metric", "numeric"),
+    ),
     _ours("table", "metric_search", "Metric search", "Ranking of the formulas of metr2ev", METRIC, "paper", "search"),
     _ours(
         "table",

@@ -8,7 +8,7 @@ from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.exhibits.inputs import SCORES, Family, Inputs, Made
 from repro.files import read_csv
 from repro.pipeline import figure_data as data
-from repro.pipeline.identified import read_identifications, read_scores
+from repro.pipeline.identified import every_seed, read_identifications, read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
@@ -23,7 +23,7 @@ def _scores(inputs: Inputs) -> pd.DataFrame:
 
 
 def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
-    return parameter_table(read_identifications(inputs["identifications"]), _scores(inputs), cases)
+    return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
 
 
 def _torques(

@@ -13,10 +13,14 @@ from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.files import read_csv, read_json
 from repro.identification.registry import OPPONENTS
 from repro.model.parameters import Array
+from repro.pipeline.both_metrics import both_metrics
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.experiment_runs import CASE
-from repro.pipeline.factorial import COLUMNS
+from repro.pipeline.factorial_design import COLUMNS
+from repro.pipeline.identified import read_identifications
+from repro.pipeline.job import Config
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
+from repro.pipeline.recordings import read_recordings
 from repro.render import ablation, coverage, experiment_tables, factorial, spread, why
 from repro.streams import Stream, stream
 
@@ -39,6 +43,11 @@ def _drawn_spread(inputs: Inputs) -> pd.DataFrame:
     drawn = _spread(inputs).query("method in @DRAWN")[list(SPREAD)]
     median = drawn.groupby(["case", "joint", "method", "duration"])["total"].transform("median")
     return drawn.assign(median=median)
+
+
+def _both_metrics(inputs: Inputs, config: Config) -> pd.DataFrame:
+    numeric, arm = (read_identifications(inputs[name]) for name in ("numeric", "arm"))
+    return both_metrics(numeric, arm, read_recordings(inputs["captures"], config), config)
 
 
 def _factorial(inputs: Inputs) -> pd.DataFrame:
@@ -67,6 +76,7 @@ MADE: Family = {
         lambda i, _: verdict(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
     ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
+    ("table", "both_metrics"): Made(_both_metrics, experiment_tables.both_metrics),
     ("table", "factorial"): Made(lambda i, _: effects(_factorial(i)), factorial.effects_table),
     ("figure", "factorial"): Made(lambda i, _: effects(_factorial(i)), factorial.figure),
     ("table", "factorial_cells"): Made(

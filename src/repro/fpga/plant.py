@@ -93,7 +93,7 @@ class Plant:
     Notes
     -----
     Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
-    them changes no encoder count of the identification recording; in T1 to T3 counts change by 1, where the
+    them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
     loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
     """
 

@@ -50,6 +50,9 @@ _DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
 #: By name, in the order of tables and legends; the first is the paper's as listed.
 METHODS: dict[str, Entry] = {
     "algorithm1": Entry("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
+    "algorithm1/one-run": Entry(
+        "Algorithm 1, one run", "Algorithm 1, one run", *_look("#5ab8ea", _SHORT, 1.1, "d", 3.4)
+    ),
     "algorithm1+desired": Entry(
         "Algorithm 1, f of line 18 on the desired motion (extension)",
         "Algorithm 1, desired motion",
@@ -65,6 +68,11 @@ METHODS: dict[str, Entry] = {
         "Algorithm 1, both",
         *_look("#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
     ),
+    "algorithm1+tracked/one-run": Entry(
+        "Algorithm 1, trained on closed-loop motions, f on the desired motion, one run (extension)",
+        "Algorithm 1, both, one run",
+        *_look("#8a3a8f", _SHORT, 1.1, "8", 3.4),
+    ),
     "algorithm1+refinement": Entry(
         "Algorithm 1 + refinement (extension)",
         "Algorithm 1 + refinement",
@@ -74,6 +82,11 @@ METHODS: dict[str, Entry] = {
         "Algorithm 1 + the refinement's selection without the network (control)",
         "Algorithm 1 + selection alone",
         *_look("#a6761d", _SHORT, 1.0, "v", 3.4),
+    ),
+    "differential-evolution": Entry(
+        "Differential evolution from uniform guesses, no network (control)",
+        "Differential evolution, no network",
+        *_look("#44aa99", (3.5, 2.5), 1.0, "X", 3.4),
     ),
     "algorithm1+scale-aware": Entry(
         "Algorithm 1 + scale-aware image (extension)",

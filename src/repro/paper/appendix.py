@@ -42,7 +42,7 @@ class FreeChoices:
     g1: float = 0.95  # gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9
     # Coulomb friction, N m. b1 and b2 stay below it, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
     k1: float = 0.4538
-    # Friction of joint 2 is most of its position error: with back-EMF, the tracking of 99.02 % in Table 8 determines it.
+    # Friction is most of the position error of joint 2: with back-EMF, the 99.02 % of Table 8 determine it.
     k2: float = 0.228
 
 

@@ -103,7 +103,7 @@ def _verdict(printed: PublishedValue, ours: Ours, value: float, tolerance: float
         return REPRODUCED
     if ours.better is not None and ours.better(printed.value, value):
         return BETTER
-    if printed.relation == "above" and difference > 0:
+    if {"above": difference > 0, "below": difference < 0}.get(printed.relation, False):
         return REPRODUCED
     return DIFFERS
 

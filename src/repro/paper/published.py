@@ -3,7 +3,8 @@
 Nothing that makes our results may import this module: it serves comparisons, captions and audits only.
 
 A row of the file is one printed number (`repro.paper.published_value`): every number that is a claim, a constant or a
-result, once for each section, table, equation or figure that states it. Left out are the coefficients of a formula
+result, once for each section, table, equation or figure that states it. Section V-C compares parameters of Table 9 in
+words; these comparisons are ratios above or below 1. Left out are the coefficients of a formula
 (Eq. 1, 3, 5, 15, 17-22), the numbers of sections, equations, layers and references, and the degrees of freedom of the
 robots of other works, which Table 1 lists; so is Table 8's PWM frequency of joint 2, unreadable in the text we have.
 """

@@ -36,8 +36,8 @@ KINDS = {
     "setting": "chosen by the authors; a configuration can adopt it",
     "other-work": "a result of another work, as this paper quotes it",
 }
-#: What the print says of the number: that the quantity is this, lies above it, reaches up to it, or is about it.
-RELATIONS = ("is", "above", "up to", "about")
+#: What the print says of the number: the quantity is this, lies above or below it, reaches up to it, or is about it.
+RELATIONS = ("is", "above", "below", "up to", "about")
 
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 _NUMBERED = re.compile(r"(Table|Fig\.|Eq\.) (\d+)")

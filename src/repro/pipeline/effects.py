@@ -9,7 +9,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from repro.model.parameters import Array
-from repro.pipeline.factorial import CONFIRMATION
+from repro.pipeline.factorial_design import CONFIRMATION
 
 #: Level of each factor that counts as high; an effect is high minus low.
 HIGH: Mapping[str, object] = {

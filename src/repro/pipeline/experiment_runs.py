@@ -43,11 +43,10 @@ def prepare_recording(
 def identify_recording(
     algorithm1: "Algorithm1", recording: Recording, tau_mean: Array, signals: SignalSettings, seed: int, true: Array
 ) -> dict[str, Any]:
-    """Algorithm 1 and its refinement on one recording."""
+    """Identify one recording by Algorithm 1, by its refinement, and by the refinement's controls."""
     prepared = prepare_recording(recording, tau_mean, signals, algorithm1.search.image_motion)
-    found, met = algorithm1.run(
-        prepared, stream(seed, Stream.EXPERIMENT_SEARCH), stream(seed, Stream.EXPERIMENT_REFINE)
-    )
+    kinds = (Stream.EXPERIMENT_SEARCH, Stream.EXPERIMENT_REFINE, Stream.UNIFORM_SEARCH)
+    found, met = algorithm1.run(prepared, *(stream(seed, kind) for kind in kinds))
     arm = {"true": true.tolist(), "executions_over_threshold": met, "methods": as_json(found)}
     return {"variant": algorithm1.variant, "seed": seed, "arms": {CASE: arm}}
 
@@ -61,13 +60,6 @@ def least_squares_of(recording: Recording, signals: SignalSettings, true: Array)
     methods = as_json({name: METHODS[solver].estimate(regression) for name, solver in OPPONENTS.items()})
     methods["true"] = {"beta": true.tolist()}
     return {"variant": "least-squares", "seed": 0, "arms": {CASE: {"true": true.tolist(), "methods": methods}}}
-
-
-def every_seed(runs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Runs with those that have no seed of their own (seed 0 of variant least-squares) repeated for each seed."""
-    seeds = sorted({run["seed"] for run in runs if run["variant"] != "least-squares"}) or [0]
-    spread = [{**run, "seed": seed} for run in runs if run["variant"] == "least-squares" for seed in seeds]
-    return [dict(run) for run in runs if run["variant"] != "least-squares"] + spread
 
 
 def score_runs(

@@ -1,6 +1,6 @@
 """Identifications and scores read back from their files, checked for what later stages need."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,13 @@ def read_identifications(paths: Sequence[Path | str]) -> list[dict[str, Any]]:
         _check_arms(path, run["arms"])
         runs.append(run)
     return runs
+
+
+def every_seed(runs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Runs with those that have no seed of their own (seed 0 of variant least-squares) repeated for each seed."""
+    seeds = sorted({run["seed"] for run in runs if run["variant"] != "least-squares"}) or [0]
+    spread = [{**run, "seed": seed} for run in runs if run["variant"] == "least-squares" for seed in seeds]
+    return [dict(run) for run in runs if run["variant"] != "least-squares"] + spread
 
 
 def read_scores(paths: Sequence[Path], columns: tuple[str, ...] = SCORE_COLUMNS) -> pd.DataFrame:

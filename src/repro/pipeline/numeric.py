@@ -13,7 +13,10 @@ from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_csv
 from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.methods.every import METHODS
 from repro.identification.methods.interface import as_json
+from repro.identification.registry import OPPONENTS
+from repro.identification.regression import Regression
 from repro.identification.scores import score
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
@@ -94,22 +97,46 @@ _LOG = logging.getLogger(__name__)
 def identify_arms(
     algorithm1: "Algorithm1", signals: SignalSettings, numeric: NumericSettings, tau_mean: Array, seed: int
 ) -> dict[str, Any]:
-    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's control.
+    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's controls.
 
     For each arm its true parameters, and for each method the estimate, its similarity and its cost in images. Mean
     torque of the training data of shape (2, N), N m.
     """
-    margin, executions = numeric.margin, algorithm1.search.executions
-    recorded = identification_trajectory(signals.duration, signals.h, margin)
-    y_recorded = regressor(recorded.q, recorded.dq, recorded.ddq)
+    executions = algorithm1.search.executions
     progress = Progress(f"{algorithm1.variant} image, seed {seed}")
     arms: dict[str, Any] = {}
-    for index, (name, beta) in enumerate(numeric.arms.items()):
-        tau = rebuild_torque(y_recorded, beta)
-        measured = filtered(recorded.q, tau, signals, margin, margin + tau_mean.shape[-1])
-        streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE))
+    for index, (name, measured) in enumerate(regressions(signals, numeric).items()):
+        streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE, Stream.UNIFORM_SEARCH))
         found, met = algorithm1.run(prepare(measured, tau_mean, signals), *streams)
-        arms[name] = {"true": beta.tolist(), "executions_over_threshold": met, "methods": as_json(found)}
+        arms[name] = {
+            "true": numeric.arms[name].tolist(),
+            "executions_over_threshold": met,
+            "methods": as_json(found),
+        }
         _LOG.info("%s: %d of %d executions over the threshold", name, met, executions)
         progress(index + 1, len(numeric.arms))
     return {"variant": algorithm1.variant, "seed": seed, "arms": arms}
+
+
+def regressions(signals: SignalSettings, numeric: NumericSettings) -> dict[str, Regression]:
+    """Filtered torque and motion of every test arm on the identification trajectory, cut out of the recorded margin."""
+    samples, margin = sample_times(signals.duration, signals.h).size, numeric.margin
+    recorded = identification_trajectory(signals.duration, signals.h, margin)
+    y = regressor(recorded.q, recorded.dq, recorded.ddq)
+    return {
+        name: filtered(recorded.q, rebuild_torque(y, beta), signals, margin, margin + samples)
+        for name, beta in numeric.arms.items()
+    }
+
+
+#: Least squares that the numeric tests are identified by. Positive-definite inertia is left out: N2 and N3 violate it.
+LEAST_SQUARES = ("least-squares", "bounded")
+
+
+def least_squares_of_arms(signals: SignalSettings, numeric: NumericSettings) -> dict[str, Any]:
+    """Identify every test arm by least squares on the signals of Algorithm 1."""
+    arms = {}
+    for name, regression in regressions(signals, numeric).items():
+        found = {method: METHODS[OPPONENTS[method]].estimate(regression) for method in LEAST_SQUARES}
+        arms[name] = {"true": numeric.arms[name].tolist(), "methods": as_json(found)}
+    return {"variant": "least-squares", "seed": 0, "arms": arms}

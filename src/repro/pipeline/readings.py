@@ -41,13 +41,17 @@ READINGS: dict[str, Reading] = {
     "label-physical": Reading("label scale", "SI units", {"data": {"label": "physical"}}, trained=True),
     "image-constant": Reading("divisor of Z1", "a constant (ours)", network="scale-aware", trained=True),
     "recipe-paper": Reading("training recipe", "the paper's schedule", network="paper-recipe", trained=True),
+    "recipe-ranges": Reading(
+        "training recipe",
+        "the paper's schedule and ranges as printed",
+        {"data": {"prior": "published"}},
+        network="paper-recipe",
+        trained=True,
+    ),
+    "desired": Reading("motion of line 18", "desired, network of Eq. 10", network="desired"),
     "tracked": Reading("training motions", "as arms track Eq. 10 (ours)", network="tracked", trained=True),
     "tracked-measured": Reading(
-        "training motions",
-        "f of the image on the measured motion",
-        {"algorithm1": {"image_motion": "measured"}},
-        network="tracked",
-        trained=True,
+        "training motions", "f of the image on the measured motion", network="tracked-measured", trained=True
     ),
     "tracked-few": Reading(
         "training motions", "of 40 arms instead of 320", {"data": {"tracked": {"arms": 40}}}, "tracked", trained=True
@@ -81,7 +85,7 @@ READINGS: dict[str, Reading] = {
         network="tracked",
         of="tracked",
     ),
-    "metric-mean-square": Reading("time factor of metr2ev", "mean square", {"metric": {"time_formula": "mean-square"}}),
+    "metric-energy": Reading("time factor of metr2ev", "energy ratio", {"metric": {"time_formula": "energy"}}),
     "check-definite": Reading(
         "physically possible", "positive-definite inertia", {"algorithm1": {"feasibility": "positive-definite"}}
     ),

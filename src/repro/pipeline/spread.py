@@ -46,6 +46,7 @@ def spread_arms(config: Config) -> Array:
     motions += [program_from_config(config, name, seed) for name in VALIDATION for seed in seeds]
     count = config["spread"]["arms"]
     drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
+    drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
     able = [beta for beta in drawn if all(_may(motion, beta, config) for motion in motions)]
     fastest = min(motions[: len(config["spread"]["durations_s"])], key=lambda motion: motion.q.shape[1])
     plant = Plant(np.stack([true_parameters(config), *able]), fastest.h)

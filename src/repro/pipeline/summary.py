@@ -1,4 +1,4 @@
-"""Tables 4 to 7 from the runs over all seeds: the median seed, with the spread beside it."""
+"""Tables 4 to 7, 9 and 10 from the runs over all seeds: the median seed with the spread over the seeds."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -38,6 +38,31 @@ def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
     return median_cells(scores[scores["trajectory"] == trajectory])
 
 
+#: Methods of Table 10 that have a block of one run too, under the name of the method with this ending.
+SINGLE_RUNS, ONE_RUN = ("algorithm1", "algorithm1+tracked"), "/one-run"
+
+
+def experiment_table(scores: pd.DataFrame, identified_on: str) -> pd.DataFrame:
+    """Table 10: median seed of each cell, and for some methods one run.
+
+    A cell shows the median seed of its own motion and joint, so that no single run gives a whole block of medians. All
+    cells of a block of one run have the seed whose similarity on `identified_on` is the median.
+
+    From columns ``case, method, seed, joint, time, frequency, total``.
+
+    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
+    """
+    cells = median_cells(scores)
+    chosen = median_seeds(scores[scores["case"] == identified_on].assign(trajectory="ID"))
+    blocks = [cells]
+    for method in SINGLE_RUNS:
+        if (identified_on, method) not in chosen:
+            continue
+        run = scores[(scores["method"] == method) & (scores["seed"] == chosen[identified_on, method])]
+        blocks.append(run.assign(method=method + ONE_RUN, total_sd=0.0, seeds=1).sort_values("joint")[cells.columns])
+    return _ordered(pd.concat(blocks, ignore_index=True))
+
+
 def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
     """Median seed of each case, method and joint; see `similarity_table`.
 
@@ -49,7 +74,8 @@ def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
     for key, group in scores.groupby(["case", "method", "joint"], sort=True):
         case, method, joint = list(key)
         row = group.sort_values(["total", "seed"], kind="stable").iloc[len(group) // 2]
-        sd = float(group["total"].std(ddof=1)) if len(group) > 1 else 0.0
+        # Equal values have no spread; rounding of their mean would leave one.
+        sd = float(group["total"].std(ddof=1)) if group["total"].nunique() > 1 else 0.0
         rows.append((case, method, joint, row["time"], row["frequency"], row["total"], sd, len(group)))
     columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
     return _ordered(pd.DataFrame(rows, columns=columns))
@@ -76,7 +102,6 @@ def parameter_table(
                 continue
             estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in runs.values()], columns=list(NAMES))
             shown = runs[chosen[case, method]]
-            # Equal values have no spread; rounding of their mean would leave one.
             sd = estimates.std(ddof=1).where(estimates.nunique() > 1, 0.0)
             for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True)):
                 estimate = shown["methods"][method]["beta"][k]

@@ -1,7 +1,7 @@
-"""Motions as arms track Eq. 10 behind the simulated board: what a network of ``data.motions: tracked`` is trained on.
+"""Closed-loop motions: how arms track Eq. 10 behind the simulated board (``data.motions: tracked``).
 
-The paper trains on Eq. 10 exactly and says that a recorded motion need not be identical to it (Section VI). A network
-that has seen one motion has no reason to bear another one: this extension shows it how arms track.
+The paper trains on Eq. 10 exactly and says that a recorded motion need not be identical to it (Section VI). This
+extension trains on the motions of simulated arms in the loop.
 """
 
 from dataclasses import dataclass, replace

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from repro.errors import InputError
-from repro.render.markup import Table, Text, formula, number, plain, scientific, unit
+from repro.render.markup import EMPTY, Table, Text, formula, number, plain, scientific, unit
 from repro.render.result_tables import heading_of, methods_of, one_row
 from repro.signals.programs import SPAN, VALIDATION
 
@@ -131,3 +131,30 @@ def _tally_row(method: str, duration: float, rows: pd.DataFrame) -> list[Text]:
         number(100.0 * float(rows["wins"].sum() / rows["runs"].sum()), 0),
         number(100.0 * float(rows["difference_median"].median()), 2),
     ]
+
+
+def both_metrics(frame: pd.DataFrame) -> Table:
+    """Headline rows under both time factors, two rows for each method.
+
+    Columns as `repro.pipeline.both_metrics.COLUMNS`.
+    """
+    words = {"mean-square": "mean square", "energy": "energy ratio"}
+    values = ("numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id", "frequency_validation")
+    blocks = []
+    for method in methods_of(frame):
+        rows = [
+            [
+                plain(words[row["formula"]]),
+                *(EMPTY if pd.isna(row[name]) else number(100.0 * row[name], 2) for name in values),
+            ]
+            for row in frame[frame["method"] == method].to_dict("records")
+        ]
+        blocks.append((heading_of(method), rows))
+    caption = plain(
+        "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
+        "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
+        "factor, which both share; medians over the seeds, %."
+    )
+    names = ("Time factor", "N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4")
+    header = [plain(name) for name in (*names, "Freq., ID", "Freq., T1 to T4")]
+    return Table("Both metrics", "tab:both_metrics", caption, "lrrrrrrr", header, blocks)

@@ -68,9 +68,16 @@ def cells_table(frame: pd.DataFrame) -> Table:
     Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
     """
     words = {
-        "cnn": "Algorithm 1", "plain": "plain network", "ordinary": "least squares",
-        "bounded": "least squares, bounded", "true": "true parameters", "ideal": "Eq. 10", "tracked": "closed-loop", "rad_per_s": "rad/s", "nan": "",
-    }  # fmt: skip
+        "cnn": "Algorithm 1",
+        "plain": "plain network",
+        "ordinary": "least squares",
+        "bounded": "least squares, bounded",
+        "true": "true parameters",
+        "ideal": "Eq. 10",
+        "tracked": "closed-loop",
+        "rad_per_s": "rad/s",
+        "nan": "",
+    }
     names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
     rows = []
     for row in frame.astype(dict.fromkeys(names, str)).to_dict("records"):

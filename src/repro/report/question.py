@@ -16,7 +16,7 @@ _PUBLISHED, _OPPONENT = "algorithm1", "least-squares"
 
 #: What the sentence says of each method that it names; of others the table tells.
 _CLAUSES = {
-    "algorithm1+tracked": "trained on motions as arms track them, in",
+    "algorithm1+tracked": "trained on closed-loop motions with line 18 on the desired motion, in",
     "algorithm1+refinement": "with our refinement, in",
     "algorithm1+local-search": "and by that refinement's selection without the network, in",
 }

@@ -11,7 +11,7 @@ from strategies import seeds
 from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart
+from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
@@ -49,7 +49,7 @@ def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=10
     settings = RefinementSettings(restarts, keep, passes, **moves)
     rng = np.random.default_rng(seed)
     candidates = restart(reader, beta_m, search, settings, rng)
-    return refine(reader, candidates, PREPARED, search, settings, rng, feed_back)
+    return refine(reader if feed_back else None, candidates, PREPARED, search, settings, rng)
 
 
 def similarity(beta):
@@ -104,13 +104,31 @@ def test_selection_alone_finds_a_badly_conditioned_arm():
     before, after = [], []
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        beta_m = rng.uniform(1e-3, 1.0, (2000, 9))
-        found = refine(Reader(), beta_m, prepared, SEARCH, RefinementSettings(restarts=0), rng, feed_back=False)
+        beta_m = rng.uniform(1e-3, 1.0, (500, 9))
+        found = refine(None, beta_m, prepared, SEARCH, RefinementSettings(restarts=0), rng)
         before.append(select(beta_m, prepared, SEARCH).similarity)
         after.append(select(found, prepared, SEARCH).similarity)
-    assert max(before) < 0.8
+    assert max(before) < 0.9
     # The filter rounds the torque's steps, so the arm itself does not reach 1.
     assert np.median(after) > select(arm[None] / prepared.largest, prepared, SEARCH).similarity - 1e-3
+
+
+def test_uniform_guesses_fill_the_range_of_line_17_as_often_as_algorithm_1_guesses_at_most():
+    search = replace(SEARCH, executions=40, inner_limit=50, low=0.2, high=1.7)
+    found = uniform_guesses(search, np.random.default_rng(3))
+    assert found.shape == (2000, 9)
+    assert found.min() > 0.2
+    assert found.max() < 1.7
+    for share in (0.1, 0.5, 0.9):
+        np.testing.assert_allclose(np.quantile(found, share, axis=0), 0.2 + 1.5 * share, atol=0.06)
+
+
+def test_uniform_guesses_that_are_not_physically_possible_are_left_out():
+    search = replace(SEARCH, executions=40, inner_limit=50, feasibility="positive-definite")
+    every = uniform_guesses(replace(search, feasibility="positive"), np.random.default_rng(3))
+    found = uniform_guesses(search, np.random.default_rng(3))
+    assert 0 < len(found) < len(every) == 2000
+    np.testing.assert_array_equal(found, every[CHECKS["positive-definite"](every)])
 
 
 def test_moves_shrink_as_the_set_closes_in():
@@ -190,7 +208,7 @@ def test_similarity_never_falls(seed):
 def test_similarity_rises_with_a_network_that_helps_and_without(feed_back):
     before = select(near(12), PREPARED, SEARCH).similarity
     found = refined(Reader(0.5), near(12), restarts=0, passes=10, feed_back=feed_back)
-    assert select(found, PREPARED, SEARCH).similarity > before + 0.01
+    assert 1.0 - select(found, PREPARED, SEARCH).similarity < 0.85 * (1.0 - before)
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])

@@ -6,8 +6,9 @@ and shrink as the set closes in, so the moves need no scale of their own even wh
 conditioned. Each difference has a random length, no parameters are crossed over, and the best of old and new
 together survive; [1]_ does otherwise on all three.
 
-The network reads the moved guesses of the first passes, and both they and its readings become candidates. Moves and
-selection get about as far without it: the control that does not feed back tells how much is the network's.
+The network reads the moved guesses of the first passes, and both they and its readings become candidates. Two controls
+measure the network's share. One makes the same moves from the same candidates and reads no further image. The other
+starts from uniform guesses and reads no image at all.
 
 .. [1] R. Storn and K. Price, "Differential Evolution - A Simple and Efficient Heuristic for Global Optimization over
    Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
@@ -112,23 +113,42 @@ def restart(
     return raised[possible(raised)]
 
 
+def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
+    """Draw the candidates of the control without a network.
+
+    Parameters
+    ----------
+    search : SearchSettings
+        Range of guesses, their number and the check of line 22.
+    rng : numpy.random.Generator
+        Source of the guesses.
+
+    Returns
+    -------
+    array of shape (n, 9)
+        The physically possible ones of as many guesses as Algorithm 1 reads at most, in units of the largest torque.
+    """
+    guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
+    possible: Array = guesses[CHECKS[search.feasibility](guesses)]
+    return possible
+
+
 def refine(
-    reader: "ResidualReader",
+    reader: "ResidualReader | None",
     candidates: Array,
     prepared: Prepared,
     search: SearchSettings,
     settings: RefinementSettings,
     rng: np.random.Generator,
-    feed_back: bool = True,
 ) -> Array:
     """Move the best candidates, pass by pass.
 
     Parameters
     ----------
-    reader : ResidualReader
-        Network and torque.
+    reader : ResidualReader or None
+        Network and torque. None: a control, whose moved guesses are candidates that no network reads.
     candidates : array of shape (m, 9)
-        From `restart`, in units of the largest torque.
+        From `restart` or `uniform_guesses`, in units of the largest torque.
     prepared : Prepared
         Signals that candidates are compared on.
     search : SearchSettings
@@ -137,9 +157,6 @@ def refine(
         Budget and moves.
     rng : numpy.random.Generator
         Source of the moves, left as it was: refinement and control make the same ones.
-    feed_back : bool
-        False: the moved guesses are candidates, unread by the network. The control that tells what selection
-        alone achieves.
 
     Returns
     -------
@@ -155,7 +172,9 @@ def refine(
     best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
     for done in range(settings.passes):
         guess = _move(best, settings, search.low, rng)
-        beta = np.concatenate([guess, reader.estimate(guess)]) if feed_back and done < settings.read_passes else guess
+        beta = guess
+        if reader is not None and done < settings.read_passes:
+            beta = np.concatenate([guess, reader.estimate(guess)])
         beta = beta[possible(beta)]
         candidates = np.concatenate([best, beta])
         similarity = np.concatenate([similarity, score(beta).total.mean(-1)])

@@ -1,5 +1,6 @@
-"""Algorithm 1, its refinement and the refinement's control on one arm's signals."""
+"""Algorithm 1, its refinement and the refinement's two controls on one arm's signals."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,10 +8,14 @@ import numpy as np
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart
+from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, Selected, search, select
 from repro.identification.methods.interface import Estimate
+from repro.model.parameters import Array
+
+#: Control of the refinement without a network.
+WITHOUT_NETWORK = "differential-evolution"
 
 
 @dataclass(frozen=True)
@@ -43,9 +48,13 @@ class Algorithm1:
         return replace(self, refinement=replace(self.refinement, passes=0))
 
     def run(
-        self, prepared: Prepared, search_rng: np.random.Generator, refine_rng: np.random.Generator
+        self,
+        prepared: Prepared,
+        search_rng: np.random.Generator,
+        refine_rng: np.random.Generator,
+        uniform_rng: np.random.Generator | None = None,
     ) -> tuple[dict[str, Estimate], int]:
-        """Run the search, and where it has passes the refinement and its control.
+        """Run the search, and where it has passes the refinement and its controls.
 
         Parameters
         ----------
@@ -53,6 +62,9 @@ class Algorithm1:
             Signals after line 12.
         search_rng, refine_rng : numpy.random.Generator
             Sources of the guesses of line 17 and of the refinement's.
+        uniform_rng : numpy.random.Generator, optional
+            Source of guesses and moves of the control without a network. The control runs with the published network
+            alone, because it would be the same with every other one.
 
         Returns
         -------
@@ -69,12 +81,29 @@ class Algorithm1:
         if not self.refinement.passes:
             return results, met
         candidates = restart(reader, found.beta, self.search, self.refinement, refine_rng)
-        moves = [refine_rng, *refine_rng.spawn(self.refinement.starts - 1)]
-        for method, feed_back in (("local-search", False), ("refinement", True)):  # the control reads no further image
-            best = [refine(reader, candidates, prepared, self.search, self.refinement, m, feed_back) for m in moves]
-            chosen = select(np.concatenate(best), prepared, self.search)
+        moves = self._moves(refine_rng)
+        for method, feedback in (("local-search", None), ("refinement", reader)):  # the control reads no further image
+            chosen = self._refined(feedback, candidates, prepared, moves)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, reader.images)
+        if uniform_rng is not None and not suffix:
+            guesses = uniform_guesses(self.search, uniform_rng)
+            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, prepared, self._moves(uniform_rng)), 0)
         return results, met
+
+    def _moves(self, rng: np.random.Generator) -> list[np.random.Generator]:
+        """Sources of the moves of each start of a refinement."""
+        return [rng, *rng.spawn(self.refinement.starts - 1)]
+
+    def _refined(
+        self,
+        reader: ResidualReader | None,
+        candidates: Array,
+        prepared: Prepared,
+        moves: Sequence[np.random.Generator],
+    ) -> Selected:
+        """The most similar set of all starts of a refinement."""
+        best = [refine(reader, candidates, prepared, self.search, self.refinement, rng) for rng in moves]
+        return select(np.concatenate(best), prepared, self.search)
 
 
 def _estimate(selected: Selected, images: int) -> Estimate:

@@ -97,7 +97,7 @@ _ABOUT = {"appendix/sine": "appendix/domain"}
 
 def counterparts(published: Published, config: Mapping[str, Any], results: Results) -> dict[str, Ours]:
     """Our side of every published number that is the paper's own."""
-    found = {**choices(config), **constants(), **arithmetic(published, config, results), **measured(results)}
+    found = {**choices(config), **constants(), **arithmetic(published, config, results), **measured(results, config)}
     audited = findings(published)
     contradictions = {about(finding): finding for finding in audited if about(finding)}
     remarks = {number: _told(f) for f in audited if f.verdict == NOT_POSSIBLE for number in f.numbers}

@@ -3,13 +3,17 @@
 The arm is simulated: its real counterpart's Table 9 and recordings are not available.
 """
 
+import math
+from collections.abc import Mapping
+from typing import Any
+
 from repro.model.parameters import NAMES
 from repro.paper.claims import EXTENSION, Ours, higher, lower
 from repro.paper.ledger.results import Results
 from repro.paper.published import NUMERIC_CASES
 
 SIMULATED = "simulated arm"
-ALGORITHM = "algorithm1"
+ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
 EXPERIMENT_CASES = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION_CASES = EXPERIMENT_CASES[1:]
 QUANTITIES = ("time", "frequency", "total")
@@ -25,17 +29,26 @@ EXTENSIONS = {
 _OF_TABLE = {"table06": (REFINEMENT,), "table07": (REFINEMENT,), "table10": (REFINEMENT, TRACKED)}
 
 
-def measured(results: Results) -> dict[str, Ours]:
+def measured(results: Results, config: Mapping[str, Any]) -> dict[str, Ours]:
     """Everything that the workflow's results hold against the paper's."""
+    trained = training_note(config)
     loss = Ours(results.loss(), "train", better=lower, strict=True, must=True, note="held-out loss, default recipe")
     return {
         **_parameters(results),
-        **_similarities(results, "table07", NUMERIC_CASES, (ALGORITHM,), ""),
-        **_similarities(results, "table10", EXPERIMENT_CASES, (ALGORITHM, "least-squares"), SIMULATED),
+        **_similarities(results, "table07", NUMERIC_CASES, (ALGORITHM,), trained),
+        **_similarities(results, "table10", EXPERIMENT_CASES, (ALGORITHM, LEAST_SQUARES), SIMULATED),
         **_tracking(results),
-        **_statements(results),
+        **_statements(results, trained),
+        **_comparisons(results),
         "section5a/loss": loss,
     }
+
+
+def training_note(config: Mapping[str, Any]) -> str:
+    """What of the network's training differs from the paper; empty if nothing does."""
+    own = {"ranges": config["data"]["prior"] != "published", "schedule": config["training"]["recipe"] != "paper"}
+    named = " and ".join(what for what, differs in own.items() if differs)
+    return f"training {named} of the network: ours" if named else ""
 
 
 def _parameters(results: Results) -> dict[str, Ours]:
@@ -91,7 +104,7 @@ def _tracking(results: Results) -> dict[str, Ours]:
     }
 
 
-def _statements(results: Results) -> dict[str, Ours]:
+def _statements(results: Results, trained: str) -> dict[str, Ours]:
     """What abstract, discussion and conclusion say of all cases at once: the smallest total, or the largest."""
     found: dict[str, Ours] = {}
     for name, table, cases, pick, note in (
@@ -102,10 +115,41 @@ def _statements(results: Results) -> dict[str, Ours]:
         ("section7/experimental/total", "table10", VALIDATION_CASES, max, f"{SIMULATED}; largest of T1 to T4"),
     ):
         extended = [(*EXTENSIONS[suffix], suffix) for suffix in _OF_TABLE[table]]
+        training = trained if table == "table06" else ""
         for method, what, suffix in ((ALGORITHM, "", ""), *extended):
             totals = results.totals(table, method, cases)
             value, sd = pick(totals)
             mean = sum(total for total, _ in totals) / len(totals)
-            notes = [f"{note}, mean {mean:.2f}", *([what] if what else [])]
+            notes = [f"{note}, mean {mean:.2f}", *(words for words in (training, what) if words)]
             found[name + suffix] = _score(value, sd, table, notes)
     return found
+
+
+def _comparisons(results: Results) -> dict[str, Ours]:
+    """What Section V-C says in words of the parameters of Table 9, as ratios."""
+
+    def estimates(method: str) -> dict[str, float]:
+        return {name: results.parameter("table09", "ID", method, name)[1] for name in NAMES}
+
+    def compared(ratio: float) -> Ours:
+        return Ours(ratio, "table09", strict=True, note=SIMULATED)
+
+    ours, least_squares = estimates(ALGORITHM), estimates(LEAST_SQUARES)
+    found = {
+        f"section5c/gravity-over-inertia/{method}": compared(
+            _ratio(beta["g1"], max(beta[k] for k in ("I1", "I2", "I3")))
+        )
+        for method, beta in ((ALGORITHM, ours), (LEAST_SQUARES, least_squares))
+    }
+    friction = [_ratio(ours[f"b{joint}"], ours[f"k{joint}"]) for joint in (1, 2)]
+    viscous = [_ratio(least_squares[name], ours[name]) for name in ("b1", "b2")]
+    return {
+        **found,
+        f"section5c/viscous-over-coulomb/{ALGORITHM}": compared(max(friction)),
+        "section5c/viscous-over-algorithm1": compared(min(viscous)),
+    }
+
+
+def _ratio(a: float, b: float) -> float:
+    """Quotient of two parameters. Where b is not positive, it only shows which of both is larger: infinity or 0."""
+    return a / b if b > 0.0 else math.inf if a > b else 0.0

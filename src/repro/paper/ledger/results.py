@@ -20,6 +20,7 @@ FILES: dict[str, tuple[str, ...]] = {
     "tables/table06.csv": SIMILARITY,
     "tables/table07.csv": SIMILARITY,
     "tables/table08.csv": SIMILARITY,
+    "tables/table09.csv": PARAMETERS,
     "tables/table10.csv": SIMILARITY,
     "tables/stability.csv": ("method", "quantity", "value", "bound"),
     "model/training.csv": HISTORY_COLUMNS,
