@@ -27,7 +27,7 @@ CONFIG = of_network(full_config(), "tracked")
 @pytest.fixture(scope="module")
 def config():
     changed = copy.deepcopy(CONFIG)
-    changed["data"]["tracked"]["arms"] = 60
+    changed["data"]["tracked"]["arms"] = 64
     changed["coverage"] = {"arms": 40, "guesses": 20, "levels": [0.5, 0.9], "seed": 3}
     return changed
 

@@ -40,7 +40,8 @@ def board_from_config(config: Config, seed: int | None = None) -> Board:
     beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
     levels, phase = disturbance(config, seed)
     stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
-    arm = {**stated, **asdict(levels), "ripple_phase": phase.tolist(), "seed": seed}
+    effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
+    arm = {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}
     return Board(
         lambda: Plant(beta, h, levels, phase),
         control_constants(config).torque_per_count,
