@@ -95,7 +95,7 @@ def test_the_smoke_run_trains_every_network_briefly():
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
     budgets |= {"inner_limit", "threshold_numeric", "threshold", "restarts", "keep", "passes", "search_seeds"}
-    budgets |= {"arms", "guesses", "results", "figures", "enforce"}
+    budgets |= {"arms", "guesses", "results", "figures", "enforce", "specimens", "training_seeds"}
     assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
 
 
@@ -169,7 +169,21 @@ BAD = {
     "one link": ("arm: {link_lengths_m: [0.2]}", "arm.link_lengths_m", "[0.2]", "2 values"),
     "dead band in parts of a count": ("arm: {dead_band_counts: 0.5}", "arm.dead_band_counts", "0.5", "integer"),
     "dead band that is all of the PWM": ("arm: {dead_band_counts: 1023}", "arm.dead_band_counts", "1023", "most 1022"),
-    "negative ripple": ("arm: {ripple_nm: -0.1}", "arm.ripple_nm", "-0.1", "at least 0"),
+    "negative ripple": ("arm: {ripple_nm: [0.1, -0.1]}", "arm.ripple_nm[1]", "-0.1", "at least 0"),
+    "one ripple for two joints": ("arm: {ripple_nm: 0.1}", "arm.ripple_nm", "0.1", "array"),
+    "three Stribeck levels": ("arm: {stribeck: [1.0, 1.0, 1.0]}", "arm.stribeck", "[1.0, 1.0, 1.0]", "at most 2"),
+    "negative back-EMF": ("arm: {back_emf_nm_s_per_rad: -0.1}", "arm.back_emf_nm_s_per_rad", "-0.1", "at least 0"),
+    "range of something else": ("experiment: {random_range_of: all}", "experiment.random_range_of", "all", "numbers"),
+    "no bands": ("experiment: {random_bands: 0}", "experiment.random_bands", "0", "more than 0"),
+    "one sample to validate on": ("numeric: {validation_samples: 1}", "numeric.validation_samples", "1", "at least 2"),
+    "one level of back-EMF": (
+        "factorial: {back_emf_nm_s_per_rad: [0.1, 0.1]}",
+        "factorial.back_emf_nm_s_per_rad",
+        "0.1",
+        "differ",
+    ),
+    "eight parameters of an arm": (f"factorial: {{second_arm: [{NINE}]}}", "factorial.second_arm", "0.1", "at least 9"),
+    "plain network without a layer": ("factorial: {plain: {width: 0}}", "factorial.plain.width", "0", "at least 1"),
     "variation beyond everything": ("arm: {variation: 1.1}", "arm.variation", "1.1", "at most 1"),
     "gain of zero": ("board: {kp_nm_per_rad: [1.0, 0]}", "board.kp_nm_per_rad[1]", "0", "more than 0"),
     "unknown source": ("experiment: {source: live}", "experiment.source", "live", "stored"),

@@ -19,7 +19,9 @@ from repro.config import check_config
 from repro.errors import InputError
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
+from repro.pipeline.experiment import program_settings
 from repro.signals.metric import MetricSettings
+from repro.signals.programs import ProgramSettings
 
 pytestmark = pytest.mark.slow
 
@@ -29,7 +31,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CONFIG = yaml.safe_load("""
 signals: {sampling_period_s: 0.004, filter_coefficient: 3.0e-4, frequency_reading: hertz, image_samples: 100,
           duration_s: 7.5, normalise_motion: true}
-metric: {time_formula: mean-square, exponent: 0.7}
+metric: {time_formula: energy, exponent: 0.7}
 network: {hidden: [31, 17], sigmoid_gain: 1.25}
 data: {motions: ideal, unmodelled: {stribeck: 0.41, ripple: 0.09, noise: 0.02, delay_s: 0.001},
        prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
@@ -50,6 +52,7 @@ numeric:
   seeds: [4, 8]
   margin_samples: 43
   validation_frequency_reading: rad_per_s
+  validation_samples: 4711
   arms:
     N1: [1, 2, 3, 4, 5, 6, 7, 8, 9]
     N2: [2, 3, 4, 5, 6, 7, 8, 9, 10]
@@ -66,7 +69,7 @@ def test_signals():
 
 
 def test_metric():
-    assert settings.metric_settings(sections("metric")) == MetricSettings("mean-square", 0.7)
+    assert settings.metric_settings(sections("metric")) == MetricSettings("energy", 0.7)
 
 
 def test_network_takes_its_input_size_from_the_signals():
@@ -117,7 +120,7 @@ def test_search_scores_with_the_metric_of_the_configuration():
         low=0.012,
         high=2.75,
         feasibility="positive-definite",
-        metric=MetricSettings("mean-square", 0.7),
+        metric=MetricSettings("energy", 0.7),
         image_motion="desired",
     )
     assert settings.search_settings(sections("algorithm1", "metric")) == expected
@@ -131,7 +134,7 @@ def test_refinement():
 
 def test_numeric_experiment():
     numeric = settings.numeric_settings(sections("numeric"))
-    assert (numeric.margin, numeric.validation_reading) == (43, "rad_per_s")
+    assert (numeric.margin, numeric.validation_reading, numeric.validation_samples) == (43, "rad_per_s", 4711)
     assert list(numeric.arms) == ["N1", "N2"]
     np.testing.assert_array_equal(numeric.arms["N2"], np.arange(2.0, 11.0))
     assert numeric.arms["N1"].dtype == np.float64  # whole numbers in the file
@@ -155,6 +158,8 @@ def test_defaults_agree_with_the_default_configuration():
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
     assert settings.refinement_settings(config) == RefinementSettings()
     assert settings.search_settings(config) == SearchSettings()
+    assert settings.metric_settings(config) == MetricSettings()
+    assert program_settings(config) == ProgramSettings(duration=config["signals"]["duration_s"])
 
 
 def leaves(node, place=()):

@@ -103,9 +103,16 @@ def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys
     assert [score["log"] for score in scores] == ["T1.bin", "T4.bin"]
     assert np.max([score["relative_rms"] for score in scores]) < 0.25
     assert is_positive_definite(found(out, "consistent"))
-    # Eq. 10 is too slow to show I2: a length made of it would be off by any factor.
+    # Eq. 10 is too slow to determine I2: its estimate is negative here, and no two links have such an I2.
     assert not (out / "arm.urdf").exists()
-    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. I2: not determined by this motion")
+    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF: no two links have these parameters. I2 = -")
+
+
+def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path, no_figures):
+    assert identify(CAPTURES / "T4.bin", "--method", "consistent", "-o", tmp_path / "out") == 0
+    assert not (tmp_path / "out" / "arm.urdf").exists()
+    reason = (tmp_path / "out" / "no-links.txt").read_text()
+    assert reason.startswith("No URDF or MJCF. I2: not determined by this motion")
 
 
 def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):

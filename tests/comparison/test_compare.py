@@ -58,6 +58,18 @@ def test_what_was_not_measured_is_not_judged_but_told():
     assert difference.allowed != difference.allowed
 
 
+@pytest.mark.parametrize(
+    ("method", "kind"),
+    [
+        ("differential-evolution", Kind.TRAINED),  # a random search, although no network has a part in it
+        ("algorithm1/one-run", Kind.TRAINED),
+        ("bounded", Kind.COMPUTED),
+    ],
+)
+def test_a_random_search_is_compared_as_a_network_is(method, kind):
+    assert kind_of("tables/table06", {"method": method, "total": "0.99"}, "total") is kind
+
+
 def test_rows_and_columns_must_be_the_same():
     assert [each.place for each in found(ROWS[:1])] == ["number of rows"]
     (header,) = found([{("sum" if k == "total" else k): v for k, v in row.items()} for row in ROWS])
@@ -72,6 +84,9 @@ def test_rows_and_columns_must_be_the_same():
         ("table10/ID/least-squares/total/joint1", "table10", Kind.COMPUTED),
         ("appendix/energy", "stability", Kind.COMPUTED),
         ("section5a/loss", "train", Kind.TRAINED),
+        ("section5c/gravity-over-inertia/algorithm1", "table09", Kind.TRAINED),
+        ("section5c/gravity-over-inertia/least-squares", "table09", Kind.COMPUTED),
+        ("section5c/viscous-over-algorithm1", "table09", Kind.TRAINED),  # of least squares over Algorithm 1
     ],
 )
 def test_a_claim_is_trained_if_its_table_is(name, target, kind):

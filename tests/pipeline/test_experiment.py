@@ -16,8 +16,18 @@ from repro.fingerprint import differing, fingerprint
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.endpoint import PtyEndpoint
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import NAMES
 from repro.pipeline.acquire import acquire
-from repro.pipeline.experiment import check_program, control_constants, describe, load_config, program_from_config
+from repro.pipeline.experiment import (
+    check_program,
+    control_constants,
+    describe,
+    load_config,
+    mechanical_parameters,
+    program_from_config,
+    true_parameters,
+)
 from repro.pipeline.provenance import recorded_fingerprint
 from repro.pipeline.recordings import read_recording
 from repro.pipeline.specimen import board_from_config, disturbance
@@ -135,24 +145,69 @@ def test_the_gains_are_those_of_table_8():
 
 
 def test_each_seed_is_another_specimen_within_the_variation():
-    nominal = CONFIG["arm"]
+    """Both joints of a specimen have the same factor on their nominal level, one for Stribeck and one for ripple."""
+    stribeck, ripple = (np.array(CONFIG["arm"][name]) for name in ("stribeck", "ripple_nm"))
     specimens = [disturbance(CONFIG, seed) for seed in range(200)]
-    for levels, phase in specimens:
-        assert 0.7 * nominal["stribeck"] <= levels.stribeck <= 1.3 * nominal["stribeck"]
-        assert 0.7 * nominal["ripple_nm"] <= levels.ripple <= 1.3 * nominal["ripple_nm"]
-        assert (phase >= 0).all()
-        assert (phase < 2 * np.pi).all()
-    assert len({levels.stribeck for levels, _ in specimens}) == len(specimens)
-    assert np.ptp([levels.ripple for levels, _ in specimens]) > 0.5 * 0.6 * nominal["ripple_nm"]
+    phases = np.array([phase for _, phase in specimens])
+    assert ((phases >= 0) & (phases < 2 * np.pi)).all()
+    factors = np.array([(levels.stribeck / stribeck, levels.ripple / ripple) for levels, _ in specimens])
+    np.testing.assert_allclose(factors[..., 0], factors[..., 1], rtol=1e-12)
+    of_stribeck, of_ripple = factors[..., 0].T
+    for factor in (of_stribeck, of_ripple):
+        assert 0.7 <= factor.min() < 0.75
+        assert 1.25 < factor.max() <= 1.3
+        assert len(np.unique(factor)) == len(specimens)
+    assert abs(np.corrcoef(of_stribeck, of_ripple)[0, 1]) < 0.2
     assert disturbance(CONFIG, 7)[0] == disturbance(CONFIG, 7)[0]
     fixed, _ = disturbance(changed(CONFIG, arm={"variation": 0.0}), 7)
-    assert (fixed.stribeck, fixed.ripple) == (nominal["stribeck"], nominal["ripple_nm"])
+    np.testing.assert_array_equal([fixed.stribeck, fixed.ripple], [stribeck, ripple])
+
+
+def test_back_emf_is_viscous_friction_of_both_joints_in_the_true_parameters_alone():
+    with_emf = changed(CONFIG, arm={"back_emf_nm_s_per_rad": 0.25})
+    mechanical = mechanical_parameters(with_emf)
+    np.testing.assert_array_equal(mechanical, CONFIG["arm"]["parameters"])
+    added = true_parameters(with_emf) - mechanical
+    np.testing.assert_allclose(added, [0.25 if name in ("b1", "b2") else 0.0 for name in NAMES], rtol=1e-12)
+    without = changed(CONFIG, arm={"back_emf_nm_s_per_rad": 0.0})
+    np.testing.assert_array_equal(true_parameters(without), mechanical)
+    np.testing.assert_array_equal(with_emf["arm"]["parameters"], CONFIG["arm"]["parameters"])  # left as it was
+
+
+def test_the_simulated_arm_is_damped_by_back_emf():
+    """Its torque along a motion is that of the mechanical arm and k_e dq."""
+    program = program_from_config(CONFIG, "T4")
+    dq = np.gradient(program.q, program.h, axis=1)
+    ddq = np.gradient(dq, program.h, axis=1)
+    both = (true_parameters(CONFIG), mechanical_parameters(CONFIG))
+    as_seen, mechanical = (inverse_dynamics(program.q, dq, ddq, beta) for beta in both)
+    k_e = CONFIG["arm"]["back_emf_nm_s_per_rad"]
+    assert k_e > 0
+    np.testing.assert_allclose(as_seen - mechanical, k_e * dq, atol=1e-12)
+
+
+def test_t1_has_the_range_and_the_bands_of_the_configuration():
+    """Each joint reaches the range before the window, so that the windowed motion stays within."""
+    of_motion = program_from_config(CONFIG, "T1").q
+    assert (np.abs(of_motion).max(axis=1) > 0.7).all()
+    assert (np.abs(of_motion).max(axis=1) <= 1.2).all()
+    narrow = program_from_config(changed(CONFIG, experiment={"random_range_rad": 0.6}), "T1").q
+    np.testing.assert_allclose(2 * narrow, of_motion, atol=1e-6)
+    of_numbers = program_from_config(changed(CONFIG, experiment={"random_range_of": "numbers"}), "T1").q
+    assert (np.abs(of_numbers).max(axis=1) < 0.2).all()
+    # One draw, another size: the same shape in each joint.
+    for one, other in zip(of_motion, of_numbers, strict=True):
+        assert np.corrcoef(one, other)[0, 1] > 1 - 1e-9
+    faster = program_from_config(changed(CONFIG, experiment={"random_bands": 24.0}), "T1").q
+    turns = [np.count_nonzero(np.diff(np.sign(np.diff(q[0])))) for q in (of_motion, faster)]
+    assert turns[1] > 1.4 * turns[0]
 
 
 def test_a_board_says_that_it_is_simulated_and_which_arm_it_has():
     identity = board_from_config(CONFIG).identity
     assert identity["board"] == "simulated"
-    assert identity["arm"]["parameters"] == CONFIG["arm"]["parameters"]
+    for name in ("parameters", "back_emf_nm_s_per_rad"):  # apart, though the motors' torque sees their sum
+        assert identity["arm"][name] == CONFIG["arm"][name]
     assert identity["arm"]["seed"] == CONFIG["experiment"]["seed"]
     other = board_from_config(CONFIG, 5).identity["arm"]
     assert other["seed"] == 5
@@ -223,13 +278,18 @@ def test_a_damaged_stored_capture_is_refused_and_nothing_is_written(stored, tmp_
 
 
 OTHER_SETTINGS = {
-    "ID": {"signals": {"duration_s": 9.0}},
-    "T1": {"experiment": {"seed": 2}},
-    "T2": {"arm": {"link_lengths_m": [0.17, 0.15]}},
+    "a longer trajectory": ("ID", {"signals": {"duration_s": 9.0}}),
+    "another draw of T1": ("T1", {"experiment": {"seed": 2}}),
+    "another range of T1": ("T1", {"experiment": {"random_range_of": "numbers"}}),
+    "other bands of T1": ("T1", {"experiment": {"random_bands": 13.0}}),
+    "other links": ("T2", {"arm": {"link_lengths_m": [0.17, 0.15]}}),
+    "other gains": ("T3", {"board": {"kp_nm_per_rad": [180.0, 30.0]}}),
+    "another back-EMF": ("T3", {"arm": {"back_emf_nm_s_per_rad": 0.0}}),
+    "another ripple": ("T4", {"arm": {"ripple_nm": [0.1, 0.1]}}),
 }
 
 
-@pytest.mark.parametrize(("motion", "change"), OTHER_SETTINGS.items(), ids=OTHER_SETTINGS)
+@pytest.mark.parametrize(("motion", "change"), OTHER_SETTINGS.values(), ids=OTHER_SETTINGS)
 def test_a_stored_capture_of_other_settings_is_refused(stored, tmp_path, motion, change):
     folder, config = stored
     out = tmp_path / f"{motion}.bin"

@@ -220,7 +220,7 @@ def test_table_10_has_every_motion_method_and_joint(inputs):
 def test_the_stability_table_has_the_four_conditions_of_each_method(inputs):
     table = arm.MADE["table", "stability"].numbers(inputs["stability"], CONFIG)
     assert table["method"].drop_duplicates().tolist() == [
-        "algorithm1", "algorithm1+refinement", "least-squares", "true",
+        "algorithm1", "algorithm1+refinement", "least-squares", "true", "appendix",
     ]  # fmt: skip
     assert (table.groupby("method").size() == 4).all()
     true = table[table["method"] == "true"]

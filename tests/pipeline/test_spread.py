@@ -14,7 +14,7 @@ from repro.exhibits.study import verdict
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import read_spread, simulate_spread, spread_arms
 from repro.signals.limits import peaks
@@ -73,9 +73,11 @@ def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
     motions = [program_from_config(config, name, seed) for name in MOTIONS for seed in config["spread"]["seeds"]]
     torque = np.max([peaks(motion, true)[1] for motion in motions], axis=0)
     config["board"]["full_torque_nm"] = (1.2 * torque / config["experiment"]["torque_share"]).tolist()
-    able = np.append(0.9 * true[:5], true[5:])
-    monkeypatch.setattr("repro.pipeline.spread.draw_arms", lambda *_: np.stack([1.5 * true, able]))
-    np.testing.assert_array_equal(spread_arms(config), [true, able])
+    mechanical = mechanical_parameters(config)
+    able = np.append(0.9 * mechanical[:5], mechanical[5:])
+    monkeypatch.setattr("repro.pipeline.spread.draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
+    same_motors = able + (true - mechanical)
+    np.testing.assert_allclose(spread_arms(config), [true, same_motors], rtol=1e-15)
 
 
 @pytest.mark.parametrize("name", ["ID", "T1"])

@@ -13,10 +13,10 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 #: Scripts of the workflow that run a network.
-WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "explain", "check_coverage"}
-WITH_NETWORK |= {"ablation_train", "ablation_run"}
+WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "check_coverage"}
+WITH_NETWORK |= {"ablation_train", "ablation_run", "train_factorial", "score_factorial"}
 #: What the Snakefile and the command line load.
-LOADED = ("start", "provenance", "jobs", "crate", "costs", "experiment")
+LOADED = ("start", "provenance", "jobs", "crate", "costs", "experiment", "factorial_design", "readings")
 OUTSIDE_JOBS = ("repro.cli", *(f"repro.pipeline.{name}" for name in LOADED))
 
 

@@ -80,16 +80,9 @@ def arithmetic(published: Published, config: Mapping[str, Any], results: Results
 
 #: Kinds of number that must hold wherever we have a counterpart.
 MUST_KINDS = (SETTING, "exact", "deterministic")
-#: Statements about all cases, and places, that our extension must reach.
-MUST_REFINED = tuple(
-    f"{name}{REFINEMENT}"
-    for name in (
-        "abstract/numeric/total",
-        "abstract/experimental/total",
-        "table10/ID/algorithm1/total/joint1",
-        "table10/ID/algorithm1/total/joint2",
-    )
-)
+#: The statement about all numeric tests, which our extension must reach. The arm is as hard as the published
+#: least-squares row makes it, so nothing is asserted of how far a method gets on it.
+MUST_REFINED = (f"abstract/numeric/total{REFINEMENT}",)
 _HARDWARE = "property of the authors' arm, board or bench"
 #: Findings that are about one published number under another name than its id.
 _ABOUT = {"appendix/sine": "appendix/domain"}
