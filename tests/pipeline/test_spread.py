@@ -29,7 +29,8 @@ def brief_config():
     config = short_config()
     config["board"] |= {"full_torque_nm": [60.0, 60.0], "speed_limit_rad_s": 200.0}
     config["experiment"] |= {"validation_samples": 2200, "random_range_rad": 0.01, "lead_in_s": 0.5}
-    config["data"]["tracked"] |= {"load_share": 0.03}  # of those motors
+    # Light enough for those motors, and heavy enough that the simulation of no drawn arm diverges.
+    config["data"]["tracked"] |= {"load_share": 0.03, "least_inertia_kg_m2": [0.1, 0.02]}
     config["spread"] |= {"arms": 2, "seeds": [4, 9], "durations_s": [2.0, 1.5]}
     return config
 

@@ -101,7 +101,7 @@ def test_the_stages_leave_their_outputs_and_nothing_else(original):
     assert list(run["arms"]) == list(numeric_settings(CONFIG).arms)
     scores = pd.read_csv(original / "numeric.csv")
     assert list(scores.columns) == SCORE_COLUMNS
-    assert len(scores) == 4 * 3 * 2 * 2  # arms, methods, trajectories, joints
+    assert len(scores) == 4 * 4 * 2 * 2  # arms, methods, trajectories, joints
     np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], atol=1e-9)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
-from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev
 
 #: Torque over the torques that it is made of, below which a joint is not driven.
 LITTLE = 0.02
@@ -82,9 +82,9 @@ def _parts(regression: Regression, beta: Array) -> Array:
 
 
 def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
-    """Total of ``metr2ev`` of each joint, fractions of 1; 0 where a joint has no torque."""
+    """Total of ``metr2ev`` with the energy ratio of each joint, fractions of 1; 0 where a joint has no torque."""
     totals = [
-        float(metr2ev(tau, rebuilt).total) if np.any(tau) else 0.0
+        float(metr2ev(tau, rebuilt, UNIT_FREE_METRIC).total) if np.any(tau) else 0.0
         for tau, rebuilt in zip(regression.tau, regression.y @ beta, strict=True)
     ]
     return totals[0], totals[1]

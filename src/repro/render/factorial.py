@@ -76,11 +76,11 @@ def cells_table(frame: pd.DataFrame) -> Table:
         "ideal": "Eq. 10",
         "tracked": "closed-loop",
         "rad_per_s": "rad/s",
-        "nan": "",
     }
     names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
     rows = []
-    for row in frame.astype(dict.fromkeys(names, str)).to_dict("records"):
+    told_names = frame[names].astype(object).fillna("").astype(str)
+    for row in frame.assign(**{name: told_names[name] for name in names}).to_dict("records"):
         told = [plain(words.get(row[name], row[name])) for name in names]
         error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
         met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)

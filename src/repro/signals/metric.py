@@ -61,6 +61,8 @@ class MetricSettings:
 
 
 PUBLISHED_METRIC = MetricSettings()
+#: For logs of any arm: the energy ratio does not depend on the unit or the size of the torque.
+UNIT_FREE_METRIC = MetricSettings("energy")
 
 
 def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: MetricSettings) -> Similarity:

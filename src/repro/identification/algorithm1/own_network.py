@@ -28,6 +28,7 @@ from repro.identification.algorithm1.search import SearchSettings
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.signals.dct import dct2sub
+from repro.signals.metric import UNIT_FREE_METRIC
 from repro.streams import Stream, stream
 
 #: Side of the image.
@@ -63,7 +64,9 @@ class NetworkSearch:
     data: DataSettings = field(default_factory=DataSettings)
     network: NetworkSettings = field(default_factory=NetworkSettings)
     search: SearchSettings = field(
-        default_factory=lambda: SearchSettings(threshold=0.9237, feasibility="positive-definite")
+        default_factory=lambda: SearchSettings(
+            threshold=0.9237, feasibility="positive-definite", metric=UNIT_FREE_METRIC
+        )
     )
     refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
     seed: int = 1

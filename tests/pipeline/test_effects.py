@@ -1,0 +1,150 @@
+"""Effects of the factorial: known ones are recovered, and the intervals cover over blocks and training seeds."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, factorial_references, factorial_scores
+from scipy import stats
+
+from repro.files import read_csv, write_csv
+from repro.pipeline.effects import cell_means, effects, interval
+from repro.pipeline.factorial_design import COLUMNS, CONFIRMATION
+
+NAMES = tuple(MAIN)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return effects(factorial_scores()).set_index(["of", "effect", "response"])
+
+
+def test_known_effects_are_recovered_with_intervals_of_zero_width(found):
+    """Blocks shift every cell alike, so that they leave no spread; the search seeds are averaged."""
+    known = MAIN | {" x ".join(pair): size for pair, size in PAIRS.items()}
+    effects_of_cnn = found.loc["cnn"]
+    for effect in [*NAMES, *(" x ".join(pair) for pair in itertools.combinations(NAMES, 2))]:
+        size = known.get(effect, 0.0)
+        # With Algorithm 1 alone, an interaction with the reader is part of the main effect.
+        size -= READER_PAIRS.get(effect, 0.0)
+        for response, factor in (("id", 1.0), ("validation", 2.0)):
+            row = effects_of_cnn.loc[(effect, response)]
+            np.testing.assert_allclose(row[["value", "low", "high"]].astype(float), factor * size, atol=1e-12)
+            assert (row["blocks"], row["training_seeds"]) == (3, 2)
+
+
+def test_an_error_has_no_effect_of_the_metric_and_the_opposite_ones_of_the_rest(found):
+    of_error = found.xs(("cnn", "error"), level=("of", "response"))
+    assert not [effect for effect in of_error.index if "metric" in effect]
+    for name in ("image_motion", "omega", "back_emf"):
+        # With the energy formula alone, its interaction is part of the main effect.
+        size = MAIN[name] + PAIRS.get((name, "metric"), 0.0)
+        assert of_error.loc[name, "value"] == pytest.approx(-size, abs=1e-12)
+
+
+def test_the_plain_network_is_compared_over_both_motions_and_with_the_better_one(found):
+    over_both = found.loc[("reader", "reader", "id"), "value"]
+    assert over_both == pytest.approx(READER, abs=1e-12)
+    # The desired motion is half its effect above the mean over both.
+    desired = found.loc[("reader, desired motion", "reader", "id"), "value"]
+    assert desired == pytest.approx(READER - 0.5 * MAIN["image_motion"], abs=1e-12)
+    interaction = found.loc[("reader", "reader x training", "id"), "value"]
+    assert interaction == pytest.approx(READER_PAIRS["training"], abs=1e-12)
+    assert found.loc[("reader", "reader x omega", "id"), "value"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_no_effect_is_estimated_from_the_confirmation_block(found):
+    """Its effects are shown on their own: here twice as large as on the others."""
+    assert CONFIRMED == 2.0
+    np.testing.assert_allclose(found["confirmation"], CONFIRMED * found["value"], atol=1e-12)
+    scores = factorial_scores()
+    held_out = scores["block"] == CONFIRMATION
+    scores.loc[held_out, ["id", "validation", "error"]] = np.random.default_rng(0).uniform(size=(held_out.sum(), 3))
+    again = effects(scores).set_index(["of", "effect", "response"])
+    np.testing.assert_array_equal(again[["value", "low", "high"]], found[["value", "low", "high"]])
+    assert (again["confirmation"] - found["confirmation"]).abs().min() > 1e-6
+
+
+def test_effects_are_the_same_from_files_and_in_any_order(found, tmp_path):
+    scores = factorial_scores().sample(frac=1.0, random_state=1)
+    write_csv(tmp_path / "scores.csv", scores)
+    again = effects(read_csv(tmp_path / "scores.csv", COLUMNS)).set_index(["of", "effect", "response"])
+    pd.testing.assert_frame_equal(again, found, atol=1e-12)
+
+
+def test_a_level_that_differs_between_blocks_widens_the_interval():
+    scores = factorial_scores()
+    desired = scores["image_motion"].eq("desired") & scores["block"].eq("2")
+    scores.loc[desired, "id"] += 0.3
+    row = effects(scores).set_index(["of", "effect", "response"]).loc[("cnn", "image_motion", "id")]
+    assert row["value"] == pytest.approx(MAIN["image_motion"] + 0.1, abs=1e-12)
+    # By hand: three blocks with 0.2, 0.5 and 0.2, without a spread over the training seeds.
+    half = stats.t.ppf(0.975, 2) * np.std([0.2, 0.5, 0.2], ddof=1) / np.sqrt(3)
+    np.testing.assert_allclose([row["low"], row["high"]], [0.3 - half, 0.3 + half], atol=1e-12)
+
+
+# --- Intervals ----------------------------------------------------------------------------------------------------
+
+
+def test_an_interval_by_hand():
+    """Row means 1.5 and 4.5 have the variance 4.5, column means 2 and 4 the variance 2."""
+    mean, low, high = interval(np.array([[1.0, 2.0], [3.0, 6.0]]))
+    variance = 4.5 / 2 + 2.0 / 2
+    freedom = variance**2 / ((4.5 / 2) ** 2 / 1 + (2.0 / 2) ** 2 / 1)
+    half = stats.t.ppf(0.975, freedom) * np.sqrt(variance)
+    np.testing.assert_allclose([mean, low, high], [3.0, 3.0 - half, 3.0 + half], rtol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(12, 1), (1, 12)])
+def test_with_one_kind_of_sample_it_is_the_t_interval(shape):
+    values = np.random.default_rng(4).normal(size=12)
+    expected = stats.t.interval(0.95, 11, values.mean(), stats.sem(values))
+    mean, low, high = interval(values.reshape(shape))
+    np.testing.assert_allclose([mean, low, high], [values.mean(), *expected], rtol=1e-12)
+
+
+@pytest.mark.parametrize("values", [np.full((3, 2), 0.7), np.array([[0.7]])])
+def test_equal_or_single_values_are_their_own_interval(values):
+    np.testing.assert_allclose(interval(values), 0.7, rtol=1e-15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("of_blocks", "of_seeds", "rest", "seeds"),
+    [(1.0, 0.0, 0.3, 2), (1.0, 0.2, 0.2, 3), (1.0, 1.0, 0.0, 3), (0.3, 1.0, 0.1, 3)],
+    ids=["blocks", "mostly blocks", "both", "mostly seeds"],
+)
+def test_intervals_cover_the_mean_of_crossed_random_effects(of_blocks, of_seeds, rest, seeds):
+    """12 blocks crossed with 2 or 3 training seeds: about 95 % of the intervals contain the mean.
+
+    The residual is counted in the rows and in the columns, so that they may cover more.
+    """
+    rng, trials, inside = np.random.default_rng(7), 2000, 0
+    for _ in range(trials):
+        values = of_blocks * rng.normal(size=(12, 1)) + of_seeds * rng.normal(size=(1, seeds))
+        values = 0.4 + values + rest * rng.normal(size=(12, seeds))
+        _, low, high = interval(values)
+        inside += low <= 0.4 <= high
+    assert 0.925 < inside / trials < 0.99
+
+
+# --- Cells --------------------------------------------------------------------------------------------------------
+
+
+def test_a_cell_is_the_mean_over_blocks_and_seeds_without_the_confirmation_block():
+    scores, references = factorial_scores(), factorial_references()
+    cells = cell_means(scores, references)
+    names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
+    assert len(cells) == 2**5 + 2**4 + 3 * 2**3
+    assert not cells.duplicated(names).any()
+    where = {"reader": "cnn", "image_motion": "desired", "training": "ideal", "omega": "index"}
+    where |= {"back_emf": 0.34, "metric": "energy"}
+    own = np.logical_and.reduce([scores[name] == level for name, level in where.items()])
+    expected = scores[own & (scores["block"] != CONFIRMATION)][["id", "validation", "error", "met"]].mean()
+    (row,) = cells[np.logical_and.reduce([cells[name] == level for name, level in where.items()])].to_dict("records")
+    assert row == pytest.approx({**where, **expected}, abs=1e-12)
+    ordinary = cells[cells["reader"] == "ordinary"]
+    np.testing.assert_allclose(ordinary["id"], 0.9 + (0.0 + 0.01 - 0.015) / 3, atol=1e-12)
+    np.testing.assert_allclose(ordinary["validation"], ordinary["id"] - 0.1, atol=1e-12)
+    assert ordinary[["error", "met"]].isna().all(axis=None)
