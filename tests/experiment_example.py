@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
+from factorial_example import factorial_scores
 from render_examples import coverage_frame, intervals_frame, ranks_frame
 
 from repro.files import write_csv, write_json
@@ -158,6 +159,17 @@ def experiment_inputs(folder, config):
     def captures(*motions):
         return {"captures": [folder / f"{motion}.{end}" for motion in motions for end in ("bin", "json")]}
 
+    of_causes = factorial_scores()
+    write_csv(folder / "factorial.csv", of_causes)
+    names = ["omega", "back_emf", "metric", "block", "arm"]
+    references = of_causes.drop_duplicates(names)[[*names, "id", "validation"]]
+    write_csv(folder / "references.csv", references.assign(reader="bounded", image_motion=np.nan))
+    factorial = {"scores": [folder / "factorial.csv"], "references": [folder / "references.csv"]}
+    arms = {
+        name: {"true": beta, "methods": {"algorithm1": {"beta": [0.9 * value for value in beta]}}}
+        for name, beta in config["numeric"]["arms"].items()
+    }
+    write_json(folder / "numeric-1.json", {"variant": "published", "seed": 1, "arms": arms})
     on_id = {"captures": captures("ID")["captures"], **estimates}
     validation = {"captures": captures(*MOTIONS[1:])["captures"], **estimates}
     spread = {"scores": sorted(folder.glob("scores-*.csv"))}
@@ -171,6 +183,13 @@ def experiment_inputs(folder, config):
         "fig24": validation,
         "spread": spread,
         "why": {"scores": estimates["scores"]},
+        "factorial": factorial,
+        "factorial_cells": factorial,
+        "both_metrics": {
+            "captures": captures(*MOTIONS)["captures"],
+            "arm": estimates["identifications"],
+            "numeric": [folder / "numeric-1.json"],
+        },
         "coverage": {name: [folder / f"{name}.csv"] for name in ("coverage", "ranks")},
         "intervals": {"intervals": [folder / "intervals.csv"]},
         "table08": captures("ID"),

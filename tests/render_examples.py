@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from factorial_example import factorial_scores
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
@@ -17,9 +18,12 @@ from matplotlib.transforms import Bbox
 from repro.errors import InputError
 from repro.exhibits import catalogue
 from repro.exhibits.make import draw, lay_out, made_of
+from repro.exhibits.study import why_table
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
 from repro.pipeline import schematics_data
+from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
+from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.readings import READINGS, ablation_figure
 from repro.render import style
 
@@ -115,7 +119,20 @@ TRACKED = {
 WITHOUT_AXES = {"fig01", "fig02", "fig03", "fig04", "fig07", "fig18"}
 
 #: Figures that must say so.
-SIMULATED = ("fig18", "fig19", "fig20", "fig21", "fig22", "fig23", "fig24", "spread", "why", "coverage", "ablation")
+SIMULATED = (
+    "fig18",
+    "fig19",
+    "fig20",
+    "fig21",
+    "fig22",
+    "fig23",
+    "fig24",
+    "spread",
+    "why",
+    "coverage",
+    "factorial",
+    "ablation",
+)
 
 #: Tables that go on over pages.
 LONG = ("audit",)
@@ -149,19 +166,46 @@ def paths_frame() -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def why_frame() -> pd.DataFrame:
-    rows = [
-        (network, step, 3, 0.98 - 0.1 * k, 0.9 - 0.2 * k, 0.01, 0.02, 0.15 * (k > 0), 0.2 + k, 0.05)
-        for network in ("published", "tracked")
-        for k, step in enumerate(("ideal", "beyond", "quantised", "loop", "recording"))
-    ]
-    totals = ["total1", "total2", "spread1", "spread2", "lost", "error_uniform", "error_near"]
-    return pd.DataFrame(rows, columns=["network", "step", "seeds", *totals])
-
-
 def why_figure_frame() -> pd.DataFrame:
-    one = why_frame()[["network", "step", "total1", "total2"]]
-    return pd.concat([one.assign(seed=seed, total1=one["total1"] - 0.01 * seed) for seed in (1, 2)])
+    """Two responses of three seeds in the four cells."""
+    rows = [
+        (
+            training,
+            motion,
+            seed,
+            response,
+            0.7 + 0.1 * (training == "tracked") + 0.05 * (motion == "desired") + 0.01 * seed,
+        )
+        for response in ("id", "validation")
+        for training in ("ideal", "tracked")
+        for motion in ("measured", "desired")
+        for seed in (1, 2, 4)
+    ]
+    return pd.DataFrame(rows, columns=["training", "image_motion", "seed", "response", "value"])
+
+
+def why_frame() -> pd.DataFrame:
+    return why_table(why_figure_frame())
+
+
+def effects_frame() -> pd.DataFrame:
+    return effects(factorial_scores())
+
+
+def cells_frame() -> pd.DataFrame:
+    scores = factorial_scores()
+    names = ["omega", "back_emf", "metric", "block", "arm"]
+    references = scores.drop_duplicates(names)[[*names, "id", "validation"]].assign(reader="bounded")
+    return cell_means(scores, references)
+
+
+def both_metrics_frame() -> pd.DataFrame:
+    rows = [
+        (method, formula, *(value if numeric else (None, None)), 0.91, 0.78, 0.795, 0.93, 0.86)
+        for method, numeric in (("algorithm1", True), ("algorithm1+desired", False))
+        for formula, value in (("energy", (0.974, 0.973)), ("mean-square", (0.975, 0.971)))
+    ]
+    return pd.DataFrame(rows, columns=list(BOTH_METRICS))
 
 
 def coverage_frame() -> pd.DataFrame:
@@ -244,6 +288,7 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
         for name, last in (("algorithm1", 3e-4), ("algorithm1+paper-recipe", 9e-4))
     ).reset_index(drop=True),
     "metric_search": candidates_frame,
+    "factorial": effects_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
 }
 
@@ -353,6 +398,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "stability": stability_frame,
     "verdict": verdict_frame,
     "why": why_frame,
+    "both_metrics": both_metrics_frame,
+    "factorial": effects_frame,
+    "factorial_cells": cells_frame,
     "coverage": coverage_frame,
     "intervals": intervals_frame,
     "paper_recipe": lambda: similarity_frame(5, (*CASES, "ID", *MOTIONS), ("algorithm1", "algorithm1+paper-recipe")),

@@ -66,8 +66,8 @@ def test_the_identification_trajectory_is_tracked_as_in_table_8():
     """99.67 and 99.02 % as published.
 
     Back-EMF, k2 and the unmodelled levels are solved for, and joint 2's number is one of the conditions, so it agrees
-    to the rounding of the configuration. Joint 1's number is a prediction. At the friction and the ripple that the published
-    least-squares row requires, Table 8's gains track 0.6 points worse than the paper prints.
+    to the rounding of the configuration. Joint 1's number is a prediction: with the gains as read, the arm tracks 0.6
+    points worse than the paper prints.
     """
     recording = read_recording(CAPTURES / "ID.bin", CONFIG)
     similarity = tracking(recording, metric_settings(CONFIG)).set_index("joint")["total"]

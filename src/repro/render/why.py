@@ -60,10 +60,9 @@ def figure(frame: pd.DataFrame) -> Figure:
             middle = rows.groupby("image_motion")["value"].mean().reindex(list(IMAGE_MOTION))
             axes.plot([0, 1], 100.0 * middle, label=f"trained on {TRAINING[training]}", **style.STROKES[look])
         axes.set_title(title)
-        axes.set_xticks([0, 1], labels=list(IMAGE_MOTION.values()))
+        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in IMAGE_MOTION.values()])
         axes.set_xlim(-0.3, 1.3)
-        axes.set_xlabel("Motion of f in line 18")
+        axes.set_ylabel("Total similarity (%)")
         axes.grid(visible=False, axis="x")
-    panels[0].set_ylabel("Total similarity (%)")
     style.legend_above(drawn, panels[0], 1, style.SIMULATED)
     return drawn

@@ -1,0 +1,366 @@
+"""The factorial on disk: its cells and blocks, and the search under both metrics against the search under each."""
+
+import copy
+import itertools
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pandas as pd
+import pytest
+from experiment_example import MOTIONS, short_config
+from safetensors.numpy import load_file, save_file
+
+from repro.cnn.checkpoint import load_network
+from repro.cnn.dataset import SignalSettings
+from repro.cnn.plain import PlainSettings, load_plain, read_torque
+from repro.errors import InputError
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.loop import simulate
+from repro.fpga.plant import Plant
+from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.search import SearchSettings, search, select
+from repro.identification.solve import solve
+from repro.model.dynamics import inverse_dynamics, rebuild_torque
+from repro.pipeline.experiment import control_constants, program_from_config
+from repro.pipeline.experiment_runs import prepare_recording
+from repro.pipeline.factorial import score_cell, search_under, train_cell
+from repro.pipeline.factorial_design import (
+    CELLS,
+    COLUMNS,
+    CONFIRMATION,
+    METRICS,
+    configured,
+    read_blocks,
+    score_references,
+    simulate_blocks,
+)
+from repro.pipeline.numeric import mean_training_torque
+from repro.pipeline.specimen import disturbance
+from repro.pipeline.stored_networks import configuration_digest
+from repro.settings import data_settings, network_settings, search_settings, signal_settings
+from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
+from repro.signals.trajectories import identification_trajectory
+from repro.streams import Stream, stream
+
+pytestmark = pytest.mark.slow
+
+# --- Cells --------------------------------------------------------------------------------------------------------
+
+
+def test_every_combination_of_the_factors_has_its_network():
+    """Motion of line 18, motions of the training and omega for the image CNN; all but the first for the plain one."""
+    combinations = [
+        (cell.reader, motion, cell.motions, cell.omega)
+        for cell in CELLS.values()
+        for motion in cell.image_motions or ("",)
+    ]
+    expected = itertools.product(("cnn",), ("measured", "desired"), ("ideal", "tracked"), ("rad_per_s", "index"))
+    expected = {*expected, *itertools.product(("plain",), ("",), ("ideal", "tracked"), ("rad_per_s", "index"))}
+    assert len(combinations) == len(expected)
+    assert set(combinations) == expected
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_a_network_differs_from_the_configuration_by_its_levels_alone(name):
+    config, cell = short_config(), CELLS[name]
+    before = copy.deepcopy(config)
+    own = configured(config, cell, 7)
+    assert config == before
+    assert own["signals"]["frequency_reading"] == cell.omega
+    assert own["data"]["motions"] == cell.motions
+    assert own["training"]["seed"] == 7
+    assert own["data"]["unmodelled"]["noise"] == (0.03 if cell.reader == "plain" else 0.0)
+    if len(cell.image_motions) == 1:
+        assert own["algorithm1"]["image_motion"] == cell.image_motions[0]
+    restored = copy.deepcopy(own)
+    restored["signals"]["frequency_reading"] = config["signals"]["frequency_reading"]
+    restored["data"]["motions"] = config["data"]["motions"]
+    restored["data"]["unmodelled"]["noise"] = config["data"]["unmodelled"]["noise"]
+    restored["training"]["seed"] = config["training"]["seed"]
+    restored["algorithm1"]["image_motion"] = config["algorithm1"]["image_motion"]
+    assert restored == config
+
+
+def test_both_time_factors_are_there():
+    assert {formula: MetricSettings(formula) for formula in TIME_FORMULAS} == METRICS
+
+
+# --- Search under both metrics ------------------------------------------------------------------------------------
+
+SIGNALS = SignalSettings(h=0.02, samples=40)
+MARGIN = 25
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h, MARGIN)
+CUT = (MARGIN, MOTION.q.shape[1] - MARGIN)
+MEAN = np.random.default_rng(0).normal(size=(2, CUT[1] - CUT[0])) + 2.0
+ARM = literal.ARMS["N1"]
+TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, ARM)
+PREPARED = prepare(filtered(MOTION.q, TAU, SIGNALS, *CUT), MEAN, SIGNALS)
+
+
+class Reader:
+    """Errs by half of the guess, which a rotation mixes: estimates of all qualities, some of them not possible."""
+
+    def __init__(self, scale):
+        self.images, self._scale = 0, scale
+        self._mix = np.linalg.qr(np.random.default_rng(8).normal(size=(9, 9)))[0]
+
+    def estimate(self, guess):
+        self.images += len(guess)
+        return ARM / PREPARED.largest + self._scale * (guess - 0.5) @ self._mix
+
+
+@pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
+@pytest.mark.parametrize("scale", [0.03, 0.15])
+@pytest.mark.parametrize("threshold", [0.0, 0.6, 0.8, 0.9])
+def test_one_reading_gives_what_the_search_gives_under_each_metric(threshold, scale, feasibility):
+    settings = SearchSettings(9, 6, threshold, low=1e-3, high=1.0, feasibility=feasibility)
+    found, first = search_under(Reader(scale), PREPARED, settings, np.random.default_rng(5))
+    assert set(found) == set(TIME_FORMULAS)
+    for formula, (beta, met) in found.items():
+        own = replace(settings, metric=MetricSettings(formula))
+        candidates = search(Reader(scale), PREPARED, own, np.random.default_rng(5))
+        expected = select(candidates.beta, PREPARED, own)
+        np.testing.assert_allclose(beta, expected.beta, rtol=1e-12, atol=1e-12)
+        ended = {*candidates.execution[candidates.similarity >= threshold]}
+        assert met == (len(ended) if threshold else 9)  # an estimate that is not possible has the similarity 0
+    guesses = np.stack([s.uniform(settings.low, settings.high, 9) for s in np.random.default_rng(5).spawn(9)])
+    np.testing.assert_allclose(first, Reader(scale).estimate(guesses), rtol=1e-12)
+
+
+def test_executions_end_at_other_guesses_under_another_metric():
+    """So the check above distinguishes a search that has stopped from one that has not."""
+    settings = SearchSettings(9, 6, 0.8, high=1.0)
+    ends = {}
+    for formula in TIME_FORMULAS:
+        found = search(
+            Reader(0.15), PREPARED, replace(settings, metric=MetricSettings(formula)), np.random.default_rng(5)
+        )
+        ends[formula] = found.images
+    assert len(set(ends.values())) == 2
+    assert max(ends.values()) <= 54
+    assert min(ends.values()) < 54
+
+
+def test_no_possible_estimate_gives_zeros():
+    class Impossible(Reader):
+        def estimate(self, guess):
+            return -np.ones((len(guess), 9))
+
+    settings = SearchSettings(3, 2)
+    found, _ = search_under(Impossible(0.0), PREPARED, settings, np.random.default_rng(5))
+    for beta, met in found.values():
+        np.testing.assert_array_equal(beta, np.zeros(9))
+        assert met == 0
+
+
+# --- Blocks -------------------------------------------------------------------------------------------------------
+
+
+def brief_config():
+    """Motions of a few seconds, tiny networks and few guesses."""
+    config = short_config()
+    config["network"]["hidden"] = [4, 3]
+    config["training"] |= {
+        "steps": 2,
+        "batch": 4,
+        "test_samples": 4,
+        "log_every": 1,
+        "checkpoint_every": 1,
+        "warmup": 0,
+    }
+    config["algorithm1"] |= {"executions": 4, "inner_limit": 3}
+    config["factorial"] |= {"specimens": [4, 9, 6], "training_seeds": [1], "search_seeds": [1]}
+    config["factorial"]["plain"] |= {"width": 6, "steps": 2, "batch": 8}
+    return config
+
+
+CONFIG = brief_config()
+LOW, HIGH = CONFIG["factorial"]["back_emf_nm_s_per_rad"]
+BLOCKS = [(name, emf) for name in ("4", "9", "6", CONFIRMATION) for emf in (LOW, HIGH)]
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("factorial") / "recordings.safetensors"
+    simulate_blocks(CONFIG, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def blocks(recorded):
+    return read_blocks(recorded, CONFIG)
+
+
+@pytest.fixture(scope="module")
+def tau_mean():
+    return mean_training_torque(signal_settings(CONFIG), data_settings(CONFIG), 1)
+
+
+def test_blocks_take_both_arms_in_turn_and_both_back_emfs(blocks):
+    assert [(block.name, block.back_emf) for block in blocks] == BLOCKS
+    assert [block.arm for block in blocks] == [*["first"] * 2, *["second"] * 2, *["first"] * 2, *[CONFIRMATION] * 2]
+    f = CONFIG["factorial"]
+    arms = {"first": CONFIG["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
+    for block in blocks:
+        back_emf = block.back_emf * np.array([0, 0, 0, 0, 0, 1, 1, 0, 0])
+        np.testing.assert_allclose(block.true, arms[block.arm] + back_emf, rtol=1e-12)
+
+
+def test_a_block_is_its_specimen_simulated_alone(blocks):
+    """Arms of a batch share their substeps, so now and then a position falls on the other side of a count."""
+    control = control_constants(CONFIG)
+    for block in (blocks[0], blocks[3], blocks[-1]):
+        seed = CONFIG["factorial"]["confirmation_specimen"] if block.name == CONFIRMATION else int(block.name)
+        levels, phase = disturbance(CONFIG, seed)
+        assert list(block.recordings) == list(MOTIONS)
+        for name, recording in block.recordings.items():
+            program = program_from_config(CONFIG, name, seed)
+            np.testing.assert_array_equal(recording.program.q, program.q.astype(np.float32))
+            assert recording.q.shape == recording.tau.shape == program.q.shape
+            position, pwm = simulate(Plant(block.true, program.h, levels, phase), control, program.q)
+            apart = np.abs(recording.q / RADIANS_PER_COUNT - position[0])
+            assert apart.max() <= 2
+            assert apart.mean() < 0.05
+            torque = pwm[0] * control.torque_per_count[:, None]
+            assert np.corrcoef(recording.tau.ravel(), torque.ravel())[0, 1] > 0.95
+
+
+def test_specimens_and_back_emfs_differ_and_only_t1_is_drawn_for_each(blocks):
+    first, other_emf, second = blocks[0], blocks[1], blocks[2]
+    for name in MOTIONS:
+        assert (first.recordings[name].tau != other_emf.recordings[name].tau).any()
+        np.testing.assert_array_equal(first.recordings[name].program.q, other_emf.recordings[name].program.q)
+        same = (first.recordings[name].program.q == second.recordings[name].program.q).all()
+        assert same == (name != "T1")
+
+
+def refused(path, config=CONFIG):
+    with pytest.raises(InputError) as error:
+        read_blocks(path, config)
+    message = str(error.value)
+    assert "\n" not in message
+    assert message.startswith(str(path))
+    return message
+
+
+def test_recordings_that_do_not_fit_are_refused_by_the_motion(recorded, tmp_path):
+    more = copy.deepcopy(CONFIG)
+    more["factorial"]["specimens"] = [4, 9]
+    assert "ID: found another shape" in refused(recorded, more)
+    longer = copy.deepcopy(CONFIG)
+    longer["experiment"]["validation_samples"] = 2500
+    assert "T1" in refused(recorded, longer)
+    kept = load_file(recorded)
+    del kept["T3/pwm"]
+    save_file(kept, tmp_path / "recordings.safetensors")
+    assert "T3" in refused(tmp_path / "recordings.safetensors")
+    refused(tmp_path / "none.safetensors")
+
+
+# --- Scores -------------------------------------------------------------------------------------------------------
+
+
+def similarities(block, beta, formula, config):
+    """Mean total of both joints on ID, and over T1 to T4, by metr2ev on the rebuilt torques."""
+    totals = []
+    for recording in block.recordings.values():
+        r = recording.regression(signal_settings(config))
+        totals.append(metr2ev(r.tau, rebuild_torque(r.y, beta), MetricSettings(formula)).total.mean())
+    return totals[0], np.mean(totals[1:])
+
+
+def rows_of(table, **levels):
+    return table[np.logical_and.reduce([table[name] == level for name, level in levels.items()])]
+
+
+def test_references_are_scored_on_every_block_under_both_metrics(recorded, blocks):
+    table = score_references(recorded, CONFIG)
+    assert len(table) == 2 * len(BLOCKS) * 3 * 2  # omegas, blocks, methods, metrics
+    assert not table.duplicated(["reader", "omega", "back_emf", "metric", "block"]).any()
+    block = blocks[3]
+    for omega, formula in itertools.product(("rad_per_s", "index"), TIME_FORMULAS):
+        c = configured(CONFIG, CELLS[f"plain-ideal-{omega}"], 1)
+        regression = block.recordings["ID"].regression(signal_settings(c))
+        own = solve(regression.y, regression.tau)
+        for reader, beta in (("true", block.true), ("ordinary", own)):
+            levels = {"omega": omega, "metric": formula, "block": "9", "back_emf": HIGH, "reader": reader}
+            (row,) = rows_of(table, **levels).to_dict("records")
+            expected = similarities(block, beta, formula, c)
+            np.testing.assert_allclose([row["id"], row["validation"]], expected, rtol=0, atol=1e-7)
+    bounded = rows_of(table, reader="bounded")
+    assert (bounded["id"] <= 1).all()
+    assert (bounded["id"] > 0).all()
+
+
+def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, tmp_path):
+    name = "plain-ideal-index"
+    weights = tmp_path / f"{name}.safetensors"
+    train_cell(name, 1, weights, str(tmp_path / "none"), None, CONFIG)
+    assert sorted(tmp_path.iterdir()) == [weights]
+    table = score_cell(name, 1, 1, weights, recorded, tau_mean, CONFIG)
+    assert tuple(table.columns) == COLUMNS
+    assert len(table) == len(BLOCKS) * 2
+    assert set(zip(table["block"], table["back_emf"], strict=True)) == set(BLOCKS)
+    assert (table["met"] == 0).all()
+    for column, level in (("reader", "plain"), ("training", "ideal"), ("omega", "index"), ("image_motion", "")):
+        assert set(table[column]) == {level}
+    c = configured(CONFIG, CELLS[name], 1)
+    p = CONFIG["factorial"]["plain"]
+    block, signals = blocks[5], signal_settings(c)
+    from_disk = load_plain(weights, signals.samples, PlainSettings(p["width"], p["steps"], p["batch"]))
+    prepared = prepare_recording(block.recordings["ID"], tau_mean, signals)
+    estimate = read_torque(from_disk, prepared.alpha)
+    for formula in TIME_FORMULAS:
+        (row,) = rows_of(table, block="6", back_emf=HIGH, metric=formula).to_dict("records")
+        expected = similarities(block, prepared.largest * estimate, formula, c)
+        np.testing.assert_allclose([row["id"], row["validation"]], expected, rtol=0, atol=1e-7)
+        error = np.sqrt(np.mean((estimate - block.true / prepared.largest) ** 2))
+        assert row["error"] == pytest.approx(error, rel=1e-6)
+
+
+def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, blocks, tau_mean, tmp_path):
+    """Each block and motion against `search` and `select` with the guesses of that block."""
+    name, seed = "cnn-ideal-index", 2
+    weights = tmp_path / f"{name}.safetensors"
+    train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
+    table = score_cell(name, 1, seed, weights, recorded, tau_mean, CONFIG)
+    assert len(table) == len(BLOCKS) * 2 * 2
+    assert set(table["image_motion"]) == {"measured", "desired"}
+    c = configured(CONFIG, CELLS[name], 1)
+    network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
+    signals, image = signal_settings(c), data_settings(c).image
+    for k, motion in itertools.product((0, 5), ("measured", "desired")):
+        block = blocks[k]
+        prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, motion)
+        for formula in TIME_FORMULAS:
+            settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
+            settings = replace(settings, metric=MetricSettings(formula))
+            reader = ResidualReader(network, image, prepared)
+            candidates = search(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
+            expected = select(candidates.beta, prepared, settings).beta
+            levels = {"block": block.name, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
+            (row,) = rows_of(table, **levels).to_dict("records")
+            totals = similarities(block, expected, formula, c)
+            np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)
+            guesses = [s.uniform(1e-3, 3.0, 9) for s in stream(seed, Stream.FACTORIAL_SEARCH, k).spawn(4)]
+            first = reader.estimate(np.stack(guesses)) - block.true / prepared.largest
+            assert row["error"] == pytest.approx(np.sqrt(np.mean(first**2)), rel=1e-5)
+            assert (row["search_seed"], row["training_seed"]) == (seed, 1)
+
+
+def test_a_score_depends_on_its_seeds_alone(recorded, tau_mean, tmp_path):
+    name = "cnn-ideal-index"
+    weights = tmp_path / f"{name}.safetensors"
+    train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
+    first, again, other = (score_cell(name, 1, seed, weights, recorded, tau_mean, CONFIG) for seed in (1, 1, 2))
+    pd.testing.assert_frame_equal(first, again)
+    assert (first["error"] != other["error"]).all()
+
+
+def test_weights_of_another_cell_are_refused(recorded, tau_mean, tmp_path):
+    weights = tmp_path / "weights.safetensors"
+    train_cell("cnn-ideal-index", 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
+    with pytest.raises(InputError, match="of the network asked for"):
+        score_cell("cnn-ideal-rad_per_s", 1, 1, weights, recorded, tau_mean, CONFIG)
