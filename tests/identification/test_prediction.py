@@ -20,7 +20,7 @@ from repro.identification.predicted_motion import WINDOW, position_errors
 from repro.identification.scores import relative_rms, similarity
 from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
-from repro.signals.metric import metr2ev
+from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.programs import identification_program
 
 RATE = 200.0
@@ -111,7 +111,8 @@ def test_similarity_is_that_of_metr2ev():
     r = exciting(300)
     r = replace(r, tau=r.tau + 0.3 * np.random.default_rng(2).normal(size=r.tau.shape))
     beta = 0.9 * BETA
-    expected = [metr2ev(tau, rebuilt).total for tau, rebuilt in zip(r.tau, r.y @ beta, strict=True)]
+    energy = MetricSettings("energy")
+    expected = [metr2ev(tau, rebuilt, energy).total for tau, rebuilt in zip(r.tau, r.y @ beta, strict=True)]
     assert similarity(r, beta) == pytest.approx(expected)
     assert 0.5 < min(expected) < max(expected) < 0.99
     assert similarity(exciting(300), BETA) == pytest.approx((1.0, 1.0))

@@ -27,7 +27,7 @@ TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, N1)
 
 # Guesses near the level of the answer and residuals of about 0.1: with random weights every branch is taken.
 NETWORK = literal.untrained(gain=2.0)
-SEARCH = SearchSettings(executions=12, inner_limit=6, threshold=0.45, high=0.5)
+SEARCH = SearchSettings(executions=12, inner_limit=6, threshold=0.62, high=0.5)
 
 
 def make(tau=TAU, tau_mean=MEAN, signals=SIGNALS):
