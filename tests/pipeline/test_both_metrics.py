@@ -67,7 +67,7 @@ def test_a_row_is_of_the_median_seed_in_every_cell(table, recordings, formula):
     assert row["validation"] == pytest.approx(np.mean([cell.total for cell in cells[1:]]), abs=1e-7)
     assert row["frequency_id"] == pytest.approx(cells[0].frequency.mean(), abs=1e-7)
     assert row["frequency_validation"] == pytest.approx(np.mean([cell.frequency for cell in cells[1:]]), abs=1e-7)
-    # On the numeric arms each seed has a validation motion of its own; the totals of 0.9 times the truth differ little.
+    # On the numeric arms each seed has a validation motion of its own.
     on_id, others = [], []
     for beta in NUMERIC.arms.values():
         for trajectory, totals in (("ID", on_id), ("validation", others)):
