@@ -102,11 +102,12 @@ def figure(frame: pd.DataFrame) -> Figure:
     names = list(dict.fromkeys(order.sort_values("size", ascending=False)["label"]))
     drawn = style.new_figure(style.PAGE, 0.9 + 0.17 * len(names))
     panels = drawn.subplots(1, 2, sharey=True)
+    blocks = f"{frame['blocks'].min()} blocks"
     for axes, response in zip(panels, ("id", "validation"), strict=True):
         own = rows[rows["response"] == response].assign(label=label)
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
-        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label="12 blocks")
+        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
         axes.plot(
             100.0 * own["confirmation"],
             at,

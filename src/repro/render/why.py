@@ -25,7 +25,9 @@ def table(frame: pd.DataFrame) -> Table:
     """
     blocks = []
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
-        of_kind = frame[frame["row"] == kind]
+        of_kind = frame[frame["row"] == kind].fillna(
+            {"image_motion": ""}
+        )  # an effect has none, which a CSV leaves empty
         cells = []
         for key, rows in of_kind.groupby(["training", "image_motion"], sort=False):
             training, motion = map(str, key)
