@@ -75,15 +75,15 @@ def capture(folder, motion, config):
     return path
 
 
-def identification(seed, true, suffix=""):
+def identification(seed, true):
     """What one run of Algorithm 1 leaves."""
     methods = {
-        f"algorithm1{suffix}": ERROR[seed] * true,
-        f"algorithm1+local-search{suffix}": 1.02 * true,
-        f"algorithm1+refinement{suffix}": (1 + 0.01 * seed) * true,
+        "algorithm1": ERROR[seed] * true,
+        "algorithm1+local-search": 1.02 * true,
+        "algorithm1+refinement": (1 + 0.01 * seed) * true,
     }
     arm = {"true": true.tolist(), "methods": {m: {"beta": b.tolist()} for m, b in methods.items()}}
-    return {"seed": seed, "variant": "scale-aware" if suffix else "published", "arms": {"ID": arm}}
+    return {"seed": seed, "variant": "published", "arms": {"ID": arm}}
 
 
 def crossed_identification(seed, true, suffix):
@@ -140,7 +140,7 @@ def spread_table(config, difference=0.02):
 def experiment_inputs(folder, config):
     """Inputs of every figure and table of the experiment by name, as the stages before would leave them."""
     true = true_parameters(config)
-    runs = [identification(seed, true, suffix) for suffix in ("", "+scale-aware") for seed in ERROR]
+    runs = [identification(seed, true) for seed in ERROR]
     runs += [crossed_identification(seed, true, suffix) for suffix in CROSSED for seed in ERROR]
     runs.append(least_squares_run(true))
     for k, run in enumerate(runs):

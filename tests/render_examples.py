@@ -28,7 +28,7 @@ from repro.pipeline.readings import READINGS, ablation_figure
 from repro.render import style
 
 CASES = ("N1", "N2", "N3", "N4")
-METHODS = ("algorithm1+refinement+scale-aware", "algorithm1+refinement", "a further_one", "algorithm1")
+METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")
 
 #: Drawings and layouts by the name of the exhibit.
 FIGURES = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "figure"}

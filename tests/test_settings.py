@@ -43,7 +43,7 @@ training:
    paper: {images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6,
            gradient_gain: 50.0}}
 networks:
-  scale-aware: {image: {scale: constant}}
+  tracked: {image: {scale: constant}}
   paper-recipe: {training: {recipe: paper, steps: 202, batch: 3}}
 algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
              feasibility: positive-definite, image_motion: desired}
@@ -77,7 +77,7 @@ def test_network_takes_its_input_size_from_the_signals():
     assert settings.network_settings(sections("signals", "network")) == expected
 
 
-NETWORKS = ("published", "scale-aware", "paper-recipe")
+NETWORKS = ("published", "tracked", "paper-recipe")
 
 
 SCALES = ("channel-max", "constant", "channel-max")

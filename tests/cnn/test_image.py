@@ -39,7 +39,7 @@ def test_right_guess_gives_the_image_of_the_torque_with_itself(seed, scale):
 
 
 @given(seeds, st.floats(0.05, 20.0))
-def test_published_image_is_blind_to_a_common_factor_and_the_scale_aware_one_is_not(seed, factor):
+def test_published_image_is_blind_to_a_common_factor_and_one_divided_by_a_constant_is_not(seed, factor):
     alpha, psi = signals(seed)
     for scale in ("shared-max", "channel-max"):
         np.testing.assert_allclose(build(alpha, factor * psi, scale), build(alpha, psi, scale), rtol=0, atol=1e-12)

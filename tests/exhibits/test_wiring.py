@@ -21,7 +21,7 @@ CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="ut
 SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
 MADE = {(e.kind, e.name): made_of(e) for e in catalogue.EXHIBITS}
 SEEDS, MEDIAN = (1, 2, 3), 2
-METHODS = ("algorithm1", "algorithm1+refinement", "algorithm1+scale-aware")
+METHODS = ("algorithm1", "algorithm1+refinement", "algorithm1+local-search")
 ARM = ("ID", "T1", "T2", "T3", "T4")
 
 

@@ -30,7 +30,6 @@ TINY["training"] |= {"steps": 3, "batch": 8, "test_samples": 16, "checkpoint_eve
 TINY["training"] |= {"precision": "float32"}
 TINY["training"]["paper"] |= {"images": 10}
 TINY["networks"]["paper-recipe"]["training"] |= {"steps": 3, "batch": 2}
-TINY["networks"]["scale-aware"]["training"] |= {"steps": 3}
 TINY["algorithm1"] |= {"executions": 5, "inner_limit": 2}
 TINY["refinement"] |= {"restarts": 20, "keep": 5, "passes": 2}
 CAPTURES = [

@@ -205,8 +205,7 @@ def test_table_9_has_the_median_seed_and_no_row_for_the_truth(inputs):
 
 def test_table_10_has_every_motion_method_and_joint(inputs):
     table = arm.MADE["table", "table10"].numbers(inputs["table10"], CONFIG)
-    suffixes = ("", "+scale-aware")
-    methods = {f"algorithm1{step}{s}" for step in ("", "+refinement", "+local-search") for s in suffixes}
+    methods = {"algorithm1", "algorithm1+refinement", "algorithm1+local-search"}
     methods |= {f"algorithm1{suffix}" for suffix in CROSSED} | {"least-squares", "bounded", "consistent", "true"}
     one_run = table["method"].str.endswith("/one-run")
     assert set(table.loc[~one_run, "method"]) == methods

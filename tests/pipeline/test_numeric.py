@@ -109,7 +109,7 @@ def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
 
 
 class PerfectNetwork:
-    """Solves for the residual instead of having learnt it; the scale-aware image shows psi to a known factor.
+    """Solves for the residual instead of having learnt it; Z1 divided by a constant shows psi to a known factor.
 
     alpha = Y beta_bar and 2 alpha - psi = Y beta_n are linear in what is sought.
     """
@@ -128,7 +128,7 @@ class PerfectNetwork:
 
 def experiment(**changes):
     settings = {
-        "variant": "scale-aware",
+        "variant": "tracked",
         "data": DataSettings(image=AWARE),
         "search": SearchSettings(executions=4, inner_limit=3),
         "refinement": RefinementSettings(restarts=5, keep=9, passes=2),
@@ -158,7 +158,7 @@ def test_a_perfect_network_finds_every_arm(found):
     for name, beta in ARMS.items():
         arm = found["arms"][name]
         np.testing.assert_array_equal(arm["true"], beta)
-        for method in ("algorithm1+scale-aware", "algorithm1+refinement+scale-aware"):
+        for method in ("algorithm1+tracked", "algorithm1+refinement+tracked"):
             # What is left is the filter's: it rounds the torque's steps, and f of the image does not.
             np.testing.assert_allclose(arm["methods"][method]["beta"], beta, atol=0.04)
             assert arm["methods"][method]["similarity"] > 0.99
@@ -167,9 +167,9 @@ def test_a_perfect_network_finds_every_arm(found):
 
 def test_a_perfect_network_needs_one_image_for_each_execution(found):
     for arm in found["arms"].values():
-        assert arm["methods"]["algorithm1+scale-aware"]["images"] == 4
+        assert arm["methods"]["algorithm1+tracked"]["images"] == 4
         # Refinement reads 5 fresh guesses, then the best 9 in each of 2 passes, all there are in the first.
-        assert arm["methods"]["algorithm1+refinement+scale-aware"]["images"] == 4 + 5 + 2 * 9
+        assert arm["methods"]["algorithm1+refinement+tracked"]["images"] == 4 + 5 + 2 * 9
 
 
 def test_the_scores_of_a_perfect_network_are_near_one(found):
@@ -198,7 +198,7 @@ def test_a_result_is_plain_json(untrained, found):
 
 
 @pytest.mark.parametrize(
-    ("variant", "suffix"), [("published", ""), ("scale-aware", "+scale-aware"), ("paper-recipe", "+paper-recipe")]
+    ("variant", "suffix"), [("published", ""), ("tracked", "+tracked"), ("paper-recipe", "+paper-recipe")]
 )
 def test_methods_are_named_after_the_network(untrained, variant, suffix):
     result = identify(untrained, experiment(variant=variant, data=DataSettings()), 1)

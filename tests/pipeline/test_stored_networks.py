@@ -14,7 +14,7 @@ from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = full_config()
-NETWORKS = ("published", "scale-aware", "tracked")
+NETWORKS = ("published", "tracked-measured", "tracked")
 
 
 def taken(folder, network="published", config=CONFIG):
@@ -78,7 +78,8 @@ def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, con
 def test_what_does_not_decide_a_network_does_not_refuse_it():
     same = other(training={"source": "stored", "networks": "elsewhere"}, image={"constant": 5.0})
     assert digest(same, "published") == digest(CONFIG, "published")
-    assert digest(same, "scale-aware") != digest(CONFIG, "scale-aware")
+    divided = other(image={"scale": "constant", "constant": 5.0})
+    assert digest(divided, "tracked") != digest(CONFIG, "tracked")
     paper = other(training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
     assert digest(paper, "published") == digest(CONFIG, "published")
     assert digest(paper, "paper-recipe") != digest(CONFIG, "paper-recipe")
@@ -92,7 +93,7 @@ def test_a_damaged_network_is_refused(tmp_path, fault):
     if fault == "missing":
         weights.unlink()
     elif fault == "swapped":
-        shutil.copy(folder / "cnn-scale-aware.safetensors", weights)
+        shutil.copy(folder / "cnn-tracked.safetensors", weights)
     else:
         content = bytearray(weights.read_bytes())
         content[-1] ^= 1

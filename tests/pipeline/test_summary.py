@@ -227,12 +227,12 @@ def test_parameters_of_one_seed_have_no_spread():
 
 
 def test_parameters_of_several_networks_share_a_table_in_the_order_of_the_methods():
-    aware = tuple(f"{m}+scale-aware" for m in TWO)
-    runs = [*make_runs((1, 2), aware, variant="scale-aware"), *make_runs((1, 2))]
-    scores = pd.concat([random_scores((1, 2), methods=aware), random_scores((1, 2))])
+    own = ("algorithm1+tracked",)
+    runs = [*make_runs((1, 2), own, variant="tracked"), *make_runs((1, 2))]
+    scores = pd.concat([random_scores((1, 2), methods=own), random_scores((1, 2))])
     table = parameter_table(runs, scores, ("N2", "N1"))
     seen = list(dict.fromkeys(zip(table["method"], table["case"], strict=True)))
-    assert seen == list(itertools.product([*TWO, *aware], ("N1", "N2")))
+    assert seen == list(itertools.product(["algorithm1", *own, "algorithm1+refinement"], ("N1", "N2")))
 
 
 def test_only_the_cases_asked_for_are_in_the_table():

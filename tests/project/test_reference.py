@@ -19,7 +19,6 @@ NAMES = {
     "+ refinement *(extension)*": "algorithm1+refinement",
     "+ selection without the network *(control)*": "algorithm1+local-search",
     "differential evolution without a network *(control)*": "differential-evolution",
-    "Algorithm 1, scale-aware image *(extension)*": "algorithm1+scale-aware",
     "Algorithm 1, closed-loop training and desired motion *(extension)*": "algorithm1+tracked",
     "least squares": "least-squares",
     "least squares, no parameter below zero": "bounded",
@@ -65,9 +64,8 @@ def test_least_squares_is_ahead_of_the_listed_search_on_its_own_ground(name):
 
 
 @pytest.mark.parametrize("name", ["table06", "table07"])
-@pytest.mark.parametrize("suffix", ["", "+scale-aware"])
-def test_refinement_is_above_98_percent_everywhere(name, suffix):
-    assert totals(name, f"algorithm1+refinement{suffix}").min() >= 0.98
+def test_refinement_is_above_98_percent_everywhere(name):
+    assert totals(name, "algorithm1+refinement").min() >= 0.98
 
 
 def test_loss_of_the_streamed_recipe():

@@ -29,7 +29,7 @@ CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="ut
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
 SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 #: Networks of Tables 4 to 7, and those of the arm, by the suffix of their files.
-NETWORKS = ("", "-scale-aware", "-tracked")
+NETWORKS = ("", "-tracked")
 ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
 LEAST_SQUARES = {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
 #: Rules that only name other rules' files.

@@ -176,10 +176,10 @@ def test_arm_parameters_stand_beside_the_truth(tmp_path: Path) -> None:
 
 def test_table_9_shows_what_fits_a_page_and_says_what_it_left_out(tmp_path):
     frame = TABLES["table09"]()
-    more = frame[frame["method"] == "algorithm1"].assign(method="algorithm1+scale-aware")
+    more = frame[frame["method"] == "algorithm1"].assign(method="algorithm1+paper-recipe")
     _, md = laid_out(tmp_path, "table09", pd.concat([frame, more], ignore_index=True))
     assert "1 further methods are in the CSV" in md
-    assert "scale-aware" not in md
+    assert "own training" not in md
 
 
 def test_similarities_of_the_experiment(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ def test_parameter_table_holds_the_numbers(tmp_path: Path) -> None:
     assert [heading.split(" (")[0] for heading in headings] == [
         "Algorithm 1",
         "Algorithm 1 + refinement",
-        "Algorithm 1 + refinement + scale-aware image",
+        "Algorithm 1 + the refinement's selection without the network",
         "a further\\_one",
     ]
     _, alone = laid_out(tmp_path, "table04", frame.assign(estimate_sd=0.0))

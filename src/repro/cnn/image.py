@@ -28,7 +28,7 @@ class ImageSettings:
     scale : {"shared-max", "channel-max", "constant"}
         What Z1 is divided by. ``shared-max``: one maximum over both channels, because both torques share
         theirs (default). ``channel-max``: each channel's own. ``constant``: `constant`, so that a guess
-        wrong by a common factor looks different from a right one: the scale-aware image, an extension.
+        wrong by a common factor looks different from a right one (in the ablation).
     constant : float
         Divisor of Z1 when `scale` is ``constant``.
     """

@@ -88,21 +88,6 @@ METHODS: dict[str, Entry] = {
         "Differential evolution, no network",
         *_look("#44aa99", (3.5, 2.5), 1.0, "X", 3.4),
     ),
-    "algorithm1+scale-aware": Entry(
-        "Algorithm 1 + scale-aware image (extension)",
-        "Algorithm 1, scale-aware",
-        *_look("#7fc8a0", _DASH_DOT, 1.1, "s", 3.0),
-    ),
-    "algorithm1+refinement+scale-aware": Entry(
-        "Algorithm 1 + refinement + scale-aware image (extension)",
-        "Algorithm 1 + refinement, scale-aware",
-        *_look("#0b5d3b", (), 0.9, "s", 3.4, hollow=True),
-    ),
-    "algorithm1+local-search+scale-aware": Entry(
-        "Algorithm 1 + scale-aware image, selection without the network (control)",
-        "Algorithm 1 + selection alone, scale-aware",
-        *_look("#c6a0c8", _SHORT, 1.0, "^", 3.4),
-    ),
     "algorithm1+paper-recipe": Entry(
         "Algorithm 1, the paper's own training",
         "Algorithm 1, the paper's training",

@@ -39,7 +39,7 @@ READINGS: dict[str, Reading] = {
     ),
     "ranges-published": Reading("training ranges", "as printed", {"data": {"prior": "published"}}, trained=True),
     "label-physical": Reading("label scale", "SI units", {"data": {"label": "physical"}}, trained=True),
-    "image-constant": Reading("divisor of Z1", "a constant (ours)", network="scale-aware", trained=True),
+    "image-constant": Reading("divisor of Z1", "a constant (ours)", {"image": {"scale": "constant"}}, trained=True),
     "recipe-paper": Reading("training recipe", "the paper's schedule", network="paper-recipe", trained=True),
     "recipe-ranges": Reading(
         "training recipe",
@@ -63,7 +63,7 @@ READINGS: dict[str, Reading] = {
         "tracked",
         trained=True,
     ),
-    "tracked-scale-aware": Reading(
+    "tracked-constant": Reading(
         "training motions",
         "Z1 divided by a constant",
         {"image": {"scale": "constant"}},
