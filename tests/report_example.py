@@ -11,7 +11,8 @@ from PIL import Image, ImageDraw
 
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import write_csv
-from repro.paper.claims import VERDICTS
+from repro.paper.claims import VERDICTS, Basis
+from repro.paper.ledger.causes import CAUSES
 from repro.report.inputs import ReportInputs
 
 #: What must be escaped wherever it is shown.
@@ -21,6 +22,8 @@ NOTES = {
     "reproduced": "",
     "better": "Refinement is an extension of ours.",
     "differs": f"The published ranges cannot produce these parameters; {TRICKY}.",
+    "inconclusive": "",
+    "not comparable": "A simulated arm.",
     "contradicts itself": "Time x Frequency is 88.48, the table prints 85.82.",
     "not run": "Of another target.",
     "needs the hardware": "A measurement of the real arm.",
@@ -41,13 +44,15 @@ def claim_rows(count=60):
                 "quantity": f"total similarity {n}",
                 "unit": "%",
                 "kind": "setting" if n == 41 else "stochastic" if known else "hardware-only",
+                "basis": str(list(Basis)[n % len(Basis)]),
                 "published": f"{97.38 - n:g}",
                 "ours": f"{97.38 - n + 0.123456789:.10g}" if known else "",
                 "difference": "0.123456789" if known else "",
                 "tolerance": "0.005" if known else "",
                 "tolerance_from": "print precision",
                 "verdict": verdict,
-                "must": str(n % 10 == 0),
+                "asserted": "" if n % 10 else verdict,
+                "cause": list(CAUSES)[n % 3] if verdict == "differs" else "",
                 "target": f"table{4 + n % 7:02d}",
                 "note": NOTES[verdict],
             }

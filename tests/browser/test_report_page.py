@@ -109,16 +109,16 @@ def test_the_ledger_is_searched_and_filtered(page):
     page.evaluate("document.querySelector('#filters [type=reset]').click()")
     page.evaluate("new Promise(done => setTimeout(done, 50))")
     assert len(column(page, 0)) == everything
-    for field, place in (("verdict", 1), ("place", 6), ("kind", 7)):
+    for field, place in (("verdict", 1), ("place", 6), ("basis", 7)):
         wanted = column(page, place)[-1]
         choose = "(box => {{ box.value = {!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})"
         box = f"(document.querySelector('[data-filter={field}]'))"
         page.evaluate(choose.format(wanted) + box)
         assert set(column(page, place)) == {wanted}
         page.evaluate(choose.format("") + box)
-    page.evaluate("document.getElementById('promised').click()")
+    page.evaluate("document.getElementById('asserted').click()")
     assert 0 < len(column(page, 0)) < everything
-    assert all("promised" in text for text in column(page, 0))
+    assert all("asserted" in text for text in column(page, 0))
 
 
 def test_the_ledger_is_sorted_by_the_buttons_in_its_header(page):

@@ -14,14 +14,15 @@ import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
-from report_example import NOTES, TRICKY, claim_rows, make_example, verdict_rows, write_picture, write_rows
+from report_example import TRICKY, claim_rows, make_example, verdict_rows, write_picture, write_rows
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES
-from repro.paper.claims import VERDICTS, broken
+from repro.paper.claims import VERDICTS, Basis, broken
+from repro.paper.ledger.causes import CAUSES
 from repro.report import page as page_module
 from repro.report.embed import link, pictures
-from repro.report.ledger import read_claims
+from repro.report.ledger import count, differences, read_claims
 from repro.report.page import build_report, write_report
 from repro.report.question import answer
 
@@ -186,34 +187,38 @@ def test_headings_go_down_one_level_at_a_time(page):
 def test_what_comes_from_a_file_is_escaped(text, page):
     assert "<script>alert" not in text
     assert len(page.all("script")) == 1
-    assert TRICKY in page.one("differences")["text"]
+    assert TRICKY in page.one("claims")["text"]
     assert TRICKY in page.one("audit")["text"]
 
 
-def test_the_headline_counts_the_verdicts_and_the_promises(page, inputs):
+def test_the_headline_counts_the_verdicts_by_basis(page, inputs):
     claims = read_claims(inputs)
     assert [claim.id for claim in claims] == [row["id"] for row in claim_rows()]
+    counts = count(claims)
+    assert sum(sum(numbers) for _, _, numbers in counts.rows) == len(claims)
+    own = [row for row in claim_rows() if "@" not in row["id"]]
+    for verdict, _, numbers in counts.rows:
+        *by_basis, extensions = numbers
+        assert by_basis == [sum((row["verdict"], row["basis"]) == (verdict, basis) for row in own) for basis in Basis]
+        assert extensions == sum(row["verdict"] == verdict and "@" in row["id"] for row in claim_rows())
+    assert {verdict for verdict, _, _ in counts.rows} == set(VERDICTS)
     headline = " ".join(page.one("headline")["text"].split())
-    results = [row for row in claim_rows() if row["kind"] != "setting" and "@" not in row["id"]]
-    settings = [row for row in claim_rows() if row["kind"] == "setting"]
-    for verdict in VERDICTS:
-        for rows, words in ((results, "{0} {1} "), (settings, "{1} {0} (")):
-            number = sum(row["verdict"] == verdict for row in rows)
-            assert (words.format(verdict, number) in headline) == (number > 0)
-    assert "All 6 promised claims hold" in headline
-    assert f"Of the {len(results)} results that the paper prints" in headline
-    assert f"{len(settings)} settings of the paper are counted apart" in headline
+    for verdict, meaning, numbers in counts.rows:
+        cells = "".join(str(number or "\N{EN DASH}") for number in numbers)
+        assert f"{verdict}{cells}{meaning}" in headline
+    assert "All 6 asserted claims have the asserted verdict" in headline
 
 
-def test_a_promise_holds_here_where_it_holds_in_the_check(inputs, tmp_path):
-    rows = [{**row, "must": "True"} for row in claim_rows(10)]
+def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
+    rows = [{**row, "asserted": ("reproduced", "differs")[k % 2]} for k, row in enumerate(claim_rows(12))]
     changed = make_example(tmp_path)
     write_rows(changed.results / "claims.csv", rows)
     claims = read_claims(changed)
-    lost = broken(pd.read_csv(changed.results / "claims.csv"))
-    assert [claim.id for claim in claims if not claim.holds] == list(lost["id"])
+    lost = broken(pd.read_csv(changed.results / "claims.csv", keep_default_na=False))
+    assert [claim.id for claim in claims if not claim.satisfied] == list(lost["id"])
+    assert 0 < len(lost) < 12
     headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
-    assert f"{10 - len(lost)} of 10 promised claims hold" in headline
+    assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
 
 
 def test_numbers_keep_their_unit_and_one_digit_more_than_published(inputs):
@@ -224,7 +229,7 @@ def test_numbers_keep_their_unit_and_one_digit_more_than_published(inputs):
     assert (second.ours.text, second.ours.value) == ("96.503\N{NO-BREAK SPACE}%", "96.50345679")
     assert second.difference.text == "+0.123"
     assert second.tolerance.text == "0.005"
-    hardware = read_claims(inputs)[4]
+    hardware = next(claim for claim in read_claims(inputs) if claim.verdict == "needs the hardware")
     assert (hardware.ours.text, hardware.ours.value) == ("", "")
 
 
@@ -238,13 +243,17 @@ def test_a_number_never_shows_as_nought_unless_it_is(tmp_path):
     assert claim.tolerance.text == "0"
 
 
-def test_what_differs_is_told_with_its_reason(page):
-    told = " ".join(page.one("differences")["text"].split())
-    assert NOTES["contradicts itself"] in told
-    assert told.count("The published ranges") == len({r["place"] for r in claim_rows() if r["verdict"] == "differs"})
+def test_what_differs_is_listed_by_its_cause(page, inputs):
+    differing = [row for row in claim_rows() if row["verdict"] == "differs"]
+    groups = differences(read_claims(inputs))
+    listed = {claim.id: group.cause for group in groups for claim in group.claims}
+    assert listed == {row["id"]: CAUSES[row["cause"]] for row in differing}
+    assert len(groups) == len({row["cause"] for row in differing}) > 1
+    text = " ".join(page.one("differences")["text"].split())
+    for group in groups:
+        assert text.count(group.cause.why) == 1 and f"docs/{group.cause.evidence}" in text
     for row in claim_rows():
-        named = re.search(rf"total similarity {row['quantity'].split()[-1]}:", told)
-        assert bool(named) == (row["verdict"] in ("differs", "contradicts itself")), row["id"]
+        assert (f": {row['id']}, published" in text) == (row["verdict"] == "differs"), row["id"]
 
 
 def test_the_question_is_answered_from_the_table(inputs, page):
@@ -334,7 +343,9 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, na
     ("change", "words"),
     [
         ({"verdict": "fine"}, "row 3: verdict: found 'fine', expected one of reproduced"),
-        ({"must": "perhaps"}, "row 3: must: found 'perhaps', expected true or false"),
+        ({"asserted": "perhaps"}, "row 3: asserted: found 'perhaps', expected one of '', 'reproduced'"),
+        ({"basis": "faith"}, "row 3: basis: found 'faith', expected one of 'numeric'"),
+        ({"cause": "bad luck"}, "row 3: cause: found 'bad luck'"),
         ({"place": " "}, "row 3: place: found nothing"),
         ({"id": "with blank"}, "row 3: id: found 'with blank'"),
         ({"id": claim_rows()[0]["id"]}, "row 3: id: found"),
@@ -357,7 +368,7 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
     with pytest.raises(InputError, match="header: found no column note"):
         build_report(example)
     path.write_text(",".join(header) + "\n" + ",".join(rest[0][:3]) + "\n", encoding="utf-8")
-    with pytest.raises(InputError, match="row 1: found 3 fields, expected 14 fields"):
+    with pytest.raises(InputError, match="row 1: found 3 fields, expected 16 fields"):
         build_report(example)
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(InputError, match="not UTF-8"):

@@ -1,4 +1,4 @@
-"""Verify the claims ledger: its sources, every cell of it, the captures, and what the project promises."""
+"""Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
 
 import argparse
 from pathlib import Path
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the summary, every broken promise and everything that does not agree."""
+    """Print the summary, every asserted claim that fails and everything that does not agree."""
     from repro.fingerprint import told
     from repro.paper.claims import broken
     from repro.paper.ledger.text import summary

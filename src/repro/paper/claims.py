@@ -1,30 +1,56 @@
-"""The claims ledger: each published number beside ours, with a tolerance, where it comes from, and a verdict."""
+"""The claims ledger: each published number beside ours, with a tolerance stated in advance, and a verdict.
+
+A number that depends on chance is compared with a prediction interval: for n seeds with standard deviation s, another
+run lies within t s sqrt(1 + 1/n) of ours in 95 % of cases (Student's t, n - 1 degrees of freedom). The interval is a
+comparison only if it is narrow: wider than the cap of its `Margin`, or so wide that the published value of another
+case would pass as well, the verdict is *inconclusive*. Within the equivalence margin two numbers count as the same.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
 import pandas as pd
+from scipy import stats
 
 from repro.paper.published_value import PublishedValue
 
 #: Verdicts, best first.
 REPRODUCED, BETTER, DIFFERS = "reproduced", "better", "differs"
+INCONCLUSIVE, NOT_COMPARABLE = "inconclusive", "not comparable"
 CONTRADICTS, NOT_RUN, HARDWARE = "contradicts itself", "not run", "needs the hardware"
-VERDICTS = (REPRODUCED, BETTER, DIFFERS, CONTRADICTS, NOT_RUN, HARDWARE)
-#: Kind of the numbers that the authors chose and a reproduction adopts: they cannot come out otherwise.
+VERDICTS = (REPRODUCED, BETTER, DIFFERS, INCONCLUSIVE, NOT_COMPARABLE, CONTRADICTS, NOT_RUN, HARDWARE)
+#: Published kind of the numbers that the authors chose and a reproduction adopts.
 SETTING = "setting"
 
+
+class Basis(StrEnum):
+    """What a comparison rests on, and so what a match is worth."""
+
+    NUMERIC = "numeric"  # computed independently on the paper's own arms N1 to N4
+    ARM = "simulated arm"  # another arm than the paper's, which no longer exists
+    CONSTRUCTION = "by construction"  # the simulated arm or its motions were chosen so that it comes out
+    ARITHMETIC = "arithmetic"  # follows from other printed numbers or from a definition
+    SETTING = "setting"  # adopted from the paper
+    HARDWARE = "hardware"  # a property of the authors' arm, board or bench
+
+
+#: Bases on which a match is evidence about a result of the paper.
+EVIDENCE = (Basis.NUMERIC, Basis.ARM)
+_OF_KIND = {SETTING: Basis.SETTING, "exact": Basis.ARITHMETIC, "deterministic": Basis.CONSTRUCTION}
+
 COLUMNS = (
-    "id", "place", "quantity", "unit", "kind", "published", "ours", "difference", "tolerance", "tolerance_from",
-    "verdict", "must", "target", "note",
+    "id", "place", "quantity", "unit", "kind", "basis", "published", "ours", "difference", "tolerance",
+    "tolerance_from", "verdict", "asserted", "cause", "target", "note",
 )  # fmt: skip
 
 #: Where a tolerance comes from.
 PRINT = "print precision"
-SEEDS = "print precision and twice the spread over seeds"
-CAPPED = "print precision and the widest spread over seeds that is allowed"
+EQUIVALENCE = "equivalence margin"
+PREDICTION = "95 % prediction interval"
 NONE = "none: compared as it stands"
+LEVEL = 0.95
 
 #: Kind of the numbers that are left out: only the other work can tell.
 LEFT_OUT = "other-work"
@@ -36,42 +62,39 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
+class Margin:
+    """Differences that do not matter, and the widest interval that still compares: absolute, or shares of the value."""
+
+    equivalent: float
+    cap: float
+    relative: bool = False
+
+    def of(self, published: float) -> tuple[float, float]:
+        """Both in the published unit."""
+        scale = abs(published) if self.relative else 1.0
+        return self.equivalent * scale, self.cap * scale
+
+
+EXACT = Margin(0.0, math.inf)
+
+
+@dataclass(frozen=True)
 class Ours:
-    """What our results say about one published number.
+    """Our side of one published number."""
 
-    Attributes
-    ----------
-    value : float or None
-        Our number in the published unit; None if only the hardware can tell.
-    target : str
-        Target of the workflow, file or module that makes it.
-    spread : float
-        Standard deviation over seeds, in the published unit; 0 if there is none.
-    better : callable or None
-        Tells from the published and our number whether ours is better, where one can be.
-    widest : float
-        Largest part of the tolerance that the spread may give: what scatters by more reproduces nothing.
-    strict : bool
-        Compare without a tolerance: a choice can be adopted as printed, a limit can be kept.
-    unused : bool
-        A setting that the default run does not use: a key of the configuration reproduces nothing.
-    must : bool
-        The project promises that it holds.
-    contradicts : str
-        Why the paper contradicts itself here; empty if it does not.
-    note : str
-        What a reader should know.
-    """
-
-    value: float | None
-    target: str
-    spread: float = 0.0
-    better: Callable[[float, float], bool] | None = None
-    widest: float = math.inf
-    strict: bool = False
-    unused: bool = False
-    must: bool = False
-    contradicts: str = ""
+    value: float | None  # in the published unit; None if only the hardware can tell
+    target: str  # target of the workflow, file or module that makes it
+    basis: Basis | None = None  # None: by the published kind, hardware without a value
+    spread: float = 0.0  # standard deviation over the seeds, in the published unit
+    seeds: int = 1
+    margin: Margin = EXACT
+    better: Callable[[float, float], bool] | None = None  # of the published and our number, where one can be better
+    strict: bool = False  # no tolerance: a setting can be adopted as printed, a limit can be met
+    unused: bool = False  # a setting that the default run does not use
+    asserted: str = ""  # verdict that the project asserts; a better number satisfies "reproduced"
+    contradicts: str = ""  # why the paper contradicts itself here
+    contradiction: float = math.inf  # by how much, in the published unit
+    cause: str = ""  # why a number differs, where it does
     note: str = ""
 
 
@@ -85,48 +108,96 @@ def lower(published: float, ours: float) -> bool:
     return ours < published
 
 
+def _interval(printed: PublishedValue, ours: Ours) -> float:
+    """Half width of the prediction interval of one further run, with the rounding of the print."""
+    if ours.seeds < 2:
+        return printed.half_step
+    t = float(stats.t.ppf(0.5 + 0.5 * LEVEL, ours.seeds - 1))
+    return printed.half_step + t * ours.spread * math.sqrt(1.0 + 1.0 / ours.seeds)
+
+
 def _tolerance(printed: PublishedValue, ours: Ours) -> tuple[float, str]:
     if ours.strict:
         return 0.0, NONE
-    if 2.0 * ours.spread > ours.widest:
-        return printed.half_step + ours.widest, CAPPED
-    return printed.half_step + 2.0 * ours.spread, SEEDS if ours.spread > 0 else PRINT
+    interval = _interval(printed, ours)
+    margin = printed.half_step + ours.margin.of(printed.value)[0]
+    if margin > interval:
+        return margin, EQUIVALENCE
+    return interval, PREDICTION if interval > printed.half_step else PRINT
 
 
-def _verdict(printed: PublishedValue, ours: Ours, value: float, tolerance: float) -> str:
+def _compared(printed: PublishedValue, ours: Ours, value: float, tolerance: float, others: Iterable[float]) -> str:
+    """Verdict on two numbers that can be compared."""
+    slack = tolerance + _ROUNDING * abs(printed.value)
+    wide = not ours.strict and _interval(printed, ours) - printed.half_step > ours.margin.of(printed.value)[1]
     difference = value - printed.value
-    if ours.contradicts:
-        return CONTRADICTS
-    if ours.unused:
-        return NOT_RUN
-    if abs(difference) <= tolerance + _ROUNDING * abs(printed.value):
-        return REPRODUCED
+    stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
+    if abs(difference) <= slack or stated:
+        blind = any(abs(other - printed.value) <= slack for other in others)
+        return INCONCLUSIVE if wide or blind else REPRODUCED
     if ours.better is not None and ours.better(printed.value, value):
-        return BETTER
-    if {"above": difference > 0, "below": difference < 0}.get(printed.relation, False):
-        return REPRODUCED
+        return INCONCLUSIVE if wide else BETTER
     return DIFFERS
 
 
-def judge(printed: PublishedValue, ours: Ours) -> dict[str, object]:
-    """One row of the ledger."""
+def _verdict(
+    printed: PublishedValue, ours: Ours, basis: Basis, value: float, tolerance: float, others: Iterable[float]
+) -> str:
+    if ours.unused:
+        return NOT_RUN
+    difference = abs(value - printed.value)
+    if ours.contradicts and difference <= ours.contradiction * (1.0 + _ROUNDING):
+        return CONTRADICTS
+    verdict = _compared(printed, ours, value, tolerance, others if basis in EVIDENCE else ())
+    if verdict == BETTER and basis is not Basis.NUMERIC:
+        return NOT_COMPARABLE  # an easier arm explains it as well as a better method
+    return verdict
+
+
+def basis_of(printed: PublishedValue, ours: Ours) -> Basis:
+    """What a comparison rests on."""
+    return ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
+
+
+def judge(printed: PublishedValue, ours: Ours, others: Iterable[float] = ()) -> dict[str, object]:
+    """One row of the ledger; `others` are the published values of the same quantity for other cases."""
+    basis = basis_of(printed, ours)
     row: dict[str, object] = {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
-        "kind": printed.kind, "published": printed.printed, "must": ours.must, "target": ours.target,
-        "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
+        "kind": printed.kind, "basis": str(basis), "published": printed.printed, "asserted": ours.asserted,
+        "cause": "", "target": ours.target, "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
     }  # fmt: skip
     if ours.value is None:
         verdict = CONTRADICTS if ours.contradicts else HARDWARE
         blank = {"ours": math.nan, "difference": math.nan, "tolerance": math.nan, "tolerance_from": ""}
         return {**row, **blank, "verdict": verdict}
     tolerance, tolerance_from = _tolerance(printed, ours)
+    verdict = _verdict(printed, ours, basis, ours.value, tolerance, others)
     return {
         **row,
         "ours": ours.value,
         "difference": ours.value - printed.value,
         "tolerance": tolerance,
         "tolerance_from": tolerance_from,
-        "verdict": _verdict(printed, ours, ours.value, tolerance),
+        "verdict": verdict,
+        "cause": ours.cause if verdict == DIFFERS else "",
+    }
+
+
+def _same_quantity(number: PublishedValue) -> tuple[object, ...]:
+    return number.kind, number.quantity, number.method, number.joint, number.parameter
+
+
+def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...]]:
+    """Published values of the same quantity for other cases, by the id of the number."""
+    groups: dict[tuple[object, ...], list[PublishedValue]] = {}
+    for number in numbers:
+        if number.case and number.relation == "is":
+            groups.setdefault(_same_quantity(number), []).append(number)
+    return {
+        number.id: tuple(other.value for other in group if other.case != number.case)
+        for group in groups.values()
+        for number in group
     }
 
 
@@ -139,13 +210,41 @@ def ledger(numbers: Iterable[PublishedValue], ours: Mapping[str, Ours]) -> pd.Da
         if base not in sides:
             raise ValueError(f"ledger: {name} has no published number.")
         sides[base].append((name, side))
-    for base, held in sides.items():
-        if base not in {name for name, _ in held}:
+    for base, compared in sides.items():
+        if base not in {name for name, _ in compared}:
             raise ValueError(f"ledger: {base} has no counterpart of ours.")
-    rows = [{**judge(number, side), "id": name} for number in own for name, side in sides[number.id]]
+    others = other_cases(own)
+    rows = [
+        {**judge(number, side, others.get(number.id, ())), "id": name}
+        for number in own
+        for name, side in sides[number.id]
+    ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
 def broken(claims: pd.DataFrame) -> pd.DataFrame:
-    """Claims that the project promises and that do not hold."""
-    return claims[claims["must"] & ~claims["verdict"].isin([REPRODUCED, BETTER])]
+    """Claims whose verdict is not the asserted one; better than reproduced satisfies too."""
+    satisfied = (claims["asserted"] == claims["verdict"]) | (
+        (claims["asserted"] == REPRODUCED) & (claims["verdict"] == BETTER)
+    )
+    return claims[(claims["asserted"] != "") & ~satisfied]
+
+
+def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.DataFrame:
+    """How often the published value of another case fails where ours was called reproduced, by basis and unit group.
+
+    Columns ``basis, what, rows, pairs, refused``: the share ``refused / pairs`` is the specificity of the verdict.
+    """
+    others = other_cases(number for number in numbers if number.kind != LEFT_OUT)
+    called = claims[(claims["verdict"] == REPRODUCED) & claims["basis"].isin([str(basis) for basis in EVIDENCE])]
+    counted: dict[tuple[str, str], list[int]] = {}
+    for row in called.to_dict("records"):
+        values = others.get(str(row["id"]).partition(EXTENSION)[0], ())
+        if values:
+            what = "similarities" if row["unit"] == "%" else "parameters"
+            count = counted.setdefault((str(row["basis"]), what), [0, 0, 0])
+            refused = sum(abs(value - row["ours"]) > row["tolerance"] for value in values)
+            for k, number in enumerate((1, len(values), refused)):
+                count[k] += number
+    rows = [(*key, *count) for key, count in sorted(counted.items())]
+    return pd.DataFrame(rows, columns=["basis", "what", "rows", "pairs", "refused"])

@@ -1,6 +1,7 @@
 """The claims ledger as the page shows it: rows with units, counts, and what differs in plain words."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,25 +12,31 @@ from repro.paper.claims import (
     DIFFERS,
     EXTENSION,
     HARDWARE,
+    INCONCLUSIVE,
+    NOT_COMPARABLE,
     NOT_RUN,
     REPRODUCED,
-    SETTING,
     VERDICTS,
+    Basis,
 )
+from repro.paper.ledger.causes import CAUSES, Cause
+from repro.paper.ledger.text import EXTENSIONS
 from repro.render.markup import unit as unit_text
 from repro.report.inputs import ReportInputs, read_rows
 
 COLUMNS = (
-    "id", "place", "quantity", "unit", "kind", "published", "ours", "difference", "tolerance", "verdict", "must",
-    "target", "note",
+    "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
+    "cause", "target", "note",
 )  # fmt: skip
 
 #: What each verdict means, for a reader who has not seen the paper.
 MEANINGS = {
-    REPRODUCED: "our number is the published one, within the tolerance given beside it",
-    BETTER: "our number is better than the published one",
-    DIFFERS: "our number is another one, by more than the tolerance",
-    CONTRADICTS: "other numbers of the paper say otherwise, whatever ours is",
+    REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
+    BETTER: "better by more than the tolerance, on the paper's own arms",
+    DIFFERS: "different by more than the tolerance",
+    INCONCLUSIVE: "compatible, but the scatter over the seeds is too wide, or another case would pass as well",
+    NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
+    CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
     NOT_RUN: "a setting of the paper that the default run does not use",
     HARDWARE: "only a measurement on the real arm or board could tell",
 }
@@ -37,7 +44,6 @@ MEANINGS = {
 _ID = re.compile(r"[\w./+:,()@-]+")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _NO_UNIT = ("", "1", "-", "not printed")
-_TRUTH = {"true": True, "false": False, "1": True, "0": False}
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _MINUS = "\N{MINUS SIGN}"
 
@@ -60,20 +66,16 @@ class Claim:
     id: str
     place: str
     quantity: str
-    kind: str
+    basis: str
     published: Cell
     ours: Cell
     difference: Cell
     tolerance: Cell
     verdict: str
-    must: bool
+    asserted: str
+    cause: str
     target: str
     note: str
-
-    @property
-    def setting(self) -> bool:
-        """Whether it is a number that the authors chose, which we adopt."""
-        return self.kind == SETTING
 
     @property
     def extension(self) -> bool:
@@ -81,9 +83,9 @@ class Claim:
         return EXTENSION in self.id
 
     @property
-    def holds(self) -> bool:
-        """Whether the claim is reproduced, or better."""
-        return self.verdict in (REPRODUCED, BETTER)
+    def satisfied(self) -> bool:
+        """Whether the verdict is the asserted one, or better than it."""
+        return self.verdict == self.asserted or (self.asserted, self.verdict) == (REPRODUCED, BETTER)
 
 
 def read_claims(inputs: ReportInputs) -> list[Claim]:
@@ -96,15 +98,17 @@ def read_claims(inputs: ReportInputs) -> list[Claim]:
     seen: set[str] = set()
     for number, row in enumerate(rows, start=1):
         place = f"{path}: row {number}"
-        for name in ("place", "quantity", "kind"):
+        for name in ("place", "quantity"):
             if not row[name].strip():
                 raise InputError.at(f"{place}: {name}", "nothing", "text")
         if not _ID.fullmatch(row["id"]) or row["id"] in seen:
             raise InputError.at(f"{place}: id", repr(row["id"]), "an id without blanks, used once")
         if row["verdict"] not in VERDICTS:
             raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(VERDICTS)}")
-        if row["must"].strip().lower() not in _TRUTH:
-            raise InputError.at(f"{place}: must", repr(row["must"]), "true or false")
+        words = {"basis": [str(basis) for basis in Basis], "asserted": ["", *VERDICTS], "cause": ["", *CAUSES]}
+        for name, allowed in words.items():
+            if row[name] not in allowed:
+                raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, allowed))}")
         seen.add(row["id"])
         claims.append(_claim(row))
     return claims
@@ -119,13 +123,14 @@ def _claim(row: dict[str, str]) -> Claim:
         id=row["id"],
         place=row["place"],
         quantity=row["quantity"],
-        kind=row["kind"],
+        basis=row["basis"],
         published=_cell(published, None, shown),
         ours=_cell(row["ours"], decimals, shown),
         difference=_cell(row["difference"], decimals, signed=True),
         tolerance=_cell(row["tolerance"], decimals),
         verdict=row["verdict"],
-        must=_TRUTH[row["must"].strip().lower()],
+        asserted=row["asserted"],
+        cause=row["cause"],
         target=row["target"].strip(),
         note=row["note"].strip(),
     )
@@ -158,23 +163,30 @@ def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False)
 
 @dataclass(frozen=True)
 class Difference:
-    """Claims of one place that share a verdict and a note."""
+    """Claims that differ for one cause."""
 
-    place: str
-    note: str
+    cause: Cause
     claims: tuple[Claim, ...]
 
 
-def differences(claims: Sequence[Claim], verdict: str) -> list[Difference]:
-    """Claims with a verdict, those of one place and with one note together."""
-    groups: dict[tuple[str, str], list[Claim]] = {}
-    for claim in claims:
-        if claim.verdict == verdict:
-            groups.setdefault((claim.place, claim.note), []).append(claim)
-    return [Difference(place, note, tuple(group)) for (place, note), group in groups.items()]
+def differences(claims: Sequence[Claim]) -> list[Difference]:
+    """Group the claims that differ by their cause."""
+    differing = [claim for claim in claims if claim.verdict == DIFFERS]
+    groups = {name: tuple(claim for claim in differing if claim.cause == name) for name in CAUSES}
+    return [Difference(CAUSES[name], group) for name, group in groups.items() if group]
 
 
-def counts(claims: Sequence[Claim]) -> list[tuple[str, int, str]]:
-    """How many claims have each verdict that occurs, with what it means; best verdict first."""
-    found = [(verdict, sum(claim.verdict == verdict for claim in claims)) for verdict in VERDICTS]
-    return [(verdict, number, MEANINGS[verdict]) for verdict, number in found if number]
+@dataclass(frozen=True)
+class Counts:
+    """How many claims have each verdict, by what their comparison rests on."""
+
+    groups: tuple[str, ...]
+    rows: tuple[tuple[str, str, tuple[int, ...]], ...]  # verdict, meaning, number in each group; verdicts that occur
+
+
+def count(claims: Sequence[Claim]) -> Counts:
+    """Count the verdicts by basis; extensions of ours are a group of their own."""
+    groups = (*(str(basis) for basis in Basis), EXTENSIONS)
+    counted = Counter((claim.verdict, EXTENSIONS if claim.extension else claim.basis) for claim in claims)
+    rows = [(verdict, MEANINGS[verdict], tuple(counted[verdict, group] for group in groups)) for verdict in VERDICTS]
+    return Counts(groups, tuple(row for row in rows if any(row[2])))

@@ -13,13 +13,12 @@ from markupsafe import Markup
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
 from repro.files import write_text
-from repro.paper.claims import CONTRADICTS, DIFFERS
 from repro.pipeline.job import Config
 from repro.pipeline.provenance import commit, package_versions
 from repro.report.embed import environment, link, policy
 from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
 from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text
-from repro.report.ledger import MEANINGS, counts, differences, read_claims
+from repro.report.ledger import count, differences, read_claims
 from repro.report.question import answer
 
 _TEMPLATES = Path(__file__).parent
@@ -41,14 +40,10 @@ def build_report(inputs: ReportInputs) -> str:
             policy=policy(style, script),
             claims=claims,
             claims_link=link(ledger_file, inputs.page) if claims else None,
-            counts=counts([claim for claim in claims if not (claim.setting or claim.extension)]),
-            settings=counts([claim for claim in claims if claim.setting]),
-            extensions=counts([claim for claim in claims if claim.extension]),
-            promised=[claim for claim in claims if claim.must],
+            counts=count(claims),
+            asserted=[claim for claim in claims if claim.asserted],
             answer=answer(inputs),
-            differing=[
-                (verdict, MEANINGS[verdict], differences(claims, verdict)) for verdict in (DIFFERS, CONTRADICTS)
-            ],
+            differing=differences(claims),
             audit=audit,
             tables=tables,
             figures=figures,

@@ -7,7 +7,7 @@
     const words = new Map(rows.map((row) => [row, row.textContent.toLowerCase()]));
     const filters = document.getElementById("filters");
     const search = document.getElementById("search");
-    const promised = document.getElementById("promised");
+    const asserted = document.getElementById("asserted");
     const choices = [...filters.querySelectorAll("select")];
     const status = document.getElementById("shown");
 
@@ -18,7 +18,7 @@
         row.hidden =
           !wanted.every((word) => words.get(row).includes(word)) ||
           choices.some((choice) => choice.value && row.dataset[choice.dataset.filter] !== choice.value) ||
-          (promised.checked && !("promised" in row.dataset));
+          (asserted.checked && !("asserted" in row.dataset));
         count += !row.hidden;
       }
       status.textContent = `${count} of ${rows.length} numbers shown`;

@@ -1,5 +1,6 @@
 """The result files that the ledger compares, read and checked."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +31,21 @@ FILES: dict[str, tuple[str, ...]] = {
 
 #: Scores of every seed behind a table of medians, and the trajectory that the table is about.
 _SEEDS = {
+    "table04": ("validation/numeric.csv", "ID"),
+    "table05": ("validation/numeric.csv", "ID"),
     "table06": ("validation/numeric.csv", "ID"),
     "table07": ("validation/numeric.csv", "validation"),
     "table10": ("validation/experiment.csv", ""),
 }
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A number of a table, and what is behind it."""
+
+    value: float
+    spread: float = 0.0  # standard deviation over the seeds
+    seeds: int = 1
 
 
 class Results:
@@ -63,25 +75,29 @@ class Results:
             raise InputError.at(f"{self._folder / name}: {column} of {what}", cell, "a finite number")
         return number
 
-    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> tuple[float, float]:
-        """Similarity of a table, and its standard deviation over the seeds, %."""
-        row = {"case": case, "method": method, "joint": joint}
-        value = self._number(f"tables/{table}.csv", quantity, **row)
-        if table not in _SEEDS:
-            return 100.0 * value, 0.0
+    def _scores(self, table: str, **wanted: object) -> pd.DataFrame:
+        """Scores of every seed behind rows of a table."""
         name, trajectory = _SEEDS[table]
-        scores = self._rows(name, **row, **({"trajectory": trajectory} if trajectory else {}))[quantity]
-        return 100.0 * value, 100.0 * float(scores.std(ddof=1)) if len(scores) > 1 else 0.0
+        return self._rows(name, **wanted, **({"trajectory": trajectory} if trajectory else {}))
 
-    def totals(self, table: str, method: str, cases: tuple[str, ...]) -> list[tuple[float, float]]:
-        """Totals of both joints of some cases, each with its spread over the seeds, %."""
-        return [self.similarity(table, case, method, joint, "total") for case in cases for joint in (1, 2)]
+    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> Sample:
+        """Similarity of a table, %."""
+        row = {"case": case, "method": method, "joint": joint}
+        value = 100.0 * self._number(f"tables/{table}.csv", quantity, **row)
+        return _sample(value, 100.0 * self._scores(table, **row)[quantity]) if table in _SEEDS else Sample(value)
 
-    def parameter(self, table: str, case: str, method: str, name: str) -> tuple[float, float, float]:
-        """True value of a parameter, its estimate and the estimate's standard deviation over the seeds, SI units."""
+    def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> Sample:
+        """Mean of the totals of both joints in some cases, %."""
+        cells = [self.similarity(table, case, method, joint, "total").value for case in cases for joint in (1, 2)]
+        scores = pd.concat([self._scores(table, case=case, method=method) for case in cases])
+        return _sample(float(np.mean(cells)), 100.0 * scores.groupby("seed")["total"].mean())
+
+    def parameter(self, table: str, case: str, method: str, name: str) -> tuple[float, Sample]:
+        """True value of a parameter, and its estimate, SI units."""
         row = {"case": case, "method": method, "parameter": name}
         true, estimate, sd = (self._number(f"tables/{table}.csv", c, **row) for c in PARAMETERS[3:])
-        return true, estimate, sd
+        seeds = self._scores(table, case=case, method=method)["seed"].nunique() if table in _SEEDS else 1
+        return true, Sample(estimate, sd, seeds)
 
     def stability(self, quantity: str, column: str) -> float:
         """A number of the appendix for the arm behind the simulated board."""
@@ -94,3 +110,7 @@ class Results:
         """Held-out loss at the end of the training."""
         step = self._frames["model/training.csv"]["step"].max()
         return self._number("model/training.csv", "test_loss", step=step)
+
+
+def _sample(value: float, scores: pd.Series) -> Sample:
+    return Sample(value, float(scores.std(ddof=1)), len(scores)) if len(scores) > 1 else Sample(value)

@@ -5,9 +5,12 @@ from typing import Any
 
 import pandas as pd
 
-from repro.paper.claims import DIFFERS, EXTENSION, SETTING, VERDICTS, broken
+from repro.paper.claims import DIFFERS, EXTENSION, VERDICTS, Basis, broken
+from repro.paper.ledger.causes import CAUSES
 
-_HEADER = ("id", "quantity", "published", "ours", "tolerance", "verdict", "must", "target", "note")
+_HEADER = ("id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "made by", "note")
+#: Column of `by_basis` for rows of extensions, whatever they rest on.
+EXTENSIONS = "extensions"
 
 
 def _number(value: object) -> str:
@@ -36,7 +39,7 @@ def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
             _number(row["ours"]),
             _number(row["tolerance"]),
             row["verdict"],
-            "must" if row["must"] else "",
+            row["asserted"],
             row["target"],
             row["note"],
         )
@@ -44,57 +47,91 @@ def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
     ]
 
 
-def by_verdict(claims: pd.DataFrame) -> pd.DataFrame:
-    """How many settings, results and results by an extension of ours have each verdict: rows of `VERDICTS`.
-
-    Settings are counted apart: a reproduction that adopts them cannot come out otherwise.
-    """
-    setting = claims["kind"] == SETTING
+def by_basis(claims: pd.DataFrame) -> pd.DataFrame:
+    """Count the verdicts (rows) by what the comparison rests on (columns); extensions of ours are counted apart."""
     extension = claims["id"].str.contains(EXTENSION, regex=False)
-    groups = {"settings": setting, "results": ~setting & ~extension, "extensions": ~setting & extension}
+    groups = {str(basis): ~extension & (claims["basis"] == basis) for basis in Basis} | {EXTENSIONS: extension}
     counts = {name: claims.loc[chosen, "verdict"].value_counts() for name, chosen in groups.items()}
     return pd.DataFrame(counts).reindex(list(VERDICTS)).fillna(0).astype(int)
 
 
+def _told(counts: "pd.Series[int]") -> str:
+    return ", ".join(f"{number} {verdict}" for verdict, number in counts.items() if number)
+
+
+def _asserted(claims: pd.DataFrame) -> tuple[int, int]:
+    """How many claims are asserted, and how many of them have the asserted verdict."""
+    asserted = int((claims["asserted"] != "").sum())
+    return asserted, asserted - len(broken(claims))
+
+
 def summary(claims: pd.DataFrame) -> list[str]:
-    """How many claims have each verdict, and every promise that does not hold."""
-    counted = by_verdict(claims)
-    kept, failed = claims["must"].sum(), broken(claims)
-    totals = counted.sum()
-    lines = [
-        f"{totals['settings']} settings of the paper: "
-        + ", ".join(f"{n} {verdict}" for verdict, n in counted["settings"].items() if n),
-        f"{totals['results']} results of the paper, and {totals['extensions']} rows of extensions of ours beside them:",
-    ]
-    lines += [f"{row.results:5d}  {row.Index} (extensions: {row.extensions})" for row in counted.itertuples()]
-    lines.append(f"{kept - len(failed):5d}  of {kept} promises hold")
+    """How many claims have each verdict, by what the comparison rests on, and every asserted claim that fails."""
+    counted = by_basis(claims)
+    width = max(map(len, counted.columns))
+    lines = [f"{name:<{width}}  {counted[name].sum():4d}  {_told(counted[name])}" for name in counted.columns]
+    asserted, satisfied = _asserted(claims)
+    lines.append(f"{satisfied} of {asserted} asserted claims are as asserted")
     lines += [
-        f"promise broken: {row['id']}: published {_published(row)}, ours {_number(row['ours'])}"
-        for row in failed.to_dict("records")
+        f"not as asserted: {row['id']}: {row['verdict']} instead of {row['asserted']}, "
+        f"published {_published(row)}, ours {_number(row['ours'])}"
+        for row in broken(claims).to_dict("records")
     ]
     return lines
 
 
-def markdown(claims: pd.DataFrame) -> str:
+def _counts(claims: pd.DataFrame) -> list[str]:
+    counted = by_basis(claims)
+    return _table(
+        ("verdict", *counted.columns),
+        [(name, *row) for name, row in zip(counted.index, counted.to_numpy(), strict=True)],
+    )
+
+
+def _differences(claims: pd.DataFrame) -> list[str]:
+    lines = ["## What differs, by cause", ""]
+    differing = claims[claims["verdict"] == DIFFERS]
+    for name, cause in CAUSES.items():
+        own = differing[differing["cause"] == name]
+        if len(own):
+            lines += [
+                f"### {cause.title}",
+                "",
+                f"{cause.why} Evidence: {cause.evidence}.",
+                "",
+                *_table(_HEADER, _rows(own)),
+            ]
+    return lines
+
+
+def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
     """The ledger as a page."""
+    asserted, satisfied = _asserted(claims)
     failed = broken(claims)
-    promises = claims[claims["must"]]
-    by_kind = promises.groupby("kind", sort=True)["id"].size()
-    kept = [(kind, number, number - int((failed["kind"] == kind).sum())) for kind, number in by_kind.items()]
-    lines = ["# Claims", "", "Every number that the paper prints as its own, beside ours."]
-    lines += ["What is measured on the arm is simulated: better means an easier arm there as much as a better method."]
-    lines += [f"An id with `{EXTENSION}` holds an extension of ours against the same number.", ""]
-    lines += ["Settings are what the authors chose and we adopt: they could not have come out otherwise.", ""]
-    header = ("verdict", "results", "rows of extensions", "settings")
-    rows = by_verdict(claims)[["results", "extensions", "settings"]].itertuples()
-    lines += _table(header, [(row.Index, row.results, row.extensions, row.settings) for row in rows])
-    lines += ["## Promises", ""]
-    lines += _table(("kind", "promised", "hold"), list(kept))
-    results = promises[promises["kind"].isin(["stochastic", "hardware-only"])]
-    shown = claims[claims.index.isin(results.index.union(failed.index))]
-    lines += ["Those about results, and those that do not hold:", "", *_table(_HEADER, _rows(shown))]
-    lines += ["## What differs", "", *_table(_HEADER, _rows(claims[claims["verdict"] == DIFFERS]))]
-    lines += ["## Every number", ""]
+    lines = ["# Claims", "", "Every number that the paper prints as its own, next to ours.", ""]
+    lines += [
+        "A match is evidence only in the columns *numeric* (the paper's own arms N1 to N4) and *simulated arm* "
+        "(another arm than the paper's). The other columns could not have come out otherwise.",
+        f"An id with `{EXTENSION}` compares an extension of ours with the same number.",
+        "",
+        *_counts(claims),
+        "## Specificity",
+        "",
+        "Of the numbers that are called reproduced: how often the published value of another case lies outside the "
+        "tolerance.",
+        "",
+        *_table(
+            ("basis", "of", "numbers", "pairs", "outside"),
+            [tuple(row) for row in specific.itertuples(index=False)],
+        ),
+        "## Asserted claims",
+        "",
+        f"{satisfied} of {asserted} have the asserted verdict. Those about results, and those that fail:",
+        "",
+    ]
+    of_results = (claims["asserted"] != "") & claims["basis"].isin([str(Basis.NUMERIC), str(Basis.ARM)])
+    lines += _table(_HEADER, _rows(claims[of_results | claims.index.isin(failed.index)]))
+    lines += [*_differences(claims), "## Every number", ""]
     for place in dict.fromkeys(claims["place"]):
         lines += [f"### {place}", "", *_table(_HEADER, _rows(claims[claims["place"] == place]))]
     return "\n".join(lines)

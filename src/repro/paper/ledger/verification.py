@@ -16,11 +16,11 @@ from repro.comparison.tables import differences
 from repro.errors import InputError
 from repro.files import CSV_FLOAT_FORMAT, write_csv, write_text
 from repro.fpga.checksums import SUMS, verify_folder
-from repro.paper.claims import broken
+from repro.paper.claims import broken, specificity
 from repro.paper.ledger.counterparts import compute
 from repro.paper.ledger.results import Results
 from repro.paper.ledger.text import markdown, summary
-from repro.paper.published import PUBLISHED_FILE, load_published
+from repro.paper.published import PUBLISHED_FILE, Published, load_published
 
 #: Name of the published numbers in the list: where they lie in the project's folder.
 PUBLISHED_NAME = "src/repro/paper/published.csv"
@@ -87,9 +87,10 @@ def write_ledger(
     published: Path = PUBLISHED_FILE,
 ) -> pd.DataFrame:
     """Compute the ledger and write it: table, page and check sums of its sources."""
-    claims = compute(load_published(published), config, Results(results))
+    numbers = load_published(published)
+    claims = compute(numbers, config, Results(results))
     write_csv(results / CLAIMS, claims)
-    write_text(results / PAGE, markdown(_written(_csv(claims))))
+    write_text(results / PAGE, _page(_csv(claims), numbers))
     folder = results.relative_to(root) if results.is_relative_to(root) else results
     write_sources(results / SOURCES, [*files, folder / CLAIMS, folder / PAGE], root, published)
     return claims
@@ -105,11 +106,12 @@ def verify_ledger(
         if Path(name).name == SUMS:
             problems += _captures((root / name).parent)
     try:
-        claims = compute(load_published(published), config, Results(results))
+        numbers = load_published(published)
+        claims = compute(numbers, config, Results(results))
     except InputError as error:
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
-    if not problems and page != markdown(_written(table)):
+    if not problems and page != _page(table, numbers):
         problems.append(f"{results / PAGE}: found another text, expected the page of {CLAIMS}")
     return claims, problems
 
@@ -141,12 +143,17 @@ def _csv(claims: pd.DataFrame) -> str:
     return claims.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
 
 
+def _page(text: str, numbers: Published) -> str:
+    claims = _written(text)
+    return markdown(claims, specificity(claims, numbers))
+
+
 def _written(text: str) -> pd.DataFrame:
     """The ledger as its CSV has it, ten digits of each number: what the page shows."""
     claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
     for column in ("ours", "difference", "tolerance"):
         claims[column] = pd.to_numeric(claims[column])
-    return claims.assign(must=claims["must"] == "True")
+    return claims
 
 
 def _rows(text: str, place: str) -> list[dict[str, str]]:
@@ -177,7 +184,7 @@ def _captures(folder: Path) -> list[str]:
 
 
 def verified(results: Path, config: Mapping[str, Any]) -> str:
-    """What a ledger says in short, after it was found to follow from its sources; broken promises fail if enforced."""
+    """Summarise a ledger that follows from its sources; if the configuration enforces it, asserted claims must hold."""
     claims, problems = verify_ledger(results, config)
     for problem in problems:
         _LOG.error("%s", problem)
@@ -188,5 +195,5 @@ def verified(results: Path, config: Mapping[str, Any]) -> str:
     if failed and config["claims"]["enforce"]:
         for line in lines:
             _LOG.error("%s", line)
-        raise InputError.at(f"{results}/claims.csv: must", f"{failed} promises that do not hold", "none")
+        raise InputError.at(f"{results}/claims.csv: asserted", f"{failed} claims that fail", "none")
     return "".join(f"{line}\n" for line in lines)
