@@ -122,6 +122,7 @@ def spread_table(config, difference=0.02):
             method,
             duration,
             k % config["spread"]["arms"],
+            int(k % config["spread"]["arms"] == 1),
             seed,
             0.9,
             1.0,
@@ -134,7 +135,7 @@ def spread_table(config, difference=0.02):
         for method, s in sign.items()
     ]
     scores = ["time", "frequency", "total"]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "seed", *scores])
+    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "chatter", "seed", *scores])
 
 
 def experiment_inputs(folder, config):

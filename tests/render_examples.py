@@ -24,6 +24,7 @@ from repro.paper.audit import audit
 from repro.pipeline import schematics_data
 from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
 from repro.pipeline.effects import cell_means, effects
+from repro.pipeline.paired import COLUMNS as PAIRED
 from repro.pipeline.readings import READINGS, ablation_figure
 from repro.render import style
 
@@ -363,17 +364,18 @@ def stability_frame() -> pd.DataFrame:
 
 
 def verdict_frame() -> pd.DataFrame:
-    differences = itertools.cycle(((0.02, 0.01, 0.03), (-0.02, -0.03, -0.01), (0.01, -0.01, 0.03)))
+    values = itertools.cycle(
+        ((0.02, 0.01, 0.03, "better"), (-0.02, -0.0312, -0.01, "worse"), (0.01, -0.01, 0.03, "open"))
+    )
     rows = [
-        (motion, joint, duration, "algorithm1", opponent, 4, 12, 9, 0.75, *difference)
-        for (opponent, duration, motion, joint), difference in zip(
-            itertools.product(("least-squares", "bounded"), (20.48, 9.42), ("ID", *MOTIONS), (1, 2)),
-            differences,
+        (name, duration, "algorithm1", opponent, arms, 9, *numbers, 0.0123, 0.0456, word)
+        for (opponent, (name, arms), duration), (*numbers, word) in zip(
+            itertools.product(("least-squares", "bounded"), (("all", 14), ("without chatter", 11)), (20.48, 9.42)),
+            values,
             strict=False,
         )
     ]
-    names = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
-    return pd.DataFrame(rows, columns=[*names, "win_share", "difference_median", "difference_low", "difference_high"])
+    return pd.DataFrame(rows, columns=list(PAIRED))
 
 
 def audit_frame() -> pd.DataFrame:

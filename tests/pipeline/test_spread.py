@@ -1,22 +1,20 @@
-"""The experiment over many specimens: recordings kept and read back, and the verdict with its intervals."""
+"""The experiment over many specimens: recordings kept and read back, and loops that chatter."""
 
 import copy
-import itertools
+from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
-from experiment_example import short_config, spread_table
+from experiment_example import short_config
 from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
-from repro.exhibits.study import verdict
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance
-from repro.pipeline.spread import read_spread, simulate_spread, spread_arms
+from repro.pipeline.spread import chatters, read_spread, simulate_spread, spread_arms
 from repro.signals.limits import peaks
 
 pytestmark = pytest.mark.slow
@@ -140,80 +138,14 @@ def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded,
     assert "T3" in refused(path)
 
 
-# --- Verdict ------------------------------------------------------------------------------------------------------
+# --- Chatter ------------------------------------------------------------------------------------------------------
 
 
-def scores_of(differences, base=0.9, arms=1):
-    """Scores of one motion, joint and duration with these differences to least squares."""
-    rows = [
-        ("T1", 1, method, 3.0, seed % arms, seed, base + (d if method == "algorithm1" else 0.0))
-        for seed, d in enumerate(differences)
-        for method in ("algorithm1", "least-squares")
-    ]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "seed", "total"])
-
-
-def verdict_of(differences, base=0.0, arms=1):
-    (row,) = verdict(scores_of(differences, base, arms), ["algorithm1"], ["least-squares"]).to_dict("records")
-    return row
-
-
-def test_wins_and_the_median_difference_of_every_motion_joint_and_duration():
-    config = short_config()
-    config["spread"]["seeds"] = [1, 2, 3, 4]
-    table = verdict(spread_table(config, 0.02), ["algorithm1", "algorithm1+refinement"], ["least-squares", "bounded"])
-    assert len(table) == 2 * 2 * 5 * 2 * 2
-    assert list(table.columns[:7]) == ["motion", "joint", "duration", "method", "opponent", "arms", "runs"]
-    for row in table.itertuples():
-        amount = {"algorithm1": 0.02, "algorithm1+refinement": 0.04}[row.method]
-        amount -= 0.005 * (row.opponent == "bounded")
-        won = row.motion != "ID"
-        assert (row.arms, row.runs, row.wins, row.win_share) == (2, 4, 4 * won, float(won))
-        assert row.difference_median == pytest.approx(amount if won else -amount)
-        assert row.difference_low == pytest.approx(row.difference_median)
-        assert row.difference_high == pytest.approx(row.difference_median)
-
-
-def test_a_draw_is_no_win():
-    row = verdict_of([0.1, 0.0, 0.0, -0.1])
-    assert (row["runs"], row["wins"], row["win_share"]) == (4, 1, 0.25)
-
-
-def test_differences_are_paired_by_the_seed():
-    """Whatever a seed does to both methods falls out, and the order of the rows does not matter."""
-    scores = scores_of([0.01, 0.03, 0.02])
-    scores["total"] += 0.05 * scores["seed"]
-    (row,) = verdict(scores.sample(frac=1.0, random_state=1), ["algorithm1"], ["least-squares"]).to_dict("records")
-    assert row["difference_median"] == pytest.approx(0.02)
-    assert row["wins"] == 3
-
-
-def test_the_interval_of_the_median_is_that_of_all_resamples():
-    """Five values have 3125 resamples: the exact distribution, against the drawn one."""
-    values = [-0.02, 0.01, 0.03, 0.07, 0.2]
-    row = verdict_of(values)
-    medians = np.sort([np.median(sample) for sample in itertools.product(values, repeat=5)])
-    assert row["difference_median"] == pytest.approx(0.03)
-    assert row["difference_low"] == pytest.approx(np.quantile(medians, 0.025), abs=1e-12)
-    assert row["difference_high"] == pytest.approx(np.quantile(medians, 0.975), abs=1e-12)
-
-
-def test_arms_that_differ_widen_the_interval():
-    """Specimens of an arm agree and arms do not: as many runs say less, and the interval spans the arms."""
-    values = [0.01 * (seed % 4) + 1e-4 * seed for seed in range(16)]
-    as_one, as_four = verdict_of(values), verdict_of(values, arms=4)
-    assert as_four["arms"] == 4
-    assert as_four["difference_median"] == as_one["difference_median"]
-    assert as_four["difference_high"] - as_four["difference_low"] > as_one["difference_high"] - as_one["difference_low"]
-
-
-def test_the_bootstrap_gives_the_same_numbers_every_time():
-    values = np.random.default_rng(3).normal(size=12)
-    pd.testing.assert_frame_equal(*(verdict(scores_of(values), ["algorithm1"], ["least-squares"]) for _ in range(2)))
-
-
-@pytest.mark.parametrize("values", [[0.04], [0.04] * 7])
-def test_a_single_value_or_equal_ones_are_their_own_interval(values):
-    row = verdict_of(values)
-    assert row["difference_low"] == row["difference_median"] == row["difference_high"] == pytest.approx(0.04)
-    assert row["wins"] == row["runs"] == len(values)
+@pytest.mark.parametrize(("fast", "expected"), [(0.0, False), (1.6, False), (1.9, True)])
+def test_a_loop_chatters_if_three_quarters_of_a_torque_are_fast(recorded, fast, expected):
+    """A sinusoid of 1 Hz and amplitude 1 on both joints, and one of 40 Hz on joint 2: a power of 3.6 to 1 at 1.9."""
+    recording = read_spread(recorded, CONFIG, 0)[0].recordings["ID"]
+    t = recording.program.h * np.arange(4000)
+    slow = np.sin(2 * np.pi * t)
+    tau = np.stack([slow, slow + fast * np.sin(2 * np.pi * 40.0 * t) + 3.0])
+    assert chatters(replace(recording, tau=tau)) == expected

@@ -198,10 +198,13 @@ def test_stability_and_verdict_tables(tmp_path: Path) -> None:
     assert "7.1236\N{MULTIPLICATION SIGN}10⁻⁸ | 1.3659\N{MULTIPLICATION SIGN}10⁻⁷ | no |" in md
     frame = TABLES["verdict"]()
     _, md = laid_out(tmp_path, "verdict", frame)
-    assert "| Algorithm 1 | 9.42 s | 3 | 2 | 3 | 75 | 1.00 |" in md
+    assert "| Algorithm 1 | 9.42 s | 9 | -2.00 | -3.12 to -1.00 | 0.046 | worse |" in md.replace("\N{MINUS SIGN}", "-")
     headings = re.findall(r"^\| \*\*(.*?)\*\*", md, flags=re.MULTILINE)
-    assert headings[0] == "Against: Least squares"
-    assert headings[1].startswith("Against: Least squares, no parameter below zero")
+    assert headings[:2] == [
+        "Against: Least squares (14 arms, all)",
+        "Against: Least squares (11 arms, without chatter)",
+    ]
+    assert headings[2].startswith("Against: Least squares, no parameter below zero")
     both = pd.concat([frame.assign(method=method) for method in ("algorithm1+refinement", "algorithm1")])
     _, md = laid_out(tmp_path, "verdict", both)
-    assert len(re.findall(r"^\| Algorithm 1 \+ refinement", md, flags=re.MULTILINE)) == 4
+    assert len(re.findall(r"^\| Algorithm 1 \+ refinement", md, flags=re.MULTILINE)) == 8

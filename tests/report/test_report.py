@@ -258,26 +258,32 @@ def test_what_differs_is_listed_by_its_cause(page, inputs):
 
 def test_the_question_is_answered_from_the_table(inputs, page):
     told = answer(inputs)
-    assert told.words.startswith("No: ")
-    assert "over 20 specimens of 4 simulated arms" in told.words
-    assert "in 0 of 16 comparisons and worse in 8" in told.words
-    counted = [(tally.duration, tally.better, tally.worse, tally.open) for tally in told.tallies]
-    assert counted == 2 * [("9.42", 0, 8, 0), ("19.53", 0, 0, 8), ("9.42", 8, 0, 0), ("19.53", 8, 0, 0)]
-    assert "with our refinement, in 16 (worse in 0)" in told.words
-    assert "Against least squares, no parameter below zero" in told.words
+    assert told.words.startswith("No: over 14 simulated arms")
+    assert told.words.count("\N{MINUS SIGN}5.23 points (\N{MINUS SIGN}6.43 to \N{MINUS SIGN}4.83)") == 2
+    shown = [(pair.method, pair.opponent, pair.duration, pair.conclusion) for pair in told.pairs]
+    assert len(shown) == 8 and len({each[:3] for each in shown}) == 8
+    assert ("Algorithm 1 + refinement (extension)", "Least squares", "9.42", "equivalent") in shown
     assert told.words in page.one("headline")["text"]
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "word"), [(0.1, 0.2, "Yes"), (-0.2, -0.1, "No"), (-0.1, 0.1, "Undecided"), (None, 0.2, "Not")]
+    ("conclusions", "word"),
+    [
+        (("better", "better"), "Yes"),
+        (("worse", "worse"), "No"),
+        (("open", "open"), "Undecided"),
+        (("equivalent", "equivalent"), "Neither"),
+        (("better", "open"), "Not throughout"),
+    ],
 )
-def test_the_answer_follows_the_intervals(inputs, low, high, word, tmp_path):
-    rows = [row for row in verdict_rows() if row["method"] == "algorithm1"]
+def test_the_answer_follows_the_conclusions(inputs, conclusions, word, tmp_path):
+    rows = verdict_rows()
+    of_durations = dict(zip((9.42, 19.53), conclusions, strict=True))
     for row in rows:
-        below = (0.1 if row["motion"] == "T1" else -0.1) if low is None else low
-        row |= {"difference_low": below, "difference_high": high}
+        if (row["method"], row["opponent"], row["set"]) == ("algorithm1", "least-squares", "all"):
+            row["conclusion"] = of_durations[row["duration"]]
     write_rows(tmp_path / "tables" / "verdict.csv", rows)
-    assert answer(replace(inputs, results=tmp_path)).words.startswith(word)
+    assert answer(replace(inputs, results=tmp_path)).words.startswith(f"{word}: ")
 
 
 def test_a_table_stands_in_the_page_with_its_blocks_and_without_escapes(page):
@@ -379,7 +385,7 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
     ("name", "content", "words"),
     [
         ("results/tables/table04.csv", "", "expected a CSV file"),
-        ("results/tables/verdict.csv", "motion,method\nT1,algorithm1\n", "no 'opponent', expected the columns"),
+        ("results/tables/verdict.csv", "set,duration,method,opponent\nall,9.4,algorithm1,true\n", "no column arms"),
         ("paper_figures/fig05.png", "text", "expected a PNG image"),
         ("SHA256SUMS", "abc  ID.bin\n", "line 1: found"),
     ],

@@ -1,6 +1,5 @@
 """Beyond the paper: causes, intervals, the spread and its verdict, and other readings."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,19 +11,18 @@ from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.files import read_csv, read_json
 from repro.identification.registry import OPPONENTS
-from repro.model.parameters import Array
 from repro.pipeline.both_metrics import both_metrics
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.experiment_runs import CASE
 from repro.pipeline.factorial_design import COLUMNS
 from repro.pipeline.identified import read_identifications
 from repro.pipeline.job import Config
+from repro.pipeline.paired import comparisons
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.recordings import read_recordings
 from repro.render import ablation, coverage, experiment_tables, factorial, spread, why
-from repro.streams import Stream, stream
 
-SPREAD = ("case", "joint", "method", "duration", "arm", "seed", "total")
+SPREAD = ("case", "joint", "method", "duration", "arm", "chatter", "seed", "total")
 RANKS = ("arms", "parameter", "bin", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned")
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
@@ -73,7 +71,7 @@ MADE: Family = {
     ("figure", "coverage"): Made(lambda i, _: read_csv(i["ranks"][0], RANKS), coverage.figure),
     ("table", "intervals"): Made(lambda i, _: read_csv(i["intervals"][0], INTERVALS), coverage.intervals),
     ("table", "verdict"): Made(
-        lambda i, _: verdict(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
+        lambda i, _: comparisons(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
     ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
     ("table", "both_metrics"): Made(_both_metrics, experiment_tables.both_metrics),
@@ -132,37 +130,3 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
                 rows.append((kind, *where, response, of_seeds.mean(), of_seeds.std(ddof=1), len(of_seeds)))
     columns = ["row", "training", "image_motion", "response", "value", "spread", "seeds"]
     return pd.DataFrame(rows, columns=columns).fillna({"spread": 0.0})
-
-
-#: Resamples of the bootstrap.
-RESAMPLES = 9999
-
-
-def verdict(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
-    """Is a method better than an opponent: in how many runs, and by how much?
-
-    From columns ``case, joint, method, duration, arm, seed, total``.
-    """
-    index = ["motion", "joint", "duration", "arm", "seed"]
-    totals = scores.rename(columns={"case": "motion"}).pivot(index=index, columns="method", values="total")
-    rows = []
-    for method in methods:
-        for opponent in opponents:
-            difference = (totals[method] - totals[opponent]).rename("difference").reset_index()
-            for k, (key, group) in enumerate(difference.groupby(["motion", "joint", "duration"], sort=True)):
-                of_arms = [arm.to_numpy() for _, arm in group.groupby("arm")["difference"]]
-                d = np.stack(of_arms)  # (arms, specimens)
-                won = (int((d > 0).sum()), float((d > 0).mean()))
-                rows.append((*list(key), method, opponent, len(d), d.size, *won, *_median(d, k)))
-    columns = ["motion", "joint", "duration", "method", "opponent", "arms", "runs", "wins"]
-    columns += ["win_share", "difference_median", "difference_low", "difference_high"]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def _median(values: Array, index: int) -> tuple[float, float, float]:
-    """Median with its 95 % bootstrap percentile interval; equal values are their own interval."""
-    rng, (arms, specimens) = stream(0, Stream.BOOTSTRAP, index), values.shape
-    arm = rng.integers(arms, size=(RESAMPLES, arms, 1))
-    drawn = values[arm, rng.integers(specimens, size=(RESAMPLES, arms, specimens))]
-    low, high = np.quantile(np.median(drawn.reshape(RESAMPLES, -1), axis=1), [0.025, 0.975])
-    return float(np.median(values)), float(low), float(high)

@@ -27,6 +27,9 @@ from repro.streams import Stream, stream
 
 #: Arms drawn for each that is wanted.
 DRAWN = 8
+#: A loop chatters if more than this share of the power of a joint's torque on ID is above this frequency, Hz: a rule on
+#: the recording alone, whatever the methods make of it. The arm behind the captures has 0.21.
+CHATTER_SHARE, CHATTER_HZ = 0.75, 25.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,14 @@ def spread_arms(config: Config) -> Array:
     if len(arms) < count:
         raise InputError.at("spread.arms", count, f"at most {len(arms)}, of {DRAWN * count} drawn ones that can")
     return arms[:count]
+
+
+def chatters(recorded: Recording) -> bool:
+    """Whether the loop of a specimen chatters on ID, so that its torque tells little about the arm."""
+    tau = recorded.tau - recorded.tau.mean(axis=-1, keepdims=True)
+    power = np.abs(np.fft.rfft(tau, axis=-1)) ** 2
+    fast = np.fft.rfftfreq(tau.shape[-1], recorded.program.h) > CHATTER_HZ
+    return bool((power[..., fast].sum(axis=-1) > CHATTER_SHARE * power.sum(axis=-1)).any())
 
 
 def _may(motion: Program, beta: Array, config: Config) -> bool:

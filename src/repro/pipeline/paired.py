@@ -1,0 +1,91 @@
+"""Methods compared over arms, pair by pair: one statement for each pair, all of them valid at once.
+
+For one arm a method's value is the mean of its totals over T1 to T4 and both joints, so that the dependent cells of an
+arm count once. Arms are the unit: the difference of a pair of methods has one value per arm.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from repro.model.parameters import Array
+
+#: Mean totals that lie no further apart count as the same.
+EQUIVALENT = 0.005
+#: Probability of one false statement in a family of pairs.
+FAMILY_LEVEL = 0.05
+BETTER, WORSE, SAME, OPEN = "better", "worse", "equivalent", "open"
+#: Sets of arms that each comparison is made on.
+ALL, STEADY = "all", "without chatter"
+COLUMNS = (
+    "set", "duration", "method", "opponent", "arms", "wins", "difference", "low", "high", "p", "p_holm", "conclusion",
+)  # fmt: skip
+
+
+def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
+    """Compare each method with each opponent, for each duration, on all arms and on those whose loop is steady.
+
+    `scores` has columns ``case, joint, method, duration, arm, chatter, total``; the result has `COLUMNS`, differences
+    as fractions of 1. A family is the pairs of one set and duration.
+    """
+    of_arms = scores[scores["case"] != "ID"].groupby(["duration", "arm", "chatter", "method"])["total"].mean().unstack()
+    pairs = [(method, opponent) for method in methods for opponent in opponents]
+    rows = []
+    for name, kept in ((ALL, of_arms), (STEADY, of_arms[of_arms.index.get_level_values("chatter") == 0])):
+        for duration, family in kept.groupby("duration"):
+            differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
+            p = np.array([_signed_rank_p(d) for d in differences])
+            for (method, opponent), d, own, adjusted in zip(pairs, differences, p, holm(p), strict=True):
+                low, high = walsh_interval(d, 1.0 - FAMILY_LEVEL / len(pairs))
+                wins, middle = int((d > 0).sum()), float(np.median(walsh_averages(d)))
+                conclusion = conclude(middle, low, high, adjusted)
+                rows.append(
+                    (name, duration, method, opponent, len(d), wins, middle, low, high, own, adjusted, conclusion)
+                )
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def conclude(difference: float, low: float, high: float, p: float) -> str:
+    """Word for a pair: equivalent where the whole interval is within the margin, then by the adjusted p value."""
+    if low > -EQUIVALENT and high < EQUIVALENT:
+        return SAME
+    if p >= FAMILY_LEVEL:
+        return OPEN
+    return BETTER if difference > 0 else WORSE
+
+
+def _signed_rank_p(differences: Array) -> float:
+    """Two-sided p value of Wilcoxon's signed-rank test; 1 where no arm shows a difference."""
+    if not np.any(differences):
+        return 1.0
+    return float(stats.wilcoxon(differences, zero_method="pratt").pvalue)
+
+
+def holm(p: Array) -> Array:
+    """Adjust the p values of a family (Holm 1979): the k-th smallest of m times m - k + 1, never below an earlier."""
+    order = np.argsort(p)
+    adjusted = np.empty(len(p))
+    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1)))
+    return adjusted
+
+
+def walsh_averages(x: Array) -> Array:
+    """Means of all pairs, each value with itself too, sorted; their median is the Hodges-Lehmann estimate."""
+    first, second = np.triu_indices(len(x))
+    return np.sort(0.5 * (x[first] + x[second]))
+
+
+def walsh_interval(x: Array, level: float) -> tuple[float, float]:
+    """Exact distribution-free interval of the centre that belongs to the signed-rank test (Hollander and Wolfe).
+
+    Infinite where so few values cannot reach the level.
+    """
+    counts = np.ones(1)  # of subsets of the ranks 1 ... n by their sum: the null distribution of the statistic
+    for rank in range(1, len(x) + 1):
+        counts = np.convolve(counts, np.r_[1.0, np.zeros(rank - 1), 1.0])
+    below = np.cumsum(counts) / counts.sum()
+    left_out = int(np.searchsorted(below, 0.5 * (1.0 - level), side="right"))
+    averages = walsh_averages(x)
+    return (-np.inf, np.inf) if left_out == 0 else (float(averages[left_out - 1]), float(averages[-left_out]))
