@@ -385,7 +385,7 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
     ("name", "content", "words"),
     [
         ("results/tables/table04.csv", "", "expected a CSV file"),
-        ("results/tables/verdict.csv", "set,duration,method,opponent\nall,9.4,algorithm1,true\n", "no column arms"),
+        ("results/tables/verdict.csv", "set,duration,method,opponent\nall,9.4,algorithm1,true\n", "no 'low', expected"),
         ("paper_figures/fig05.png", "text", "expected a PNG image"),
         ("SHA256SUMS", "abc  ID.bin\n", "line 1: found"),
     ],
