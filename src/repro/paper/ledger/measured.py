@@ -32,7 +32,7 @@ _OF_TABLE = {"table06": (REFINEMENT,), "table07": (REFINEMENT,), "table10": (REF
 def measured(results: Results, config: Mapping[str, Any]) -> dict[str, Ours]:
     """Everything that the workflow's results hold against the paper's."""
     trained = training_note(config)
-    loss = Ours(results.loss(), "train", better=lower, strict=True, must=True, note="held-out loss, default recipe")
+    loss = Ours(results.loss(), "training", better=lower, strict=True, must=True, note="held-out loss, default recipe")
     return {
         **_parameters(results),
         **_similarities(results, "table07", NUMERIC_CASES, (ALGORITHM,), trained),
