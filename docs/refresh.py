@@ -13,6 +13,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from repro.exhibits.catalogue import EXHIBITS
 from repro.files import write_json
 from repro.paper.ledger.verification import write_ledger
 from repro.pipeline.experiment import load_config
@@ -38,9 +39,10 @@ def refresh_gallery() -> None:
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
 COSTS = "logs/costs.csv"
 #: Targets that `all` does not make: what they made is kept from their own run if this one has none.
-ASKED_FOR = ("ablation", "paper_recipe")
+ASKED_FOR = ("ablation", "paper_recipe", "factorial")
+TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == "table"]
 OPTIONAL = (
-    *(f"tables/{name}.{ext}" for name in ASKED_FOR for ext in ("csv", "md", "tex")),
+    *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
     *(f"{name}.json" for name in ASKED_FOR),
     "figures/paper_recipe.csv",
 )
