@@ -1,8 +1,11 @@
 """Copy a full run into the repository: pictures to docs/gallery, tables to docs/reference, networks to data/networks.
 
-Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``
+Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``. With ``--ledger`` nothing is
+copied: the ledger of docs/reference and the check sums of docs/reference, data/networks and data/captures are computed
+from what is there.
 """
 
+import argparse
 import hashlib
 import json
 import shutil
@@ -10,6 +13,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from repro.exhibits.catalogue import EXHIBITS
 from repro.files import write_json
 from repro.paper.ledger.verification import write_ledger
 from repro.pipeline.experiment import load_config
@@ -35,16 +39,17 @@ def refresh_gallery() -> None:
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
 COSTS = "logs/costs.csv"
 #: Targets that `all` does not make: what they made is kept from their own run if this one has none.
-ASKED_FOR = ("ablation", "paper_recipe")
+ASKED_FOR = ("ablation", "paper_recipe", "factorial")
+TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == "table"]
 OPTIONAL = (
-    *(f"tables/{name}.{ext}" for name in ASKED_FOR for ext in ("csv", "md", "tex")),
+    *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
     *(f"{name}.json" for name in ASKED_FOR),
     "figures/paper_recipe.csv",
 )
 
 
 def refresh_reference() -> None:
-    """Copy what a reader compares their own run with, then compute the ledger of the copy."""
+    """Copy what a reader compares their own run with."""
     config = load_config(CONFIG)
     results, made_by = Path(config["results"]), commit(Path())  # before the copy makes the folder differ
     kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
@@ -66,8 +71,6 @@ def refresh_reference() -> None:
     shutil.copy(results / "logs/provenance.json", REFERENCE)
     (REFERENCE / COSTS).parent.mkdir()
     shutil.copy(results / COSTS, REFERENCE / COSTS)
-    sources = [REFERENCE / name for name in (*KEPT, *tables)]
-    write_ledger(REFERENCE, config, [*sources, Path("data/captures/SHA256SUMS")])
 
 
 def refresh_networks() -> None:
@@ -80,7 +83,17 @@ def refresh_networks() -> None:
             shutil.copy(made[what], path)
 
 
+def refresh_ledger() -> None:
+    """Compute the ledger of the reference, and the check sums of everything that is kept."""
+    config = load_config(CONFIG)
+    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path(config["training"]["networks"])])
+
+
 if __name__ == "__main__":
-    refresh_reference()
-    refresh_networks()
-    refresh_gallery()
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--ledger", action="store_true", help="only compute ledger and check sums again")
+    if not parser.parse_args().ledger:
+        refresh_reference()
+        refresh_networks()
+        refresh_gallery()
+    refresh_ledger()

@@ -121,5 +121,5 @@ def make_project(root):
     results = root / "results"
     files = [path.relative_to(root) for path in write_results(results)]
     config = load_config(root / "config" / "config.yaml")
-    write_ledger(results, config, [*files, Path("data/captures/SHA256SUMS")], root, published)
+    write_ledger(results, config, files, root, published)
     return results, published

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import torch
 from log_example import BETA, columns, recording, text
 
 from repro.cli import main
@@ -157,7 +158,7 @@ def small_budgets(monkeypatch):
 
 
 def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures, small_budgets):
-    common = (log, "--method", "algorithm1", "--steps", 2, "--threads", 1, "--cache", tmp_path / "cache")
+    common = (log, "--method", "algorithm1", "--steps", 2, "--cache", tmp_path / "cache")
     assert identify(*common, "-o", tmp_path / "a") == 0
     assert "training the CNN" in capsys.readouterr().err
     assert identify(*common, "-o", tmp_path / "b") == 0
@@ -165,10 +166,45 @@ def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_fig
     assert (tmp_path / "a" / "parameters.json").read_bytes() == (tmp_path / "b" / "parameters.json").read_bytes()
 
 
+@pytest.fixture
+def threads():
+    """Threads of torch, as a user's environment sets them; put back afterwards."""
+    before = torch.get_num_threads()
+    yield torch.set_num_threads
+    torch.set_num_threads(before)
+
+
+def test_the_number_of_threads_changes_no_result(log, tmp_path, no_figures, small_budgets, threads):
+    for number in (1, 2):
+        threads(number)
+        common = (log, "--method", "algorithm1", "--steps", 2, "--threads", number)
+        assert identify(*common, "--cache", tmp_path / f"cache{number}", "-o", tmp_path / f"out{number}") == 0
+    (one,), (two,) = ([*(tmp_path / f"cache{number}").iterdir()] for number in (1, 2))
+    assert one.name == two.name and one.read_bytes() == two.read_bytes()
+    first, second = ((tmp_path / f"out{number}/parameters.json").read_bytes() for number in (1, 2))
+    assert first == second
+
+
+def test_a_network_of_another_arithmetic_is_not_used(log, tmp_path, no_figures, small_budgets, monkeypatch):
+    for number, (module, name, value) in enumerate(
+        (
+            (algorithm1, "on_this_processor", lambda precision: "float32"),
+            (algorithm1, "on_this_processor", lambda precision: "bfloat16"),
+            (torch, "__version__", "1.0"),
+            (torch.backends.cpu, "get_cpu_capability", lambda: "DEFAULT"),
+        ),
+        start=1,
+    ):
+        monkeypatch.setattr(module, name, value)
+        common = (log, "--method", "algorithm1", "--steps", 1, "--cache", tmp_path / "cache")
+        assert identify(*common, "-o", tmp_path / f"out{number}") == 0
+        assert len(list((tmp_path / "cache").iterdir())) == number
+
+
 def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
     runs, run = [], algorithm1._run
     monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(given) or run(*given, **named))
-    common = (log, "--steps", 2, "--threads", 1, "--cache", tmp_path / "cache", "--method", "algorithm1")
+    common = (log, "--steps", 2, "--cache", tmp_path / "cache", "--method", "algorithm1")
     found = {}
     for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
         assert identify(*common, *more, "-o", tmp_path / name) == 0

@@ -83,7 +83,7 @@ def test_rows_and_columns_must_be_the_same():
         ("table10/ID/algorithm1/total/joint1", "table10", Kind.TRAINED),
         ("table10/ID/least-squares/total/joint1", "table10", Kind.COMPUTED),
         ("appendix/energy", "stability", Kind.COMPUTED),
-        ("section5a/loss", "train", Kind.TRAINED),
+        ("section5a/loss", "training", Kind.TRAINED),
         ("section5c/gravity-over-inertia/algorithm1", "table09", Kind.TRAINED),
         ("section5c/gravity-over-inertia/least-squares", "table09", Kind.COMPUTED),
         ("section5c/viscous-over-algorithm1", "table09", Kind.TRAINED),  # of least squares over Algorithm 1

@@ -16,7 +16,7 @@ from repro.cli import main
 from repro.errors import InputError
 from repro.exhibits import paper
 from repro.paper.ledger import verification
-from repro.paper.ledger.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, write_ledger
+from repro.paper.ledger.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
 from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow
@@ -79,6 +79,17 @@ def test_one_changed_published_number(project, capsys):
     assert "table10/ID/algorithm1/total/joint1: published: found 93.55, expected 93.45" in out
 
 
+def test_a_published_number_that_is_removed(project, capsys):
+    path = project / "published.csv"
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    (row,) = [line for line in lines if line.startswith("section4b/biases,")]
+    change(path, row, "")
+    code, out, _ = verify(capsys)
+    assert code == 1
+    assert f"disagrees: {PUBLISHED_NAME}: SHA-256" in out
+    assert "section4b/biases has no published number" in out
+
+
 def test_one_changed_result(project, capsys):
     change(project / "results/model/training.csv", "0.00025", "0.00024")
     code, out, _ = verify(capsys)
@@ -95,6 +106,13 @@ def test_one_changed_capture_byte(project, capsys):
     code, out, _ = verify(capsys)
     assert code == 1
     assert "disagrees: data/captures/ID.bin: SHA-256" in out
+
+
+def test_a_file_among_the_captures_that_is_not_listed(project, capsys):
+    shutil.copy(project / "data/captures/ID.bin", project / "data/captures/T1.bin")
+    code, out, _ = verify(capsys)
+    assert code == 1
+    assert re.findall("^disagrees: (.*): found", out, re.MULTILINE) == ["data/captures/T1.bin"]
 
 
 def test_a_changed_capture_with_its_check_sum_made_to_fit(project, capsys):
@@ -193,6 +211,16 @@ def test_without_a_ledger_there_is_nothing_to_verify(project, capsys, name):
     assert code == 2 and f"results/{name}" in err and err.count("\n") == 1
 
 
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_a_line_taken_out_of_the_list(project, capsys, number):
+    """Its own check sum, a folder that it covers, and a file."""
+    path = project / "results" / SOURCES
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text("".join(lines[:number] + lines[number + 1 :]), encoding="utf-8")
+    code, _, err = verify(capsys)
+    assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
+
+
 @pytest.mark.parametrize("line", ["", "not a sum\n", f"{'0' * 64}  \n", f"{'0' * 64}  results/x.csv\n"])
 def test_a_list_that_is_no_list(project, capsys, line):
     (project / "results" / SOURCES).write_text(line, encoding="utf-8")
@@ -250,10 +278,7 @@ def test_the_list_is_what_sha256sum_checks(project):
 
 def remake(project, results=Path("results")):
     """The ledger of the results as they are."""
-    made = (CLAIMS, PAGE, SOURCES)
-    files = [p.relative_to(project) for p in sorted((project / results).rglob("*.*")) if p.name not in made]
-    config = load_config(project / "config/config.yaml")
-    write_ledger(results, config, [*files, Path("data/captures/SHA256SUMS")])
+    write_ledger(results, load_config(project / "config/config.yaml"), [], folders=[results])
 
 
 def test_the_ledger_is_the_same_to_the_byte_when_made_again(project):
@@ -276,8 +301,11 @@ def test_the_stage_writes_a_ledger_whose_claims_fail_and_its_verification_fails_
         ("scores", ["results/validation/numeric.csv", "results/validation/experiment.csv"]),
     ]
     run_script("claims", dict(inputs), {"csv": "results/claims.csv"}, project, config=config)
-    listed = Path("results/claims.sha256").read_text(encoding="utf-8")
-    assert listed.count("\n") == len(list(Path("results/tables").iterdir())) + 7
+    folders, listed = read_sources(Path("results/claims.sha256"))
+    assert folders == ["data/captures"]
+    sources = [name for _, names in inputs for name in ([names] if isinstance(names, str) else names)]
+    captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
+    assert set(listed) == {*sources, *captures, "results/claims.csv", "results/claims.md", PUBLISHED_NAME}
     assert config["claims"]["enforce"]
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 claims that fail"):
         verify_run(project, config)
@@ -297,7 +325,7 @@ def test_the_stage_fails_on_tampering_even_if_claims_are_not_enforced(project, c
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
     with pytest.raises(InputError, match=r"gone\.csv"):
-        verification.write_sources(tmp_path / SOURCES, [Path("gone.csv")], tmp_path)
+        verification.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)
 
 
 def test_the_audit_is_laid_out():

@@ -40,6 +40,9 @@ def unused(x):
 def found(name):
     return import_module(f"pack.plugins.{name}")
 
+def place(name):
+    return f"pack.plugins.{name}"
+
 TABLE = {("figure", "one"): twice, ("figure", "two"): unused}
 assert 1 < 2
 """,
@@ -109,6 +112,12 @@ def test_modules_found_by_name_count_with_who_finds_them(package):
     before = digest(package, "pack.middle:found")
     change(package, "plugins/first", "VALUE = 1", "VALUE = 2")
     assert digest(package, "pack.middle:found") != before
+
+
+def test_a_text_that_begins_like_a_module_imports_nothing(package):
+    before = digest(package, "pack.middle:place")
+    change(package, "plugins/first", "VALUE = 1", "VALUE = 2")
+    assert digest(package, "pack.middle:place") == before
 
 
 @pytest.mark.parametrize(("entry", "changes"), [("one", False), ("two", True)])

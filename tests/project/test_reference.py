@@ -131,7 +131,7 @@ def test_every_claim_has_its_cost_and_the_page_shows_it():
     for label, target in (
         ("`table04` to `table07`", "table06"),
         ("`table10`, `stability`", "table10"),
-        ("`train`", "train"),
+        ("`training`", "training"),
     ):
         expected = figures[costs["target"] == target].iloc[0].to_numpy()
         np.testing.assert_allclose(shown(page, label)[1:], expected, atol=0.0501, rtol=1e-3)

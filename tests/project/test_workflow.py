@@ -14,9 +14,13 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
+from claims_example import write_results
 from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
+from repro.paper.ledger.counterparts import compute
+from repro.paper.ledger.results import Results
+from repro.paper.published import load_published
 
 pytestmark = pytest.mark.slow
 
@@ -33,7 +37,7 @@ NETWORKS = ("", "-tracked")
 ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
 LEAST_SQUARES = {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
 #: Rules that only name other rules' files.
-COLLECTIONS = {"all", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
+COLLECTIONS = {"all", "training", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
 
 
 def targets(results="results", figures="paper_figures"):
@@ -142,6 +146,15 @@ def test_each_target_can_be_asked_for_by_its_rule_name(folder):
     assert counts["identify_experiment"] == str(len(ARM_NETWORKS) + 1)
     assert counts["identify_numeric_least_squares"] == counts["identify_least_squares"] == "1"
     assert counts["acquire"] == "5"
+
+
+def test_every_number_of_the_ledger_is_made_by_a_target(rules, tmp_path):
+    write_results(tmp_path)
+    claims = compute(load_published(), CONFIG, Results(tmp_path))
+    targets = {name for name, rule in rules.items() if not rule.has_wildcards()}  # as --list-target-rules has it
+    computed = claims["ours"].notna()
+    assert set(claims.loc[computed, "target"]) <= targets
+    assert set(claims.loc[~computed, "target"]) <= {*targets, ""}
 
 
 def test_without_stored_captures_the_board_is_simulated_if_asked(folder):

@@ -30,3 +30,11 @@ rule train:
         "Training the CNN{wildcards.suffix}"
     script:
         "../scripts/train.py"
+
+
+rule training:
+    input:
+        expand(rules.train.output, suffix=""),
+    localrule: True
+    message:
+        "The published network is up to date"

@@ -58,7 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--steps", type=positive_integer, default=1500, help="training steps of the CNN (default: 1500)"
     )
-    parser.add_argument("--threads", type=positive_integer, default=2, help="threads of the CNN (default: 2)")
+    parser.add_argument(
+        "--threads", type=positive_integer, help="no effect: the CNN uses one thread, so that the seed determines it"
+    )
     parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")
     parser.add_argument(
         "--trajectory", default="ID", help="with a port: motion to record, as for repro record (default: ID)"
@@ -111,7 +113,6 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.cutoff,
         arguments.seed,
         arguments.steps,
-        arguments.threads,
         arguments.friction,
     )
     if set(chosen) & set(NETWORKS):
@@ -143,7 +144,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.self_test:
         result = with_self_test(result, problem, arm, options, report)
     print(summary(result), flush=True)
-    files = [*write_all(arguments.out, result, curves, arm), write_sidecar(arguments.out, options.threads)]
+    files = [*write_all(arguments.out, result, curves, arm), write_sidecar(arguments.out)]
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 

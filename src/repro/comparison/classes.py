@@ -55,7 +55,7 @@ ORIGIN = ("method", "series", "network")
 TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt")
 #: Claims that are read off a trained table say so by their target; the ledger's own arithmetic is computed.
 LEDGER = "claims"
-TRAINED_TARGETS = frozenset({"train", "table04", "table05", "table06", "table07", "table09", "table10"})
+TRAINED_TARGETS = frozenset({"training", "table04", "table05", "table06", "table07", "table09", "table10"})
 #: Columns of a trained row that are exact all the same: they say how much was done.
 COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level", "true"})
 

@@ -228,5 +228,3 @@ EXHIBITS = (*TABLES, *FIGURES, AUDIT)
 SECTIONS = ("claims", AUDIT.target)
 
 TARGETS = frozenset((*SECTIONS, *(exhibit.target for exhibit in (*TABLES, *FIGURES))))
-
-SIMULATED = frozenset(exhibit.target for exhibit in (*TABLES, *FIGURES) if exhibit.simulated)

@@ -37,7 +37,7 @@ def resolve(options: Options, report: Report) -> list[Method]:
         from repro.identification.algorithm1.own_network import NetworkSearch, methods  # noqa: PLC0415
 
         training = TrainingSettings(steps=options.steps, seed=options.seed)
-        search = NetworkSearch(options.cache, training, seed=options.seed, threads=options.threads)
+        search = NetworkSearch(options.cache, training, seed=options.seed)
         if "algorithm1+refinement" not in options.methods:
             search = replace(search, refinement=replace(search.refinement, passes=0))
         for method in methods(search, lambda done, total, note: report("training the CNN", done, total, note)):

@@ -89,11 +89,11 @@ def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset())
         shutil.rmtree(made, ignore_errors=True)
 
 
-def write_sidecar(out: Path, threads: int) -> str:
+def write_sidecar(out: Path) -> str:
     """Write which versions made a result, and when, beside it."""
     name = "provenance.json"
     try:
-        write_provenance(out / name, Path(__file__).parent, threads, fingerprint())
+        write_provenance(out / name, Path(__file__).parent, 1, fingerprint())
     except OSError as error:
         raise _unwritable(out, error) from error
     return name

@@ -22,8 +22,6 @@ class Options:
         Of the bootstrap, of training and of the search.
     steps : int
         Steps of training of the CNN.
-    threads : int
-        Threads of torch.
     cache : Path
         Folder of trained networks.
     friction : bool
@@ -36,7 +34,6 @@ class Options:
     cutoff: float | None = None
     seed: int = 1
     steps: int = 1500
-    threads: int = 2
     friction: bool = False
 
     def __post_init__(self) -> None:

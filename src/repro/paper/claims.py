@@ -83,7 +83,7 @@ class Ours:
     """Our side of one published number."""
 
     value: float | None  # in the published unit; None if only the hardware can tell
-    target: str  # target of the workflow, file or module that makes it
+    target: str  # target of the workflow that makes it; empty without a value
     basis: Basis | None = None  # None: by the published kind, hardware without a value
     spread: float = 0.0  # standard deviation over the seeds, in the published unit
     seeds: int = 1

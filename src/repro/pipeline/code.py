@@ -2,8 +2,7 @@
 
 Definitions are followed by name. A function counts with the functions, classes and constants that it names, in whatever
 module of the package they stand, each by its syntax tree without docstrings; statements that define nothing count with
-every definition of their module. A name known only while running is followed where an f-string begins with a package's:
-all its modules count.
+every definition of their module. ``import_module(f"package.{name}")`` counts with all modules of the package.
 """
 
 import ast
@@ -222,14 +221,19 @@ def _used(node: ast.AST, annotations: bool = False) -> Iterator[str]:
         inner = list(_used(node.value, annotations))
         whole = isinstance(node.value, ast.Name | ast.Attribute) and len(inner) == 1
         yield from [f"{inner[0]}.{node.attr}"] if whole else inner
-    elif isinstance(node, ast.JoinedStr) and isinstance(node.values[0], ast.Constant):
-        prefix = str(node.values[0].value)
-        yield from [f"{prefix}*"] if prefix.endswith(".") else []
-        for value in node.values[1:]:
-            yield from _used(value, annotations)
     else:
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            yield from _packages(node.args)
         for name, value in ast.iter_fields(node):
             if annotations or name not in ("annotation", "returns"):
                 for child in value if isinstance(value, list) else [value]:
                     if isinstance(child, ast.AST):
                         yield from _used(child, annotations)
+
+
+def _packages(arguments: Iterable[ast.expr]) -> Iterator[str]:
+    """Packages of which a module is chosen by an f-string: ``package.*``."""
+    for argument in arguments:
+        match argument:
+            case ast.JoinedStr(values=[ast.Constant(value=str(prefix)), *_]) if prefix.endswith("."):
+                yield f"{prefix}*"

@@ -11,7 +11,7 @@ from jinja2 import Environment
 from markupsafe import Markup
 
 from repro.errors import InputError
-from repro.exhibits.catalogue import FIGURES, SIMULATED, TABLES, TARGETS
+from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.files import write_text
 from repro.pipeline.job import Config
 from repro.pipeline.provenance import commit, package_versions
@@ -49,7 +49,6 @@ def build_report(inputs: ReportInputs) -> str:
             figures=figures,
             missing=_missing(tables + figures, bool(claims), audit is not None),
             targets=TARGETS,
-            simulated=SIMULATED,
             captures=_captures(inputs),
             provenance=list(_flat(inputs.provenance)),
         )

@@ -6,6 +6,7 @@ Eq. 10. Torque and f of the image are both columns of the filtered regressor, su
 samples first, as line 7 has it, would no longer be the motion that made the torque.
 """
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -17,7 +18,7 @@ import torch
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import DataSettings, SampledMotion
-from repro.cnn.factored import FactoredCNN
+from repro.cnn.factored import FactoredCNN, on_this_processor
 from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import fingerprint, train
 from repro.errors import InputError
@@ -55,8 +56,6 @@ class NetworkSearch:
         Budget of the refinement; no passes where it is not asked for.
     seed : int
         Of guesses and moves.
-    threads : int
-        Threads of torch.
     """
 
     cache: Path
@@ -70,7 +69,6 @@ class NetworkSearch:
     )
     refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
     seed: int = 1
-    threads: int = 2
 
 
 Report = Callable[[int, int, str], None]
@@ -121,9 +119,9 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
     FactoredCNN
         Trained.
     """
-    s = settings
-    torch.set_num_threads(s.threads)
-    key = fingerprint(motion, s.data, s.network, s.training)[:24]
+    s = replace(settings, training=replace(settings.training, precision=on_this_processor(settings.training.precision)))
+    torch.set_num_threads(1)  # sums of several threads are added in another order, and the seed gives another network
+    key = _key(fingerprint(motion, s.data, s.network, s.training))
     kept, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
     if kept.exists():
         try:
@@ -137,6 +135,12 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
     save_network(kept, trained.network, {"motion": key})
     checkpoint.unlink(missing_ok=True)
     return trained.network
+
+
+def _key(run: str) -> str:
+    """Name of a network in the cache: its training, and what computes it."""
+    arithmetic = (torch.__version__, torch.backends.cpu.get_cpu_capability())
+    return hashlib.sha256(repr((run, arithmetic)).encode()).hexdigest()[:24]
 
 
 def _subsampled(regression: Regression) -> tuple[SampledMotion, Prepared]:

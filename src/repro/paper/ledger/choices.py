@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from repro.comparison.classes import LEDGER
 from repro.model.parameters import NAMES
 from repro.paper.claims import Ours
 from repro.signals.validation_motions import CIRCLE_RADIUS
@@ -15,8 +16,9 @@ _PAPER_RECIPE = "of target paper_recipe; the default network is trained by the s
 
 
 def chosen(value: float, key: str, note: str = "", unused: bool = False) -> Ours:
-    """A number that the configuration holds, with the key it comes from."""
-    return Ours(float(value), FILE, strict=True, unused=unused, note=f"{key}, {note}" if note else key)
+    """Compare a number of the configuration, with its key."""
+    place = f"{FILE}: {key}"
+    return Ours(float(value), LEDGER, strict=True, unused=unused, note=f"{place}, {note}" if note else place)
 
 
 def choices(config: Config) -> dict[str, Ours]:

@@ -12,6 +12,7 @@ from scipy.special import expit
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.image import LOG_OFFSET, colours
 from repro.cnn.priors import sample_beta
+from repro.comparison.classes import LEDGER
 from repro.fpga.frames import (
     COUNTS_PER_TURN,
     FIXED_BITS,
@@ -33,8 +34,8 @@ _LITERAL = "kept as data.prior: published; the default draws from wider ranges"
 
 
 def fixed(value: float, module: str, note: str = "") -> Ours:
-    """A number that a module of ours holds."""
-    return Ours(float(value), f"repro.{module}", strict=True, note=note)
+    """Compare a number of one of our modules."""
+    return Ours(float(value), LEDGER, strict=True, note="; ".join(filter(None, (note, f"repro.{module}"))))
 
 
 def constants() -> dict[str, Ours]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from repro.comparison.classes import LEDGER
 from repro.fpga.frames import COUNTS_PER_TURN, PWM_LIMIT, RADIANS_PER_COUNT, TORQUE_BITS
 from repro.paper.audit import findings
 from repro.paper.checks.finding import CONTRADICTS, NOT_POSSIBLE, Finding
@@ -21,9 +22,6 @@ from repro.paper.ledger.results import Results
 from repro.paper.published import Published
 from repro.signals.metric import metr2ev
 from repro.signals.programs import MEMORY_SAMPLES
-
-#: What computes these numbers.
-TARGET = "claims"
 
 #: Numbers of Appendix A by id: first word of the row of ``stability.csv``, and its column.
 APPENDIX = {
@@ -41,7 +39,7 @@ def arithmetic(published: Published, config: Mapping[str, Any], results: Results
     """Exact and deterministic numbers."""
 
     def made(value: float, note: str, cause: str = "") -> Ours:
-        return Ours(float(value), TARGET, Basis.ARITHMETIC, cause=cause, note=note)
+        return Ours(float(value), LEDGER, Basis.ARITHMETIC, cause=cause, note=note)
 
     signals = config["signals"]
     period, bands = signals["sampling_period_s"], signals["image_samples"]

@@ -42,7 +42,7 @@ def measured(results: Results, config: Mapping[str, Any]) -> dict[str, Ours]:
     """Everything in the workflow's results that the paper has too."""
     trained = training_note(config)
     loss = Ours(
-        results.loss(), "train", Basis.NUMERIC, better=lower, strict=True, asserted=REPRODUCED,
+        results.loss(), "training", Basis.NUMERIC, better=lower, strict=True, asserted=REPRODUCED,
         note="held-out loss, default training schedule",
     )  # fmt: skip
     return {

@@ -15,7 +15,6 @@ from repro.comparison.classes import Spread
 from repro.comparison.tables import differences
 from repro.errors import InputError
 from repro.files import CSV_FLOAT_FORMAT, write_csv, write_text
-from repro.fpga.checksums import SUMS, verify_folder
 from repro.paper.claims import broken, specificity
 from repro.paper.ledger.counterparts import compute
 from repro.paper.ledger.results import Results
@@ -24,54 +23,82 @@ from repro.paper.published import PUBLISHED_FILE, Published, load_published
 
 #: Name of the published numbers in the list: where they lie in the project's folder.
 PUBLISHED_NAME = "src/repro/paper/published.csv"
+_WHOLE = "# every file in "
 
 
 def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def write_sources(path: Path, files: Iterable[Path], root: Path = Path(), published: Path = PUBLISHED_FILE) -> None:
-    """Write the check sums of files and of the published numbers."""
-    sums = {PUBLISHED_NAME: published, **{file.as_posix(): root / file for file in files}}
-    lines = []
-    for name, file in sorted(sums.items()):
+def write_sources(
+    path: Path, files: Iterable[Path], folders: Iterable[Path], root: Path = Path(), published: Path = PUBLISHED_FILE
+) -> None:
+    """Write the check sums of files, of every file in folders, and of the published numbers.
+
+    The first line is the check sum of all others, and the next ones name the folders. ``sha256sum --check`` reads both
+    as comments.
+    """
+    whole = sorted(folder.as_posix() for folder in folders)
+    lines = [f"{_WHOLE}{folder}\n" for folder in whole]
+    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *_files_in(whole, path, root)}):
+        file = _place(name, root, published)
         try:
             lines.append(f"{_digest(file)}  {name}\n")
         except OSError as error:
-            raise InputError.at(str(file), error.strerror or "an unreadable file", "what the ledger is from") from error
-    write_text(path, "".join(lines))
+            raise InputError.at(str(file), error.strerror or "an unreadable file", "a source of the ledger") from error
+    write_text(path, _seal("".join(lines)) + "".join(lines))
 
 
-def read_sources(path: Path) -> dict[str, str]:
-    """Names and check sums of a list."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError.at(str(path), f"no readable list ({error})", "check sums of the ledger's sources") from error
-    listed = {}
-    for number, line in enumerate(lines, start=1):
-        digest, separator, name = line.partition("  ")
-        if not separator or len(digest) != 64 or not name:
-            raise InputError.at(f"{path}: line {number}", repr(line), "a SHA-256, two spaces and a file name")
-        listed[name] = digest
-    if PUBLISHED_NAME not in listed:
-        raise InputError.at(str(path), f"no line of {PUBLISHED_NAME}", "one")
-    return listed
+def _seal(lines: str) -> str:
+    return f"# SHA-256 of the lines below: {hashlib.sha256(lines.encode()).hexdigest()}\n"
+
+
+def _files_in(folders: Iterable[str], path: Path, root: Path) -> set[str]:
+    """Every file in the folders except the list itself."""
+    inside = (file for folder in folders for file in (root / folder).rglob("*") if file.is_file())
+    return {_name(file, root) for file in inside if file.resolve() != path.resolve()}
+
+
+def _name(file: Path, root: Path) -> str:
+    """Name of a file in the list: from the project's folder if it is in there."""
+    return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
+
+
+def _place(name: str, root: Path, published: Path) -> Path:
+    return published if name == PUBLISHED_NAME else root / name
+
+
+def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
+    """Folders that a list covers completely, and its check sums by name."""
+    seal, _, lines = _text(path).partition("\n")
+    if f"{seal}\n" != _seal(lines):
+        raise InputError.at(f"{path}: line 1", seal or "nothing", _seal(lines).strip())
+    folders = [line.removeprefix(_WHOLE) for line in lines.splitlines() if line.startswith(_WHOLE)]
+    sums = (line.split("  ", 1) for line in lines.splitlines() if not line.startswith("#"))
+    return folders, {name: digest for digest, name in sums}
 
 
 def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
-    """Files of a list that are gone or changed."""
+    """Files of a list that are missing or changed, and files in its folders that it does not contain."""
+    folders, listed = read_sources(path)
     said = []
-    for name, digest in read_sources(path).items():
-        file = published if name == PUBLISHED_NAME else root / name
+    for name in sorted(listed.keys() | _files_in(folders, path, root)):
         try:
-            found = _digest(file)
+            found = _digest(_place(name, root, published))
         except OSError as error:
             said.append(f"{name}: found {error.strerror or 'an unreadable file'}, expected the file that {path} lists")
             continue
-        if found != digest:
-            said.append(f"{name}: SHA-256: found {found}, expected the {digest} of {path}")
+        if name not in listed:
+            said.append(f"{name}: found a file, expected only those that {path} lists")
+        elif found != listed[name]:
+            said.append(f"{name}: SHA-256: found {found}, expected the {listed[name]} of {path}")
     return said
+
+
+def stored(config: Mapping[str, Any]) -> list[Path]:
+    """Folders of the project that a run reads instead of measuring or training."""
+    places = ((config["experiment"], "captures"), (config["training"], "networks"))
+    return [Path(section[folder]) for section, folder in places if section["source"] == "stored"]
 
 
 _LOG = logging.getLogger(__name__)
@@ -85,14 +112,20 @@ def write_ledger(
     files: Sequence[Path],
     root: Path = Path(),
     published: Path = PUBLISHED_FILE,
+    *,
+    folders: Sequence[Path] = (),
 ) -> pd.DataFrame:
-    """Compute the ledger and write it: table, page and check sums of its sources."""
+    """Compute the ledger and write it: table, page and check sums.
+
+    The list contains the files, every file in the folders and in those of stored recordings and networks, and the
+    ledger itself.
+    """
     numbers = load_published(published)
     claims = compute(numbers, config, Results(results))
     write_csv(results / CLAIMS, claims)
     write_text(results / PAGE, _page(_csv(claims), numbers))
-    folder = results.relative_to(root) if results.is_relative_to(root) else results
-    write_sources(results / SOURCES, [*files, folder / CLAIMS, folder / PAGE], root, published)
+    files = [*files, results / CLAIMS, results / PAGE]
+    write_sources(results / SOURCES, files, [*folders, *stored(config)], root, published)
     return claims
 
 
@@ -102,13 +135,10 @@ def verify_ledger(
     """Check every source of a ledger, compute it again and compare it with the one on disk, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
     problems = changed_sources(results / SOURCES, root, published)
-    for name in read_sources(results / SOURCES):
-        if Path(name).name == SUMS:
-            problems += _captures((root / name).parent)
     try:
         numbers = load_published(published)
         claims = compute(numbers, config, Results(results))
-    except InputError as error:
+    except (InputError, ValueError) as error:  # ValueError: a published number without a counterpart, or none for ours
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
     if not problems and page != _page(table, numbers):
@@ -166,21 +196,11 @@ def _rows(text: str, place: str) -> list[dict[str, str]]:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_bytes().decode()  # line ends as they are
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a ledger (target claims)") from error
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), "bytes that are not UTF-8", "a ledger (target claims)") from error
-
-
-def _captures(folder: Path) -> list[str]:
-    try:
-        verify_folder(folder)
-    except InputError as error:
-        return [str(error)]
-    except OSError as error:
-        return [f"{folder}: found {error.strerror or 'an unreadable folder'}, expected the captures"]
-    return []
 
 
 def verified(results: Path, config: Mapping[str, Any]) -> str:
