@@ -79,6 +79,8 @@ def refresh_networks() -> None:
     for suffix in ("", *(f"-{name}" for name in config["networks"] if name != "paper-recipe")):
         made = stored_files(Path(config["results"]) / "model", suffix)
         for what, path in stored_files(config["training"]["networks"], suffix).items():
+            if not made[what].exists():
+                continue  # a network that is trained as another one has no files of its own
             path.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(made[what], path)
 
