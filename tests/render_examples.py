@@ -18,7 +18,7 @@ from matplotlib.transforms import Bbox
 from repro.errors import InputError
 from repro.exhibits import catalogue
 from repro.exhibits.make import draw, lay_out, made_of
-from repro.exhibits.study import why_table
+from repro.exhibits.study import COVERAGE, RANKS, why_table
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
 from repro.pipeline import schematics_data
@@ -211,12 +211,22 @@ def both_metrics_frame() -> pd.DataFrame:
 
 def coverage_frame() -> pd.DataFrame:
     rows = [
-        (arms, name, level, min(1.0, level + 0.05), level - 0.01 * k, 0.5 + level, 0.1 + 0.01 * k, 0.013)
-        for arms in ("Eq. 1", "unmodelled")
-        for k, name in enumerate(NAMES)
+        (
+            arms,
+            name,
+            level,
+            min(1.0, level + 0.05),
+            level - 0.01 * k,
+            0.5 + level,
+            0.1 + 0.01 * k,
+            0.8 - 0.02 * k,
+            0.013,
+        )
+        for arms in ("Eq. 1", "unmodelled", "other generator")
+        for k, name in enumerate((*NAMES, "all nine"))
         for level in (0.5, 0.9, 0.95)
     ]
-    return pd.DataFrame(rows, columns=["arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned"])
+    return pd.DataFrame(rows, columns=list(COVERAGE))
 
 
 def intervals_frame() -> pd.DataFrame:
@@ -225,9 +235,9 @@ def intervals_frame() -> pd.DataFrame:
 
 
 def ranks_frame() -> pd.DataFrame:
-    both = itertools.product(("Eq. 1", "unmodelled"), NAMES, range(10))
-    rows = [(arms, name, k, 300, 300, 0.19 - 0.02 * k, 0.1) for arms, name, k in both]
-    return pd.DataFrame(rows, columns=["arms", "parameter", "bin", "number", "known", "raw", "calibrated"])
+    both = itertools.product(("Eq. 1", "unmodelled", "other generator"), NAMES, np.linspace(0.0, 1.0, 11))
+    rows = [(arms, name, level, 300, 280, level**2, level) for arms, name, level in both]
+    return pd.DataFrame(rows, columns=list(RANKS))
 
 
 def spread_frame() -> pd.DataFrame:

@@ -12,11 +12,12 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.uncertainty import distances, spread_of, unlike_beyond
 from repro.identification.solve import solve
+from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.recordings import read_recording
-from repro.pipeline.tracked import read_tracked, simulate_tracked, training_motion
+from repro.pipeline.tracked import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -61,30 +62,64 @@ def tables(config, tmp_path_factory):
 
 def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
     table = tables[0]["coverage"]
-    assert len(table) == 2 * len(NAMES) * 2
-    mean = table.groupby(["arms", "level"])[["raw", "calibrated"]].mean()
+    assert len(table) == 3 * (len(NAMES) + 1) * 2
+    each = table[table["parameter"] != "all nine"]
+    mean = each.groupby(["arms", "level"])[["raw", "calibrated"]].mean()
     for arms in ("Eq. 1", "unmodelled"):
         assert mean.loc[(arms, 0.9), "raw"] < 0.5
         assert mean.loc[(arms, 0.9), "calibrated"] == pytest.approx(0.9, abs=0.08)
         assert mean.loc[(arms, 0.5), "calibrated"] == pytest.approx(0.5, abs=0.12)
-    assert (table["width"] > 0).all()
+    assert (each["width"] > 0).all()
+    assert (each["contraction"] < 1).all()
+
+
+def test_all_nine_are_covered_at_once_by_intervals_stretched_for_it(tables):
+    together = tables[0]["coverage"].query("parameter == 'all nine'").set_index(["arms", "level"])
+    assert (together["factor"] > 1).all()
+    for level, slack in ((0.5, 0.2), (0.9, 0.13)):
+        assert together.loc[("unmodelled", level), "calibrated"] == pytest.approx(level, abs=slack)
+    assert together["raw"].max() < 0.1  # nine ranges that are each too narrow
+
+
+def test_joint_factors_by_hand():
+    """Four arms, two levels: the worst of nine misses over their factors, 1.5, 0.5, 3 and 2."""
+    calibration = np.full((4, 9), 0.1)
+    calibration[[0, 1, 2, 3], [4, 8, 0, 2]] = [1.5, 0.5, 3.0, 4.0]
+    factors = np.ones((2, 9))
+    factors[:, 2] = 2.0
+    np.testing.assert_allclose(stage.joint_factors(factors, calibration, (0.4, 0.6)), [1.5, 2.0])
+
+
+def test_the_other_generator_draws_arms_that_links_can_give(config):
+    arms = draw_built_arms(np.random.default_rng(5), 60, config)
+    assert arms.shape == (60, 9)
+    elbow = np.stack([np.zeros(7), np.linspace(-3.0, 3.0, 7)], axis=-1)
+    assert (np.linalg.eigvalsh(mass_matrix(elbow, arms[:, np.newaxis])) > 0).all()
+    assert (arms[:, [0, 2]] >= config["data"]["tracked"]["least_inertia_kg_m2"]).all()
+    # Another law: friction follows gravity, which it does not in the arms that train.
+    correlation = [
+        np.corrcoef(np.log(drawn[:, [3, 7]]).T)[0, 1]
+        for drawn in (arms, draw_arms(np.random.default_rng(5), 60, config))
+    ]
+    assert correlation[0] > correlation[1] + 0.2
 
 
 @pytest.mark.parametrize("level", [0.5, 0.9])
 def test_the_range_of_the_guesses_is_their_middle_share(level):
     found = np.broadcast_to(np.linspace(0.0, 1.0, 101)[:, np.newaxis], (40, 101, 9))
     truth = np.repeat((np.arange(40.0) + 0.5)[:, np.newaxis] / 40, 9, axis=1)  # evenly over the estimates
-    rows = stage._coverage_rows("Eq. 1", found, truth, spread_of(found), np.ones((1, 9)), (level,))
+    rows = stage._coverage_rows("Eq. 1", found, truth, spread_of(found), np.ones((1, 9)), np.ones(1), (level,))
     assert {row["raw"] for row in rows} == {level}
 
 
-def test_ranks_are_shares_of_all_arms(tables):
+def test_distributions_of_the_levels_rise_to_one_and_show_what_is_too_narrow(tables):
     ranks = tables[0]["ranks"]
-    sums = ranks.groupby(["arms", "parameter"])[["raw", "calibrated"]].sum()
-    np.testing.assert_allclose(sums, 1.0)
-    last = ranks[(ranks["arms"] == "unmodelled") & (ranks["bin"] == 9)]
-    assert last["raw"].mean() > 0.5  # too narrow a spread reaches the truth at its very end
-    assert last["calibrated"].mean() < 0.25
+    for _, rows in ranks.groupby(["arms", "parameter"]):
+        assert (rows.sort_values("level")[["raw", "calibrated"]].diff().iloc[1:] >= 0).all(axis=None)
+    assert (ranks.loc[ranks["level"] == 1.0, ["raw", "calibrated"]] == 1.0).all(axis=None)
+    half = ranks[(ranks["arms"] == "unmodelled") & np.isclose(ranks["level"], 0.5)]
+    assert half["raw"].mean() < 0.3  # too narrow a spread
+    assert half["calibrated"].mean() == pytest.approx(0.5, abs=0.12)
     assert set(ranks["known"]) == {40}
 
 
@@ -101,7 +136,7 @@ def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tab
     recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
     largest = np.abs(recording.regression(signal_settings(config)).tau).max()
     half = (own["high"] - own["low"]).to_numpy() / 2 / largest
-    known = tables[0]["coverage"].query("arms == 'unmodelled' and level == 0.9")["width"].to_numpy()
+    known = tables[0]["coverage"].query("arms == 'unmodelled' and level == 0.9")["width"].dropna().to_numpy()
     assert 0.7 < np.median(half / known) < 1.4
     assert tables[0]["coverage"]["warned"].max() < 0.2
 

@@ -23,8 +23,8 @@ from repro.pipeline.recordings import read_recordings
 from repro.render import ablation, coverage, experiment_tables, factorial, spread, why
 
 SPREAD = ("case", "joint", "method", "duration", "arm", "chatter", "seed", "total")
-RANKS = ("arms", "parameter", "bin", "number", "known", "raw", "calibrated")
-COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "warned")
+RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
+COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
 #: Methods of the verdict, and what they are set against.
 CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -25,7 +26,15 @@ from repro.pipeline.experiment import control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import Recording
-from repro.pipeline.tracked import Tracked, derived_motion, simulate_arms, training_motion
+from repro.pipeline.tracked import (
+    Draw,
+    Tracked,
+    derived_motion,
+    draw_arms,
+    draw_built_arms,
+    simulate_arms,
+    training_motion,
+)
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.programs import Program
@@ -33,6 +42,17 @@ from repro.streams import Stream, stream
 
 #: Set of guesses of the recorded arm; those of simulated arms are 0 and up.
 OWN = 3
+#: Sets of test arms: name, whether their torque has more than Eq. 1, and the law they are drawn from. The arms that
+#: calibrate, number 0, are drawn like the second set.
+TESTED = (
+    (1, "Eq. 1", False, draw_arms),
+    (2, "unmodelled", True, draw_arms),
+    (4, "other generator", True, draw_built_arms),
+)
+#: Row of the nine parameters together.
+TOGETHER = "all nine"
+#: Levels at which the distribution of the levels that reach the truth is kept.
+GRID = np.linspace(0.0, 1.0, 41)
 
 
 def read_arms(
@@ -68,23 +88,26 @@ def coverage(
     c = config["coverage"]
     levels, guesses = tuple(c["levels"]), c["guesses"]
 
-    def read(which: int, effects: bool) -> tuple[Tracked, Array, Array]:
-        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects)
+    def read(which: int, effects: bool, draw: Draw) -> tuple[Tracked, Array, Array]:
+        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects, draw)
         return arms, *read_arms(algorithm1, arms, tau_mean, guesses, config, which)
 
-    _, estimates, truth = read(0, effects=True)
+    _, estimates, truth = read(0, True, draw_arms)
     known = spread_of(estimates)
     factors, calibration = stretch_factors(known, truth, levels), misses(known, truth)
+    together = joint_factors(factors, calibration, levels)
     training = training_motion(config, tracked).torque
     beyond = unlike_beyond(training)
     rows: list[dict[str, Any]] = []
     ranks: list[dict[str, Any]] = []
-    for which, (name, effects) in enumerate((("Eq. 1", False), ("unmodelled", True)), start=1):
-        arms, found, right = read(which, effects)
+    for which, name, effects, draw in TESTED:
+        arms, found, right = read(which, effects, draw)
         spread = spread_of(found)
         motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
         warned = float((distances(motions, training) > beyond).mean())
-        rows += [{**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, levels)]
+        rows += [
+            {**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, together, levels)
+        ]
         ranks += _rank_rows(name, found, right, misses(spread, right), calibration)
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
     own = _intervals(algorithm1, recording, tau_mean, guesses, factors[-1], config)
@@ -111,50 +134,68 @@ def _torque(q: Array, program: Program, config: Config) -> Array:
     return sample_motion(derived_motion(q, signals), signals, slice(program.n1, program.n2)).torque
 
 
+def joint_factors(factors: Array, calibration: Array, levels: tuple[float, ...]) -> Array:
+    """By how much more the intervals of each level are stretched so that all nine cover at once (split conformal)."""
+    worst = np.sort((calibration[:, np.newaxis] / factors).max(axis=2), axis=0)  # (arms, levels)
+    ranks = np.ceil((len(worst) + 1) * np.asarray(levels)).astype(int) - 1
+    stretched: Array = worst[ranks, np.arange(len(levels))]
+    return stretched
+
+
 def _coverage_rows(
-    name: str, found: Array, right: Array, spread: Spread, factors: Array, levels: tuple[float, ...]
+    name: str,
+    found: Array,
+    right: Array,
+    spread: Spread,
+    factors: Array,
+    together: Array,
+    levels: tuple[float, ...],
 ) -> list[dict[str, Any]]:
+    missed, prior = misses(spread, right), right.var(axis=0)
     stretched = covered(spread, right, factors)
-    rows = []
+    rows: list[dict[str, Any]] = []
     for i, level in enumerate(levels):
         low, high = np.quantile(found, [0.5 - level / 2, 0.5 + level / 2], axis=1)
-        raw = ((low <= right) & (right <= high)).mean(axis=0)
+        raw = (low <= right) & (right <= high)
         width = np.median(factors[i] * spread.width, axis=0)
+        # Variance of the parameter that the interval leaves, as that of a normal error of this width.
+        contraction = 1.0 - (width / stats.norm.ppf(0.5 + level / 2)) ** 2 / prior
         rows += [
             {
-                "arms": name, "parameter": parameter, "level": level, "raw": raw[j],
+                "arms": name, "parameter": parameter, "level": level, "raw": raw[:, j].mean(),
                 "calibrated": stretched[i, j], "factor": factors[i, j], "width": width[j],
+                "contraction": contraction[j],
             }
             for j, parameter in enumerate(NAMES)
         ]  # fmt: skip
+        jointly = (missed <= together[i] * factors[i]).all(axis=1).mean()
+        rows.append(
+            {
+                "arms": name, "parameter": TOGETHER, "level": level, "raw": raw.all(axis=1).mean(),
+                "calibrated": jointly, "factor": together[i], "width": np.nan, "contraction": np.nan,
+            }
+        )  # fmt: skip
     return rows
 
 
 def _rank_rows(name: str, found: Array, right: Array, missed: Array, calibration: Array) -> list[dict[str, Any]]:
-    """Simulation-based calibration: by tenths, the level at which an interval first reaches the truth.
+    """Simulation-based calibration (Talts and others 2018): distribution of the level that first reaches the truth.
 
     Of the range of the guesses that is twice the truth's rank off the middle; of the calibrated interval the rank of
-    what it misses by among the arms it was calibrated on.
+    what it misses by among the arms it was calibrated on. The distribution is uniform where levels are right.
     """
     n, m = found.shape[1], len(calibration)
     below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
-    raw = np.abs(2 * below - n)
+    raw = np.abs(2 * below - n) / n
     ordered = np.sort(calibration, axis=0)
     rows = []
     for j, parameter in enumerate(NAMES):
-        rank = np.searchsorted(ordered[:, j], missed[:, j])
-        tenths = (np.minimum(10 * raw[:, j] // (n + 1), 9), np.minimum(10 * rank // (m + 1), 9))
-        shares = (np.bincount(tenth, minlength=10) / len(right) for tenth in tenths)
+        rank = np.searchsorted(ordered[:, j], missed[:, j]) / m
         rows += [
             {
-                "arms": name,
-                "parameter": parameter,
-                "bin": k,
-                "number": len(right),
-                "known": m,
-                "raw": a,
-                "calibrated": b,
+                "arms": name, "parameter": parameter, "level": level, "number": len(right), "known": m,
+                "raw": (raw[:, j] <= level).mean(), "calibrated": (rank <= level).mean(),
             }
-            for k, (a, b) in enumerate(zip(*shares, strict=True))
-        ]
+            for level in GRID
+        ]  # fmt: skip
     return rows

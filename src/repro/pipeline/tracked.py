@@ -4,6 +4,7 @@ The paper trains on Eq. 10 exactly and says that a recorded motion need not be i
 extension trains on the motions of simulated arms in the loop.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.identification.algorithm1.listing import derivatives
-from repro.model.parameters import Array
+from repro.model.parameters import Array, Links, inertial_from_links
 from repro.pipeline.experiment import control_constants
 from repro.pipeline.job import Config
 from repro.progress import Progress
@@ -26,6 +27,9 @@ from repro.settings import signal_settings
 from repro.signals.programs import Program, identification_program
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
+
+#: Law that arms are drawn from.
+Draw = Callable[[np.random.Generator, int, Config], Array]
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,31 @@ def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
     return arms[:n]
 
 
+def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
+    """Arms as somebody builds them: rods with a motor at the elbow and a load at the tip, friction a share of gravity.
+
+    A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
+    """
+    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
+    arms = np.empty((0, 9))
+    while len(arms) < n:
+        l1, l2 = rng.uniform(0.1, 0.35, (2, 4 * n))
+        rod1, rod2 = rng.uniform(0.4, 1.2, 4 * n) * l1, rng.uniform(0.4, 1.2, 4 * n) * l2  # kg, 0.4 to 1.2 kg/m
+        motor, load = rng.uniform(0.05, 0.3, 4 * n), rng.uniform(0.0, 0.25, 4 * n)
+        m1, m2 = rod1 + motor, rod2 + load
+        lc1, lc2 = l1 * (rod1 / 2 + motor) / m1, l2 * (rod2 / 2 + load) / m2
+        j1 = rod1 * l1**2 / 12 + rod1 * (l1 / 2 - lc1) ** 2 + motor * (l1 - lc1) ** 2
+        j2 = rod2 * l2**2 / 12 + rod2 * (l2 / 2 - lc2) ** 2 + load * (l2 - lc2) ** 2
+        inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
+        gravity = inertial[:, 3:5]
+        viscous, coulomb = rng.uniform(0.02, 0.2, (2, 4 * n, 2)) * gravity[np.newaxis]
+        beta = np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
+        holding = np.stack([gravity.sum(axis=1) + beta[:, 7], gravity[:, 1] + beta[:, 8]], axis=1)
+        fit = (holding <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
+        arms = np.concatenate([arms, beta[fit]])
+    return arms[:n]
+
+
 def _program(config: Config) -> Program:
     s, e = config["signals"], config["experiment"]
     return identification_program(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
@@ -62,11 +91,13 @@ def tracking_error(position: NDArray[np.int16], program: Program) -> Array:
     return error
 
 
-def simulate_arms(config: Config, count: int, rng: np.random.Generator, effects: bool = True) -> Tracked:
+def simulate_arms(
+    config: Config, count: int, rng: np.random.Generator, effects: bool = True, draw: Draw = draw_arms
+) -> Tracked:
     """Simulate arms as one batch and keep those that track."""
     t, program = config["data"]["tracked"], _program(config)
     drawn = count + count // 4 + 1
-    beta = draw_arms(rng, drawn, config)
+    beta = draw(rng, drawn, config)
     levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2)) * effects
     unmodelled = [
         Unmodelled(stribeck=(s, s), ripple=(a, a), ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()
