@@ -20,7 +20,7 @@ from repro.identification.methods.names import NETWORKS
 from repro.ownarm import outputs
 from repro.ownarm.outputs import check_folder, citations, write_all
 
-SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "leon2022cnn"}
+SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "cnn_identification"}
 
 
 def example(recommended="consistent", **changes):
@@ -252,14 +252,14 @@ def test_without_links_a_file_says_why(tmp_path, change, words):
 @pytest.mark.parametrize("name", [*METHODS, *NETWORKS])
 def test_every_source_that_is_cited_exists(name, filter_name):
     result, _ = example()
-    citation = METHODS[name].citation if name in METHODS else "leon2022cnn"
+    citation = METHODS[name].citation if name in METHODS else "cnn_identification"
     claims = name not in NETWORKS
     one = replace(result.methods[0], method=name, citation=citation, claims_intervals=claims)
     result = replace(result, methods=(one,), preparation=replace(result.preparation, filter=filter_name))
     keys = citations(result)
     assert len(set(keys)) == len(keys)
     assert set(keys) <= set(entries())
-    assert {"leon2022cnn", citation} <= set(keys)
+    assert {"cnn_identification", citation} <= set(keys)
     assert ("kunsch1989jackknife" in keys) == claims
     assert ("savitzky1964smoothing" in keys) == filter_name.startswith("Savitzky")
     assert bibtex(keys).count("@") == len(keys)

@@ -29,7 +29,7 @@ PAGE = "report.html"
 EITHER = {"arm.urdf", "arm.xml", "no-links.txt"}
 
 #: Sources of what every run uses, beside those of its methods.
-ALWAYS = ("leon2022cnn",)
+ALWAYS = ("cnn_identification",)
 SOLVERS = {
     "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
     "parsimonious": ("diamond2016cvxpy", "goulart2024clarabel"),

@@ -96,7 +96,7 @@ def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
         "algorithm1+refinement": ("Algorithm 1 + refinement", partial(_refined, run=run)),
     }
     literal, refined = (
-        Method(name, title, "leon2022cnn", estimate, claims_intervals=False, needs_all_samples=True)
+        Method(name, title, "cnn_identification", estimate, claims_intervals=False, needs_all_samples=True)
         for name, (title, estimate) in estimates.items()
     )
     return literal, refined
