@@ -1,6 +1,6 @@
 """Coverage of the 95 % intervals of `repro identify` by kind of unmodelled effect, for two generators of arms.
 
-Usage: ``python benchmarks/interval_coverage.py [--arms 40] [--out FOLDER] [--kind KIND ...]``; 15 minutes on one core.
+Usage: ``python benchmarks/interval_coverage.py [--arms 30] [--out FOLDER] [--kind KIND ...]``; 15 minutes on one core.
 Generator `board` is the simulated board behind its controller, with arms near the configured one. Generator `planar`
 (`planar_arms.py`) shares no code with the package. Every kind uses the same arms and motions. A coverage is the mean
 over arms of the share of an arm's asserted intervals that contain the truth; its Wilson interval counts arms.
@@ -209,7 +209,7 @@ def markdown(table: pd.DataFrame) -> str:
 def main() -> None:
     """Write the table of coverage as CSV and Markdown, and every interval as CSV."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--arms", type=int, default=40)
+    parser.add_argument("--arms", type=int, default=30)
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results")
     parser.add_argument("--kind", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--generator", nargs="+", choices=tuple(GENERATORS), default=tuple(GENERATORS))

@@ -10,7 +10,7 @@ from log_example import BETA, motion
 from ownarm_log import H, autoregressive, exact, exciting
 
 from repro.identification.alternatives import Alternative
-from repro.identification.bootstrap import PARTS, block_length, bootstrap, correlation_time, redraw
+from repro.identification.bootstrap import GROUPS, block_length, bootstrap, correlation_time, redraw
 from repro.identification.methods import ordinary
 from repro.identification.methods.interface import Estimate
 from repro.model.parameters import NAMES
@@ -172,5 +172,5 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
     bootstrap(
         chooser, r, chooser.estimate(r), as_good, np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
     )
-    assert seen == [0.7] * (15 + PARTS + 2)
+    assert seen == [0.7] * (15 + GROUPS + 2)
     assert told == [(k, 15) for k in range(1, 16)]

@@ -1,4 +1,4 @@
-"""Alternative regressions of a log. The shift of an estimate between them is a standard uncertainty of type B [1]_.
+"""Alternative regressions of a log: the shift of an estimate between them is an uncertainty of type B [1]_.
 
 Filters and delay could have been chosen slightly differently. Zero positions, torque offsets, load-dependent friction,
 Stribeck friction and torque that depends on the position are effects beyond Eq. 1. Each adds columns to the regressor.
@@ -7,7 +7,7 @@ in its model (Frisch, Waugh and Lovell). The squared shift is multiplied by the 
 1 - c / F [2]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than
 chance add nothing. Errors of the motion are simulated a second time (SIMEX [3]_).
 
-.. [1] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement", 4.3.
+.. [1] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement" (GUM).
 .. [2] A. J. Baranchik, "A Family of Minimax Estimators of the Mean of a Multivariate Normal Distribution", Annals of
    Mathematical Statistics 41, 642-645, 1970. doi:10.1214/aoms/1177697104
 .. [3] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
@@ -33,7 +33,7 @@ from repro.model.parameters import Array
 
 #: Factors on cut-off and width of the filters.
 FILTERS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
-#: Speeds at which Stribeck friction has fallen to 1/e of its value at rest, rad/s.
+#: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
 STRIBECK_SPEEDS = (0.1, 0.2, 0.5)
 #: Inertia and gravity: the first so many parameters.
 TERMS = 5
@@ -92,9 +92,15 @@ def load_friction(moved: Moved, beta: Array, steepness: float) -> Array:
     return _one_joint(np.abs(load) * np.tanh(steepness * moved[1]))
 
 
-def stribeck(moved: Moved, beta: Array, steepness: float, speed: float = STRIBECK_SPEEDS[-1]) -> Array:  # noqa: ARG001
-    """Friction that is larger near rest, shape (2, N, 2)."""
-    return _one_joint(np.tanh(steepness * moved[1]) * np.exp(-((moved[1] / speed) ** 2)))
+def stribeck(
+    moved: Moved,
+    beta: Array,  # noqa: ARG001
+    steepness: float,
+    speed: float = STRIBECK_SPEEDS[-1],
+    power: int = 2,
+) -> Array:
+    """Friction that is larger near rest, shape (2, N, 2): powers of 1 and 2 are both in use."""
+    return _one_joint(np.tanh(steepness * moved[1]) * np.exp(-((np.abs(moved[1]) / speed) ** power)))
 
 
 def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
@@ -115,7 +121,7 @@ BEYOND: dict[str, tuple[Columns, ...]] = {
     "zero positions": (zero_position,),
     "torque offsets": (bias,),
     "load-dependent friction": (load_friction,),
-    "Stribeck friction": tuple(partial(stribeck, speed=speed) for speed in STRIBECK_SPEEDS),
+    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
     "torque with the position, once a turn": (once_a_turn,),
     "torque with the position, twice a turn": (twice_a_turn,),
 }

@@ -6,12 +6,14 @@ uncertainties are combined.
 - Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
   jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
 - Type B [3]_: root mean square shift of the estimate when filters, delay or faults of the set-up are chosen
-  differently, and the largest shift that an effect beyond Eq. 1 causes (`repro.identification.alternatives`). The bias
-  of a method that is biased on purpose belongs here too.
+  differently. An effect beyond Eq. 1 (`repro.identification.alternatives`) shifts it by anything up to what its columns
+  cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a
+  method that is biased on purpose belongs here too.
 - Bias by errors of the motion, estimated by SIMEX [4]_. It widens the interval and does not move the estimate.
 
-Sampling and type B add up to the standard error. Its coverage factor is Student's t at the effective degrees of freedom
-of Welch and Satterthwaite [3]_ (annex G.4). The bias is added in quadrature without that factor.
+Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
+of freedom, blocks - 1 or groups - 1 for sampling and blocks - 1 for type B. The products and the bias are added in
+quadrature. (The single factor of Welch and Satterthwaite can narrow an interval when an uncertainty is added.)
 
 .. [1] H. R. Kuensch, "The Jackknife and the Bootstrap for General Stationary Observations", Annals of Statistics 17,
    1217-1241, 1989. doi:10.1214/aos/1176347265
@@ -88,14 +90,6 @@ def jackknife(method: Method, regression: Regression, first: Estimate) -> tuple[
     return freedom * np.var(estimates, axis=0), freedom
 
 
-def effective_freedom(variances: Array, freedoms: Array) -> Array:
-    """Degrees of freedom of a sum of variances (Welch and Satterthwaite), both of shape (m, 9)."""
-    total = variances.sum(0)
-    spread = np.sum(variances**2 / freedoms, axis=0)
-    effective: Array = np.divide(total**2, spread, out=freedoms.max(0).astype(np.float64), where=spread > 0.0)
-    return effective
-
-
 def bootstrap(
     method: Method,
     regression: Regression,
@@ -156,14 +150,12 @@ def bootstrap(
         if name == SMEARED:
             attenuation = square
         elif name in BEYOND:  # rival explanations of the same residual: the largest shift counts
-            beyond = np.maximum(beyond, square)
+            beyond = np.maximum(beyond, square / 3.0)  # variance of a rectangular distribution up to that shift
         else:
             type_b += square
     type_b += beyond
     if method.unbiased is not None:
         type_b += (method.unbiased.estimate(regression).beta - beta) ** 2
-    error = np.sqrt(sampling + type_b)
-    freedoms = np.stack([np.where(slower, groups, blocks), np.full(len(beta), blocks)])
-    factor = student.ppf(0.975, effective_freedom(np.stack([sampling, type_b]), freedoms))
-    reach = np.sqrt((factor * error) ** 2 + attenuation)
-    return Spread(error, beta - reach, beta + reach)
+    factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
+    reach = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
+    return Spread(np.sqrt(sampling + type_b), beta - reach, beta + reach)
