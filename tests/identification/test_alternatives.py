@@ -132,7 +132,7 @@ def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycl
     q, _, _ = motion(LOG.t)
     tau = LOG.tau + each(0.3, -0.2) * np.cos(cycles * q + each(0.0, 0.5))
     found = alternatives(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)
-    name = {1: "torque with the position, once a turn", 2: "torque with the position, twice a turn"}[cycles]
+    name = {1: "torque of period one turn", 2: "torque of period half a turn"}[cycles]
     (other,) = found[name].regressions
     assert found[name].weight > 0.9
     np.testing.assert_allclose(solve(other.y, other.tau)[:5], BETA[:5], rtol=0.02)
@@ -140,7 +140,7 @@ def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycl
 
 def test_position_columns_leave_every_parameter_identifiable():
     plain = prepare(LOG, SETTINGS)
-    for name in ("torque with the position, once a turn", "torque with the position, twice a turn"):
+    for name in ("torque of period one turn", "torque of period half a turn"):
         [columns] = columns_of(BEYOND[name], LOG, SETTINGS, BETA)
         rows = np.concatenate([plain.y, columns], axis=-1)
         unit, _ = unit_columns(rows)

@@ -122,8 +122,8 @@ BEYOND: dict[str, tuple[Columns, ...]] = {
     "torque offsets": (bias,),
     "load-dependent friction": (load_friction,),
     "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
-    "torque with the position, once a turn": (once_a_turn,),
-    "torque with the position, twice a turn": (twice_a_turn,),
+    "torque of period one turn": (once_a_turn,),
+    "torque of period half a turn": (twice_a_turn,),
 }
 
 
