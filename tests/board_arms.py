@@ -7,7 +7,7 @@ import numpy as np
 
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.loop import simulate
-from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.plant import NOTHING, Plant, Unmodelled
 from repro.logs.log import Log
 from repro.model.feasibility import is_positive_definite
 from repro.pipeline.experiment import control_constants, load_config, true_parameters
@@ -57,12 +57,10 @@ def badly_set_up(log, rng):
     return replace(log, q=log.q + zero, tau=tau + offset)
 
 
-def recorded(arms, desired, unmodelled=None):
-    """Log of each arm following `desired`."""
-    config = load_config(ROOT / "config" / "config.yaml")
-    control = control_constants(config)
-    plant = Plant(arms, H) if unmodelled is None else Plant(arms, H, unmodelled)
-    position, pwm = simulate(plant, control, desired)
-    t = H * np.arange(desired.shape[1])
+def recorded(arms, desired, unmodelled=NOTHING, ripple_phase=(0.0, 0.0)):
+    """Log of each arm following `desired`, shape (2, N), or (B, 2, N) with a motion for each."""
+    control = control_constants(load_config(ROOT / "config" / "config.yaml"))
+    position, pwm = simulate(Plant(arms, H, unmodelled, ripple_phase), control, desired)
+    t = H * np.arange(desired.shape[-1])
     torque = pwm * control.torque_per_count[:, None]
     return [Log(f"arm {k}", t, position[k] * RADIANS_PER_COUNT, torque[k], simulated=True) for k in range(len(arms))]

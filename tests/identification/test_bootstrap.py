@@ -10,7 +10,7 @@ from log_example import BETA, motion
 from ownarm_log import H, autoregressive, exact, exciting
 
 from repro.identification.alternatives import Alternative
-from repro.identification.bootstrap import PARTS, block_length, bootstrap, correlation_time, redraw
+from repro.identification.bootstrap import GROUPS, block_length, bootstrap, correlation_time, redraw
 from repro.identification.methods import ordinary
 from repro.identification.methods.interface import Estimate
 from repro.model.parameters import NAMES
@@ -69,6 +69,17 @@ def test_intervals_reach_as_far_as_students_t():
     assert block_length(drifting.tau - drifting.y @ ordinary.estimate(drifting).beta, H) == N // 20
     spread = ordinary_spread(drifting, 3)
     assert (spread.high - spread.low) / (2 * spread.standard_error) == pytest.approx([2.093] * 9, abs=1e-3)
+
+
+def test_where_the_jackknife_counts_students_t_has_five_degrees_of_freedom():
+    # Friction that falls over the log moves every block alike, but not every sixth of the log: 2.571 in every table.
+    r = exciting(N)
+    tau = r.tau + 0.02 * np.random.default_rng(12).normal(size=r.tau.shape)
+    tau[0] -= 0.4 * (T / T[-1] - 0.5) * np.tanh(20.0 * motion(T)[1][0])
+    spread = ordinary_spread(replace(r, tau=tau), 3)
+    factor = (spread.high - spread.low) / (2 * spread.standard_error)
+    assert factor[PLACE["k1"]] == pytest.approx(2.571, abs=1e-3)
+    assert factor[PLACE["k2"]] < 2.2
 
 
 @pytest.mark.parametrize("rho", [0.5, 0.9, 0.95])
@@ -148,6 +159,17 @@ def test_other_filters_add_the_mean_square_of_what_they_change():
     assert (together.high - together.low > alone.high - alone.low).all()
 
 
+def test_of_the_effects_beyond_eq_1_the_largest_shift_counts_as_the_end_of_a_rectangular_distribution():
+    rng = np.random.default_rng(13)
+    r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(3))
+    named = dict(zip(("torque offsets", "Stribeck friction"), ((o,) for o in others), strict=True))
+    as_good = {name: Alternative(regressions, 0.6) for name, regressions in named.items()}
+    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
+    shifts = [ordinary.estimate(o).beta - ordinary.estimate(r).beta for o in others]
+    added = together.standard_error**2 - alone.standard_error**2
+    assert added == pytest.approx(0.6 * np.max(np.square(shifts), axis=0) / 3.0, rel=1e-6)
+
+
 def test_a_method_that_is_biased_on_purpose_adds_its_bias():
     r = exact(motion(T[:400]), noise=0.1 * np.random.default_rng(11).normal(size=(2, 400)))
     bias = np.linspace(-0.4, 0.4, 9)
@@ -172,5 +194,5 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
     bootstrap(
         chooser, r, chooser.estimate(r), as_good, np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
     )
-    assert seen == [0.7] * (15 + PARTS + 2)
+    assert seen == [0.7] * (15 + GROUPS + 2)
     assert told == [(k, 15) for k in range(1, 16)]

@@ -200,7 +200,9 @@ def test_a_tiny_parameter_that_the_log_tells_keeps_its_interval():
 
 
 def test_a_method_without_intervals_says_so():
-    plain = Method("algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False)
+    plain = Method(
+        "algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False
+    )
     problem = problem_of(noisy(BETA))
     (found,) = solve_all(problem, [plain], 1, silent, silent)
     assert found.spread is None

@@ -260,6 +260,7 @@ def test_every_source_that_is_cited_exists(name, filter_name):
     assert len(set(keys)) == len(keys)
     assert set(keys) <= set(entries())
     assert {"cnn_identification", citation} <= set(keys)
-    assert ("kunsch1989jackknife" in keys) == claims
+    for source in ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "cook1994simex", "baranchik1970family"):
+        assert (source in keys) == claims
     assert ("savitzky1964smoothing" in keys) == filter_name.startswith("Savitzky")
     assert bibtex(keys).count("@") == len(keys)

@@ -17,6 +17,7 @@ from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example
 from PIL import Image
 
 from repro.commands.identify import summary
+from repro.identification.alternatives import BEYOND
 from repro.identification.friction import Term
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
@@ -27,6 +28,7 @@ from repro.ownarm.page import FILES, render_page, sentence, symbols
 from repro.ownarm.parameters import parameters as parameters_figure
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
+from repro.ownarm.words import ALLOWED
 from repro.render import style
 
 pytestmark = pytest.mark.slow
@@ -271,6 +273,21 @@ def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
     for text in (render_page(result, Curves(), {}), summary(result)):
         assert text.count(row) == 1
         assert "beyond Eq. 1 of joint 2" not in text  # a warning, where it is left out
+
+
+def test_intervals_come_with_the_effects_that_they_allow_for_and_how_they_are_made():
+    claims = example_result()
+    bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False)
+    none = example_result(methods=(bare,), recommended="ols")
+    assert set(BEYOND) and all(effect in ALLOWED for effect in BEYOND)
+    assert (ALLOWED in summary(claims), ALLOWED in summary(none)) == (True, False)
+    page, without = (Page(render_page(result, Curves(), {})) for result in (claims, none))
+    assert ALLOWED[1:] in page.one("verdict")["text"]
+    assert page.one("intervals")["tag"] == "h3"
+    for text in ("moving-block pairs bootstrap", "delete-a-group jackknife", "type B", "SIMEX"):
+        assert text in page.one("methods")["text"]
+    links = [[e["href"] for e in one.elements if e.get("href") == "#intervals"] for one in (page, without)]
+    assert links[0] and not links[1]
 
 
 def test_a_page_without_figures_validation_or_intervals_is_whole():

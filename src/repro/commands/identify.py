@@ -225,11 +225,14 @@ def _errors(score: "Score") -> str:
 def summary(result: "Result") -> str:
     """What to know without opening the report."""
     from repro.ownarm.setup import friction, not_shown
+    from repro.ownarm.words import ALLOWED
 
     best = next(m for m in result.methods if m.method == result.recommended)
     lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     for p in best.parameters:
         lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
+    if best.claims_intervals:
+        lines.append(f"  {ALLOWED}")
     lines += [f"  {friction(term)}" for terms in result.friction for term in terms if term.taken]
     lines += [f"  {line}" for line in not_shown(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")

@@ -1,12 +1,26 @@
-"""Standard errors that allow for correlated residuals and for the choice of the filter.
+"""Expanded uncertainty of an estimate: sampling, choices of the analysis, and effects beyond Eq. 1.
 
-Filtering and friction that Eq. 1 does not hold leave residuals correlated over seconds, so single samples must not be
-redrawn: the moving block bootstrap [1]_ redraws stretches of the log, regressor and torque together. To its variance is
-added what the estimate moves when cut-off and width of the filters are chosen a little differently: on a clean log
-that, not noise, is what limits it. A method that is biased on purpose adds its bias.
+Filtering and unmodelled friction leave residuals correlated over seconds, so single samples cannot be resampled. Three
+uncertainties are combined.
+
+- Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
+  jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
+- Type B [3]_: root mean square shift of the estimate when filters, delay or faults of the set-up are chosen
+  differently. An effect beyond Eq. 1 (`repro.identification.alternatives`) shifts it by anything up to what its columns
+  cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a
+  method that is biased on purpose belongs here too.
+- Bias by errors of the motion, estimated by SIMEX [4]_. It widens the interval and does not move the estimate.
+
+Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
+of freedom, blocks - 1 or groups - 1 for sampling and blocks - 1 for type B. The products and the bias are added in
+quadrature. (The single factor of Welch and Satterthwaite can narrow an interval when an uncertainty is added.)
 
 .. [1] H. R. Kuensch, "The Jackknife and the Bootstrap for General Stationary Observations", Annals of Statistics 17,
    1217-1241, 1989. doi:10.1214/aos/1176347265
+.. [2] P. S. Kott, "The Delete-a-Group Jackknife", Journal of Official Statistics 17, 521-526, 2001.
+.. [3] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement".
+.. [4] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
+   Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
 from collections.abc import Callable, Mapping
@@ -14,9 +28,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from repro.identification.alternatives import BEYOND, SMEARED, Alternative
+from repro.identification.alternatives import BEYOND, CHANCE, SMEARED, Alternative
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.identification.residuals import correlation_time
@@ -26,20 +41,18 @@ REPLICATES = 200
 #: Blocks span so many correlation times, and a log holds at least so many blocks.
 CORRELATION_TIMES = 5.0
 FEWEST_BLOCKS = 20
-#: Parts of a log that are left out in turn.
-PARTS = 6
-#: Ratio of the variances by parts and by blocks that chance reaches in one log of twenty.
-BY_CHANCE = 2.2
+#: Groups of the jackknife: parts of the log that are left out in turn.
+GROUPS = 6
 
 
 @dataclass(frozen=True)
 class Spread:
-    """How far an estimate may be off.
+    """Uncertainty of an estimate.
 
     Attributes
     ----------
     standard_error : array of shape (9,)
-        Of block bootstrap and filter choice together.
+        Combined standard uncertainty of sampling and type B.
     low, high : arrays of shape (9,)
         Ends of the 95 % interval.
     """
@@ -63,21 +76,18 @@ def redraw(n: int, length: int, rng: np.random.Generator) -> np.ndarray[tuple[in
     return rows
 
 
-def jackknife(method: Method, regression: Regression, first: Estimate) -> Array:
-    """Variance of a method by leaving out a part of the log at a time, shape (9,).
-
-    What changes slowly, or in one part alone, moves this and no bootstrap of short blocks.
-    """
+def jackknife(method: Method, regression: Regression, first: Estimate) -> tuple[Array, int]:
+    """Variance by the delete-a-group jackknife, shape (9,), and its degrees of freedom."""
     n = regression.t.size
-    place = np.arange(n) * PARTS // n
-    found = []
-    for part in range(PARTS):
+    group = np.arange(n) * GROUPS // n
+    estimates = []
+    for k in range(GROUPS):
         with suppress(NoSolutionError):
-            found.append(method.repeat(regression.take(np.flatnonzero(place != part)), first))
-    if len(found) < 2:
-        return np.zeros(len(first.beta))
-    variance: Array = (len(found) - 1) * np.var(found, axis=0)
-    return variance
+            estimates.append(method.repeat(regression.take(np.flatnonzero(group != k)), first))
+    freedom = len(estimates) - 1
+    if freedom < 1:
+        return np.zeros(len(first.beta)), 1
+    return freedom * np.var(estimates, axis=0), freedom
 
 
 def bootstrap(
@@ -111,7 +121,7 @@ def bootstrap(
     Returns
     -------
     Spread
-        Student's t with one degree of freedom less than there are blocks.
+        Standard errors and intervals.
 
     Raises
     ------
@@ -128,22 +138,24 @@ def bootstrap(
         report(k + 1, replicates)
     if len(drawn) < max(replicates // 2, 2):
         raise NoSolutionError("most replicates of the bootstrap have no solution")
-    variance = np.var(drawn, axis=0, ddof=1)
-    slow = jackknife(method, regression, first)
-    variance = np.where(slow > BY_CHANCE * variance, slow, variance)
-    beyond, shrunk = np.zeros((2, len(beta)))
+    sampling = np.var(drawn, axis=0, ddof=1)
+    blocks = max(n // length - 1, 1)
+    slow, groups = jackknife(method, regression, first)
+    slower = slow > float(fisher.isf(CHANCE, groups, blocks)) * sampling
+    sampling = np.where(slower, slow, sampling)
+    type_b, beyond, attenuation = np.zeros((3, len(beta)))
     for name, other in as_good.items():
-        moved = [method.repeat(regression, first) - beta for regression in other.regressions]
-        square = other.weight * np.mean(np.square(moved), axis=0)
-        if name == SMEARED:  # a bias, no standard deviation
-            shrunk = square
-        elif name in BEYOND:  # different explanations of the same residual: the one that matters most counts
-            beyond = np.maximum(beyond, square)
+        shifts = [method.repeat(regression, first) - beta for regression in other.regressions]
+        square = other.weight * np.mean(np.square(shifts), axis=0)
+        if name == SMEARED:
+            attenuation = square
+        elif name in BEYOND:  # rival explanations of the same residual: the largest shift counts
+            beyond = np.maximum(beyond, square / 3.0)  # variance of a rectangular distribution up to that shift
         else:
-            variance += square
-    variance += beyond
+            type_b += square
+    type_b += beyond
     if method.unbiased is not None:
-        variance += (method.unbiased.estimate(regression).beta - beta) ** 2
-    error = np.sqrt(variance)
-    reach = np.sqrt((float(student.ppf(0.975, max(n // length - 1, 1))) * error) ** 2 + shrunk)
-    return Spread(error, beta - reach, beta + reach)
+        type_b += (method.unbiased.estimate(regression).beta - beta) ** 2
+    factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
+    reach = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
+    return Spread(np.sqrt(sampling + type_b), beta - reach, beta + reach)

@@ -54,7 +54,7 @@ def _made(moved: tuple[Array, Array, Array], beta: Array, steepness: float) -> A
 
 def columns_of_terms(log: Log, settings: FilterSettings, beta: Array, terms: Sequence[Term]) -> Array:
     """Columns of terms through the filters of the regressor, shape (2, n, k)."""
-    return columns_of(_made, log, settings, beta)[..., [TERMS.index(term.name) for term in terms]]
+    return columns_of([_made], log, settings, beta)[0][..., [TERMS.index(term.name) for term in terms]]
 
 
 def find_terms(log: Log, settings: FilterSettings, take: bool) -> tuple[Term, ...]:
@@ -75,7 +75,7 @@ def find_terms(log: Log, settings: FilterSettings, take: bool) -> tuple[Term, ..
         Those taken, and those that would take `HELPS`, in the order of `TERMS`; the load is that of least squares.
     """
     r = without_standstill(prepare(log, settings))
-    a, b = rows(r, columns_of(_made, log, settings, solve(r.y, r.tau)))
+    a, b = rows(r, columns_of([_made], log, settings, solve(r.y, r.tau))[0])
     able = [k for k in range(len(TERMS)) if np.any(a[..., len(NAMES) + k])]
 
     def judged(k: int, taken: Sequence[int]) -> Term:

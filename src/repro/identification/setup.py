@@ -104,7 +104,7 @@ def _columns(log: Log, settings: FilterSettings, beta: Array) -> Array:
         scaled[1, :, 0] = (regressor(*moved, steepness) @ beta)[1]
         return np.concatenate([zero_position(moved, beta, steepness), bias(moved, beta, steepness), scaled], axis=-1)
 
-    return columns_of(made, log, settings, beta)
+    return columns_of([made], log, settings, beta)[0]
 
 
 def _relative(regression: Regression, others: Array) -> float:

@@ -30,6 +30,8 @@ EITHER = {"arm.urdf", "arm.xml", "no-links.txt"}
 
 #: Sources of what every run uses, beside those of its methods.
 ALWAYS = ("cnn_identification",)
+#: Sources of the intervals.
+INTERVALS = ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "baranchik1970family", "cook1994simex")
 SOLVERS = {
     "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
     "parsimonious": ("diamond2016cvxpy", "goulart2024clarabel"),
@@ -116,7 +118,7 @@ def citations(result: Result) -> list[str]:
     for method in result.methods:
         keys += [method.citation, *SOLVERS.get(method.method, ())]
     if any(method.claims_intervals for method in result.methods):
-        keys.append("kunsch1989jackknife")
+        keys += INTERVALS
     if result.preparation.filter.startswith("Savitzky"):
         keys.append("savitzky1964smoothing")
     return list(dict.fromkeys(keys))

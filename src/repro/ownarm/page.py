@@ -17,6 +17,7 @@ from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.setup import friction, not_shown
+from repro.ownarm.words import ALLOWED
 from repro.render.markup import unit
 from repro.report.embed import Picture, environment, policy
 
@@ -69,6 +70,7 @@ def render_page(
             overlays=sum(name.startswith("overlay-") for name in figures),
             drawn=[method.title for key in drawn_methods(result) for method in result.methods if method.method == key],
             lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
+            allowed=ALLOWED,
             files=[(name, quote(name), FILES.get(name, "")) for name in files],
             largest_share=max(1.0, *result.excitation.share),
         )

@@ -2,6 +2,13 @@
 
 import math
 
+from repro.identification.alternatives import BEYOND
+
+#: What the intervals are valid for, in one sentence.
+ALLOWED = (
+    f"the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, {', '.join(BEYOND)}, "
+    "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
+)
 #: Half an interval over the estimate: up to this the parameter is known.
 KNOWN = 0.5
 
