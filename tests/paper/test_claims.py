@@ -254,6 +254,7 @@ def test_what_is_asserted_follows_the_rule(claims, published):
         by_kind = kinds[name.partition("@")[0]] in ("setting", "exact", "deterministic") and compared[name]
         expected = REPRODUCED if by_kind or name in (*ASSERTED, "section5a/loss") else ""
         assert row["asserted"] == (DIFFERS if name == CENTRAL else expected), name
+        assert row["must"] == (row["asserted"] == REPRODUCED)
     # Algorithm 1 itself, on the paper's arms and on the simulated one.
     assert {"abstract/numeric/total", CENTRAL} <= set(claims.index[claims["asserted"] != ""])
 

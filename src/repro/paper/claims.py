@@ -42,7 +42,7 @@ _OF_KIND = {SETTING: Basis.SETTING, "exact": Basis.ARITHMETIC, "deterministic": 
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "kind", "basis", "published", "ours", "difference", "tolerance",
-    "tolerance_from", "verdict", "asserted", "cause", "target", "note",
+    "tolerance_from", "verdict", "must", "asserted", "cause", "target", "note",
 )  # fmt: skip
 
 #: Where a tolerance comes from.
@@ -164,7 +164,8 @@ def judge(printed: PublishedValue, ours: Ours, others: Iterable[float] = ()) -> 
     basis = basis_of(printed, ours)
     row: dict[str, object] = {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
-        "kind": printed.kind, "basis": str(basis), "published": printed.printed, "asserted": ours.asserted,
+        "kind": printed.kind, "basis": str(basis), "published": printed.printed,
+        "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
         "cause": "", "target": ours.target, "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
     }  # fmt: skip
     if ours.value is None:
