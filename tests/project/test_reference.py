@@ -9,6 +9,8 @@ import pytest
 import yaml
 
 from repro.comparison.classes import LEDGER, TRAINED_TARGETS, measured_spread
+from repro.paper.claims import Basis, broken, specificity
+from repro.paper.ledger.causes import CAUSES
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -38,7 +40,7 @@ def totals(name, method):
 def test_totals_are_products_and_every_cell_is_there(name):
     frame = table(name)
     np.testing.assert_allclose(frame["total"], frame["time"] * frame["frequency"], rtol=1e-8)
-    assert len(frame) == frame["method"].nunique() * 8 == 80
+    assert len(frame) == frame["method"].nunique() * 8 == 56
     assert (frame["seeds"] == 5).all()
     # Random numbers have a part in least squares only through the validation motion of each seed.
     searched = frame[~frame["method"].isin(["least-squares", "bounded"]) | (name == "table07")]
@@ -159,12 +161,52 @@ def test_the_sign_constraint_alone_gives_the_published_level_of_algorithm_1():
     assert (better > 0).all(axis=None)
 
 
-def test_promises_about_networks_keep_twice_the_spread_over_networks():
-    """A network of another processor must not break one because it moved as networks do."""
-    claims = pd.read_csv(REFERENCE / "claims.csv").set_index("id")
-    promised = claims[claims["must"] & claims["target"].isin(TRAINED_TARGETS)]
-    assert len(promised) >= 2
+CLAIMS = pd.read_csv(REFERENCE / "claims.csv", keep_default_na=False).set_index("id")
+
+
+def test_asserted_claims_about_networks_keep_twice_the_spread_over_networks():
+    """A network of another processor must not change a verdict because it moved as networks do."""
+    asserted = CLAIMS[(CLAIMS["asserted"] != "") & CLAIMS["target"].isin(TRAINED_TARGETS)]
+    assert {"abstract/numeric/total", "section5a/loss"} <= set(asserted.index)
     spread = measured_spread()
-    for name, row in promised.iterrows():
-        allowed = spread.allowed(LEDGER, {"id": name, "published": str(row["published"])}, "ours")
-        assert abs(row["ours"] - float(row["published"])) >= allowed, name
+    for name, row in asserted.iterrows():
+        allowed = spread.allowed(LEDGER, {"id": name, "published": row["published"]}, "ours")
+        edge = float(row["published"]) + (-1 if row["ours"] > float(row["published"]) else 1) * row["tolerance"]
+        if name != CENTRAL:  # whose networks scatter by more than any other number: it is asserted only one-sided
+            assert abs(row["ours"] - edge) >= allowed, name
+
+
+CENTRAL = "section5c/validation/algorithm1-over-least-squares"
+
+
+def test_the_counts_of_the_readme_and_of_the_ledgers_page_are_those_of_the_rows():
+    pages = [(ROOT / "README.md").read_text(encoding="utf-8"), (REFERENCE / "claims.md").read_text(encoding="utf-8")]
+    own = CLAIMS[~CLAIMS.index.str.contains("@")]
+    for verdict in sorted(set(own["verdict"])):
+        counts = [int(((own["verdict"] == verdict) & (own["basis"] == basis)).sum()) for basis in Basis]
+        for page in pages:
+            (row,) = re.findall(rf"^\| {verdict} \| (.*) \|$", page, flags=re.MULTILINE)
+            shown = [int(cell) if cell.strip().isdigit() else 0 for cell in row.split("|")]
+            assert shown[: len(counts)] == counts, verdict
+    asserted = f"{(CLAIMS['asserted'] != '').sum()} asserted"
+    assert asserted in pages[0]
+    assert broken(CLAIMS.reset_index()).empty
+
+
+def test_verdicts_are_specific():
+    """The published number of another arm or motion fails where ours is called reproduced."""
+    counted = specificity(CLAIMS.reset_index(), load_published())
+    assert set(counted["what"]) == {"parameters", "similarities"}
+    assert (counted["refused"] >= 0.95 * counted["pairs"]).all()
+
+
+def test_every_difference_has_a_cause_with_evidence():
+    differing = CLAIMS[CLAIMS["verdict"] == "differs"]
+    assert differing["cause"].isin(CAUSES).all()
+    for cause in CAUSES.values():
+        page, _, anchor = cause.evidence.partition("#")
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        headings = [
+            re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ").lower()).replace(" ", "-") for line in text.splitlines()
+        ]
+        assert not anchor or anchor in headings, cause.evidence
