@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.feasibility import is_positive_definite
@@ -14,6 +15,9 @@ from repro.schema import Place, spelled, violation
 from repro.signals.programs import MEMORY_SAMPLES
 
 _ABSENT = object()
+
+#: What a file should be, for messages.
+CONFIGURATION = "a configuration file"
 
 #: Nearest that the circle of T2 comes to joint 1, over the arm's reach.
 NEAREST = 0.7
@@ -46,7 +50,7 @@ class _Sources:
 
     def __init__(self, config: Mapping[str, Any], files: Iterable[Path]) -> None:
         self._config = config
-        self._files = [(str(file), yaml.safe_load(Path(file).read_text(encoding="utf-8"))) for file in files]
+        self._files = [(str(file), read_yaml(Path(file), CONFIGURATION)) for file in files]
 
     def hold(self, place: Place) -> bool:
         """Whether there is a value."""

@@ -56,20 +56,6 @@ def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
     write_text(path, text)
 
 
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is not a JSON number")
-
-
-def read_json(path: Path) -> object:
-    """Read JSON."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a JSON file") from error
-    except ValueError as error:
-        raise InputError.at(str(path), f"text that is not JSON ({error})", "a JSON file") from error
-
-
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     """Read a CSV table and check that it has the columns asked for."""
     try:

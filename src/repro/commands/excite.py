@@ -99,7 +99,7 @@ def read_guess(given: list[str] | None) -> "Array | None":
     """Parameters that ``--guess`` states."""
     import numpy as np
 
-    from repro.files import read_json
+    from repro.documents import read_json
 
     if given is None:
         return None

@@ -39,7 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
 def upgrade(path: Path, config: dict[str, object], trajectory: str | None) -> str:
     """Write ``NAME.program`` and the new ``NAME.json`` of one capture; a line that says on what evidence."""
     from repro.commands.record import program_of
-    from repro.files import read_json, write_json
+    from repro.documents import read_json
+    from repro.files import write_json
     from repro.fpga.capture import check_bytes, decode_capture, files_of, write_bytes
     from repro.fpga.downlink import Gains, encode_program
     from repro.fpga.recorded import verify_control

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.documents import read_json
 from repro.errors import InputError
-from repro.files import read_json, write_json, write_whole
+from repro.files import write_json, write_whole
 from repro.fpga.about import About, Reason
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.parser import StreamParser

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from repro.documents import Loader, read_yaml
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
@@ -96,19 +96,8 @@ class Arm:
     file: str = "arm file"
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML with numbers such as 1e-3, and no key twice."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Build a mapping after checking that its keys are text and differ."""
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
-                raise yaml.YAMLError(f"a key that is not text in line {key.start_mark.line + 1}")
-            if key.value in seen:
-                raise yaml.YAMLError(f"the key {key.value!r} twice, again in line {key.start_mark.line + 1}")
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
+class _Loader(Loader):
+    """YAML with numbers such as 1e-3."""
 
 
 _Loader.add_implicit_resolver(_FLOAT, _EXPONENT, list("-+0123456789"))
@@ -134,7 +123,7 @@ def read_arm(path: Path | None) -> Arm:
     """
     if path is None:
         return Arm()
-    content = _load(path)
+    content = read_yaml(path, "an arm file", _Loader)
     schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
     if wrong := violation(content, schema):
         place, found, expected = wrong
@@ -155,25 +144,6 @@ def read_arm(path: Path | None) -> Arm:
             )
             raise InputError.at(f"{path}: zero.{joint}", zero, expected)
     return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
-
-
-def _load(path: Path) -> dict[str, Any]:
-    """Content of a YAML file; an empty one holds nothing."""
-    try:
-        # A subclass of SafeLoader, so no object is made but plain data.
-        content = yaml.load(path.read_text(encoding="utf-8-sig"), _Loader)
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "an arm file") from error
-    except RecursionError as error:
-        raise InputError.at(str(path), "lists within lists without end", "an arm file") from error
-    except (yaml.YAMLError, ValueError) as error:
-        found = f"text that is not YAML ({' '.join(str(error).split())})"
-        raise InputError.at(str(path), found, "an arm file in YAML, each key once") from error
-    if content is None:
-        return {}
-    if not isinstance(content, dict):
-        raise InputError.at(str(path), repr(content)[:60], "keys with values, such as 'gravity: 9.81'")
-    return content
 
 
 def _value(key: str, value: Any) -> Any:  # noqa: ANN401
