@@ -14,8 +14,8 @@ BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
 
 #: Text, place in the file, what was found.
 YAML = {
-    "alias bomb": (f"zero: &z [1]\n{BOMB}", "line 3", "*a0"),
-    "alias to itself": ("zero: &z [*z]\n", "line 1", "*z"),
+    "alias bomb": (f"zero: [1]\n{BOMB}", "", "aliases"),
+    "alias to itself": ("zero: &z [*z]\n", "line 1", "lists within lists"),
     "key twice": ("a: 1\nb: {c: 1,\n c: 2}\n", "line 3", "'c'"),
     "key twice in a list": ("- {q1: 1, q1: 2}\n", "line 1", "'q1'"),
     "number as key": ("training: {1: 2}\n", "line 1", "'1'"),
@@ -27,12 +27,12 @@ YAML = {
     "part of base of 60": ("steps: 1:30.5\n", "line 1", "'1:30.5'"),
     "octal": ("steps: 010\n", "line 1", "'010'"),
     "bad date": ("steps: 2020-99-99\n", None, "month"),
-    "deep": ("a: " + "[" * 20000, "line 1", "lists within lists"),
+    "deep": ("a: " + "[" * 20000, "", "lists within lists"),
     "deep sections": ("".join(f"{' ' * k}a:\n" for k in range(DEEPEST + 1)), None, "lists within lists"),
     "python object": ("a: !!python/name:os.system\n", None, "python/name"),
     "two documents": ("a: 1\n---\na: 2\n", None, "document"),
     "scalar": ("steps", None, "'steps'"),
-    "unknown anchor": ("a: *b\n", "line 1", "*b"),
+    "unknown anchor": ("a: *b\n", None, "undefined alias"),
     "tab": ("a:\n\tb: 1\n", None, "not YAML"),
     "control character": ("a: \0", None, "not YAML"),
     "large": ("a: " + "x" * LARGEST_YAML, "size", str(LARGEST_YAML + 3)),
@@ -80,6 +80,9 @@ def test_what_is_within_the_limits_is_read(tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text("a: [1, -20, 3.5, 1_000.5, true, ~]\nb: {c: text, d: {}}\n")
     assert read_yaml(path, "a file") == {"a": [1, -20, 3.5, 1000.5, True, None], "b": {"c": "text", "d": {}}}
+    path.write_text("position_limit: &r [[-1, 1], &s [-2, 2]]\nworkspace: [*s, *s]\nlast: *r\n")
+    content = read_yaml(path, "a file")
+    assert (content["workspace"], content["last"]) == ([[-2, 2], [-2, 2]], [[-1, 1], [-2, 2]])
     path.write_text("")
     assert read_yaml(path, "a file") == {}
     path.write_text("[" * DEEPEST + "]" * DEEPEST)

@@ -1,4 +1,4 @@
-"""YAML and JSON files that a user writes: limited in size, depth and digits, each key once, no aliases."""
+"""YAML and JSON files that a user writes: limited in size, depth and digits, each key once."""
 
 import json
 import re
@@ -14,6 +14,8 @@ from repro.errors import InputError
 LARGEST_YAML, LARGEST_JSON = 256 << 10, 2 << 20
 #: Most lists and sections within each other.
 DEEPEST = 50
+#: Most values of a YAML file with its aliases written out.
+MOST_VALUES = 300_000
 #: Most digits of an integer, so that it fits in 64 bits.
 MOST_DIGITS = 18
 
@@ -56,19 +58,24 @@ class Loader(yaml.SafeLoader):
 
     def __init__(self, text: str, name: str) -> None:
         super().__init__(text)
-        self.name, self._depth = name, 0
+        self.name, self._left = name, MOST_VALUES
 
-    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        """Build a node unless it is an alias or too deep."""
-        event = self.peek_event()  # type: ignore[no-untyped-call]
-        if isinstance(event, yaml.AliasEvent):
-            raise self._refused(event.start_mark, f"the alias *{event.anchor}", "the value itself")
-        if self._depth == DEEPEST:
-            raise self._refused(event.start_mark, *_TOO_DEEP)
-        self._depth += 1
-        node = super().compose_node(parent, index)
-        self._depth -= 1
+    def get_single_node(self) -> yaml.Node | None:
+        """Build the tree of the document after checking its size with every alias written out."""
+        node = super().get_single_node()
+        self._count(node, DEEPEST)
         return node
+
+    def _count(self, node: yaml.Node | None, levels: int) -> None:
+        self._left -= 1
+        if not levels and isinstance(node, yaml.CollectionNode):
+            raise self._refused(node.start_mark, *_TOO_DEEP)
+        if self._left < 0:
+            raise InputError.at(self.name, f"aliases that stand for more than {MOST_VALUES} values", "fewer")
+        if isinstance(node, yaml.CollectionNode):
+            for each in node.value:
+                for item in each if isinstance(each, tuple) else (each,):
+                    self._count(item, levels - 1)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Build a mapping after checking that its keys are text and differ."""
@@ -122,7 +129,7 @@ def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[
     Raises
     ------
     InputError
-        If the file cannot be read, is no YAML, exceeds a limit, has an alias or a key twice, or is not a mapping.
+        If the file cannot be read, is no YAML, exceeds a limit, has a key twice, or is not a mapping.
     """
     data = read_bytes(path, LARGEST_YAML, expected)
     try:
@@ -130,6 +137,8 @@ def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[
         content = loader(data.decode("utf-8-sig"), str(path)).get_single_data()
     except InputError:
         raise
+    except RecursionError as error:
+        raise InputError.at(str(path), *_TOO_DEEP) from error
     except (yaml.YAMLError, ValueError) as error:
         found = f"text that is not YAML ({' '.join(str(error).split())[:300]})"
         raise InputError.at(str(path), found, f"{expected} in YAML, each key once") from error

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import positive_integer, positive_seconds, whole_number
+from repro.commands.options import integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,30 +27,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"
     )
-    parser.add_argument("--duration", type=positive_seconds, default=20.0, help="of the motion, s (default: 20)")
+    parser.add_argument("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
     parser.add_argument(
-        "--harmonics", type=positive_integer, default=12, help="highest multiple of 1/duration in it (default: 12)"
+        "--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)"
     )
-    parser.add_argument("--rate", type=_positive, default=400.0, help="samples per second (default: 400, the board's)")
+    parser.add_argument(
+        "--rate",
+        type=number(1.0, 1e5, "a rate in Hz"),
+        default=400.0,
+        help="samples per second (default: 400, the board's)",
+    )
     parser.add_argument(
         "--noise",
         nargs=2,
-        type=_positive,
+        type=number(1e-9, 1e6, "a number"),
         default=(0.05, 0.05),
         metavar=("TAU1", "TAU2"),
         help="standard deviation of a sample of each torque, N m (default: 0.05 0.05)",
     )
-    parser.add_argument("--seed", type=whole_number, default=1, help="of the starts of the search (default: 1)")
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number above 0")
-    return value
+    parser.add_argument("--seed", type=seed, default=1, help="of the starts of the search (default: 1)")
 
 
 def run(arguments: argparse.Namespace) -> int:

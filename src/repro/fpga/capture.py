@@ -45,7 +45,7 @@ class Capture:
         Interruptions.
     counts : Counts
         What became of every byte.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why the recording ended early.
     """
 
@@ -89,7 +89,7 @@ def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = 
         As received.
     about : About
         What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
     place : str
         Name for messages.
@@ -121,7 +121,7 @@ def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", ov
         As received.
     about : About
         What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
     overwrite : bool
         Whether a capture that is there may be replaced.

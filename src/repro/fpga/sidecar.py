@@ -29,7 +29,7 @@ def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[s
         The recording.
     counts : Counts
         What the parser made of it.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
 
     Returns
