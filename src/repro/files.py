@@ -3,7 +3,8 @@
 import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,16 @@ def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def writing(place: Path | str) -> Iterator[None]:
+    """Report what cannot be written, such as a full disk, in one line."""
+    try:
+        yield
+    except OSError as error:
+        expected = "a place that can be written, with room"
+        raise InputError.at(str(place), error.strerror or str(error), expected) from error
 
 
 def write_text(path: Path | str, text: str) -> None:

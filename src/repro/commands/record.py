@@ -85,11 +85,13 @@ def read_program(path: Path) -> "Program":
     import numpy as np
     import pandas as pd
 
+    from repro.documents import read_bytes
     from repro.files import read_csv
     from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.signals.programs import Program
 
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
+    read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
     table = read_csv(path, ("q1_rad", "q2_rad"))
     for name in ("q1_rad", "q2_rad"):
         column = np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)

@@ -5,7 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from repro.commands.options import add_config, integer, seed
+from repro.commands.options import add_config, integer, number, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -71,10 +71,14 @@ def parse_faults(text: str) -> "FaultSettings":
         if name not in names or name in values:
             raise InputError.at("--faults", repr(part), f"each once: {', '.join(names)}, as in drop=1e-4,flip=1e-4")
         try:
-            values[name] = int(value) if name in ("stall_bytes", "disconnect_after") else float(value)
-        except ValueError as error:
+            values[name] = (
+                integer(0, 10**9)(value)
+                if name in ("stall_bytes", "disconnect_after")
+                else number(0.0, 1e6, "a number")(value)
+            )
+        except argparse.ArgumentTypeError as error:
             raise InputError.at(f"--faults: {name}", repr(value), "a number") from error
     try:
         return FaultSettings(**values)  # type: ignore[arg-type]
     except ValueError as error:
-        raise InputError(f"--faults: {error}") from error
+        raise InputError.at("--faults", text, str(error).rstrip(".")) from error

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.documents import read_json
+from repro.documents import read_bytes, read_json
 from repro.errors import InputError
 from repro.files import write_json, write_whole
 from repro.fpga.about import About, Reason
@@ -23,6 +23,8 @@ from repro.model.parameters import Array
 
 #: Suffix of the file that holds what the board was sent.
 PROGRAM = ".program"
+#: Largest file of a capture, bytes: the board's memory holds a motion of 64 KiB.
+LARGEST = 4 << 20
 
 
 @dataclass(frozen=True)
@@ -187,7 +189,7 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
     for each in files_of(path):
         if each.exists() and not overwrite:
-            raise InputError.at(str(each), "a file", "a new name, or leave to overwrite")
+            raise InputError.at(str(each), "a file", "a new name, or --overwrite")
 
 
 def read_capture(path: Path) -> Capture:
@@ -211,10 +213,10 @@ def read_capture(path: Path) -> Capture:
     if path.suffix != ".bin":
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
     _, sent, beside = files_of(path)
-    data = _read_bytes(path)
+    data = read_bytes(path, LARGEST, "a capture")
     content = check_sidecar(str(beside), read_json(beside))
     check_bytes(path, data, content)
-    program = _read_bytes(sent)
+    program = read_bytes(sent, LARGEST, "a capture")
     check_bytes(sent, program, content["program"])
     try:
         about = about_of(content, program)
@@ -225,13 +227,6 @@ def read_capture(path: Path) -> Capture:
         if content["counts"][name] != counted:
             raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
     return capture
-
-
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a capture") from error
 
 
 def check_bytes(path: Path, data: bytes, vouched: Mapping[str, Any]) -> None:

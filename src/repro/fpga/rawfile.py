@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from repro.errors import InputError
+from repro.files import writing
 from repro.fpga.receiver import most_bytes
 
 #: Room for the sidecar, bytes.
@@ -102,22 +103,17 @@ def raw_file(capture: Path, samples: int, program: int, overwrite: bool) -> Iter
     """
     folder = next(parent for parent in capture.absolute().parents if parent.exists())
     path = folder / f"{capture.name}.part"
-    try:
-        if overwrite:
-            path.unlink(missing_ok=True)
-        raw = RawFile(path, 2 * most_bytes(samples) + program + _SIDECAR)
-    except FileExistsError as error:
+    if path.exists() and not overwrite:
         expected = "none: move it away, or give --overwrite"
-        raise InputError.at(str(path), "bytes that an earlier recording left", expected) from error
-    except OSError as error:
-        raise InputError.at(str(capture), error.strerror or str(error), "a folder with room for a recording") from error
+        raise InputError.at(str(path), "bytes that an earlier recording left", expected)
+    with writing(capture):
+        path.unlink(missing_ok=True)
+        raw = RawFile(path, 2 * most_bytes(samples) + program + _SIDECAR)
     try:
-        yield raw
+        with writing(capture):
+            yield raw
     except InputError as error:
         raise InputError(f"{error}{raw.rescue()}") from error
-    except OSError as error:
-        line = InputError.at(str(capture), error.strerror or str(error), "a folder with room for a recording")
-        raise InputError(f"{line}{raw.rescue()}") from error
     except BaseException:
         raw.rescue()
         raise
