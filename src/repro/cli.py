@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from repro import __version__, contract
-from repro.commands import compare, decode, excite, identify, record, simulate, upgrade, verify
+from repro.commands import check, compare, decode, excite, identify, record, simulate, upgrade, verify
 from repro.errors import InputError
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
@@ -22,6 +22,7 @@ COMMANDS = {
     "upgrade": upgrade,
     "excite": excite,
     "identify": identify,
+    "check": check,
     "verify": verify,
     "compare": compare,
 }
