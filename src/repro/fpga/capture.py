@@ -17,7 +17,7 @@ from repro.files import write_json, write_whole
 from repro.fpga.about import About, Reason
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.parser import StreamParser
-from repro.fpga.sidecar import about_of, check_sidecar, sidecar
+from repro.fpga.sidecar import about_of, check_sidecar, check_sum, sidecar
 from repro.fpga.stream import Counts, Gap
 from repro.model.parameters import Array
 
@@ -226,6 +226,7 @@ def read_capture(path: Path) -> Capture:
     for name, counted in asdict(capture.counts).items():
         if content["counts"][name] != counted:
             raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
+    check_sum(str(beside), content)
     return capture
 
 
