@@ -11,7 +11,7 @@ import yaml
 from repro.errors import InputError
 
 #: Largest YAML and JSON file, bytes. YAML is read at about 50 kB/s.
-LARGEST_YAML, LARGEST_JSON = 256 << 10, 2 << 20
+LARGEST_YAML, LARGEST_JSON = 256 << 10, 512 << 10
 #: Most lists and sections within each other.
 DEEPEST = 50
 #: Most values of a YAML file with its aliases written out.

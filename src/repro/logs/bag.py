@@ -87,4 +87,4 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
         rows.append(row)
     header = tuple(dict.fromkeys(name for row in rows for name in row))
     cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
-    return Table(str(path), header, lambda: [cells], tuple(notes))
+    return Table(str(path), header, lambda: [cells], len(cells), tuple(notes))

@@ -26,18 +26,18 @@ def numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
             yield number, line.removesuffix("\n")
 
 
-def check_text(path: Path) -> None:
-    """Refuse a file that is missing, empty, too large, no UTF-8 text, or has no line ends."""
+def check_text(path: Path) -> int:
+    """Count the lines of a file; refuse one that is missing, empty, too large, no UTF-8 text, or has no line ends."""
     try:
         if not check_size(path, LARGEST, EXPECTED):
             raise InputError.at(str(path), "an empty file", EXPECTED)
         with path.open("rb") as file:
-            _check_blocks(str(path), iter(lambda: file.read(LONGEST_LINE), b""))
+            return _check_blocks(str(path), iter(lambda: file.read(LONGEST_LINE), b""))
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", EXPECTED) from error
 
 
-def _check_blocks(name: str, blocks: Iterator[bytes]) -> None:
+def _check_blocks(name: str, blocks: Iterator[bytes]) -> int:
     decoder, offset, lines, held = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
     for block in blocks:
         if not offset:
@@ -51,13 +51,14 @@ def _check_blocks(name: str, blocks: Iterator[bytes]) -> None:
             decoder.decode(block)
         except UnicodeDecodeError as error:
             raise _not_utf8(name, held + block, error, lines) from error
-        if len(block) == LONGEST_LINE and not {*b"\r\n"} & {*block}:
+        if len(block) == LONGEST_LINE and b"\n" not in block and b"\r" not in block:
             raise InputError.at(f"{name}: line {lines}", f"{LONGEST_LINE} bytes without a line end", EXPECTED)
         held, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
     try:
         decoder.decode(b"", final=True)
     except UnicodeDecodeError as error:
         raise _not_utf8(name, held, error, lines) from error
+    return lines
 
 
 def _not_utf8(name: str, data: bytes, error: UnicodeDecodeError, lines: int) -> InputError:

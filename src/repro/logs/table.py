@@ -41,6 +41,8 @@ class Table:
         Names of the columns.
     blocks : callable
         Gives the rows, some at a time.
+    size : int
+        Lines of the file.
     notes : tuple of str
         How it was read, where not as usual.
     """
@@ -48,6 +50,7 @@ class Table:
     file: str
     header: tuple[str, ...]
     blocks: Callable[[], Iterable[Rows]]
+    size: int
     notes: tuple[str, ...] = ()
 
     def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
@@ -77,7 +80,7 @@ class Table:
         lines: list[int] = []
         for rows in self.blocks():
             lines += [line for line, _ in rows]
-            if len(lines) > MOST_ROWS:
+            if len(lines) > MOST_ROWS or self.size > 2 * MOST_ROWS:  # half of the lines may be blank
                 expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
                 raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
             for column, index in zip(found, columns, strict=True):
@@ -156,7 +159,7 @@ def read_table(path: Path) -> Table:
         If the file is missing, unreadable, empty, too large, not text, has one column or too many, no header, no rows,
         a column twice, or rows of different length, or two characters may be the separator.
     """
-    check_text(path)
+    size = check_text(path)
     comment, lines = "", _filled(path)
     first = next(lines, None)
     while first and first[1].startswith("#"):
@@ -196,7 +199,7 @@ def read_table(path: Path) -> Table:
 
     next(blocks())  # rows of another length are a clearer fault than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
-    return Table(str(path), names, blocks, notes)
+    return Table(str(path), names, blocks, size, notes)
 
 
 def _filled(path: Path) -> Iterator[tuple[int, str]]:
