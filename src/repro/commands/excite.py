@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from repro.signals.trajectories import Motion
 
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
+#: Largest magnitude of a guess, in the units of the parameters.
+_LARGEST = 1e6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -110,8 +112,10 @@ def read_guess(given: list[str] | None) -> "Array | None":
         beta = np.array([float(number) for number in numbers])
     except (TypeError, ValueError):
         beta = np.empty(0)
-    if beta.shape != (9,) or not np.isfinite(beta).all():
-        raise InputError.at("--guess", " ".join(given), "parameters.json of repro identify, or nine numbers")
+    if beta.shape != (9,) or not (np.abs(beta) <= _LARGEST).all():
+        found = " ".join(given)[:200]
+        expected = f"parameters.json of repro identify, or nine numbers of at most {_LARGEST:g}"
+        raise InputError.at("--guess", found, expected)
     return beta
 
 

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ Pair = tuple[float, float]
 
 # YAML 1.1 takes 1e-3 for text, because it has no point.
 _EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
+#: Magnitudes beyond which no number of an arm is, and below which no limit is; their squares must not overflow.
+_LARGEST, _SMALLEST = 1e9, 1e-6
 _FLOAT = "tag:yaml.org,2002:float"
 
 
@@ -128,6 +130,11 @@ def read_arm(path: Path | None) -> Arm:
     if wrong := violation(content, schema):
         place, found, expected = wrong
         raise InputError.at(f"{path}: {spelled(place)}", found, expected)
+    for key, value in content.items():
+        least = _SMALLEST if key in ("speed_limit", "torque_limit") else 0.0
+        if any(not least <= abs(number) <= _LARGEST for number in _numbers(value)):
+            expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
+            raise InputError.at(f"{path}: {key}", repr(value)[:60], expected)
     columns = content.get("columns", {})
     for signal, header in columns.items():
         twin = next(other for other in columns if columns[other] == header)
@@ -137,6 +144,8 @@ def read_arm(path: Path | None) -> Arm:
         for row, (low, high) in enumerate(content.get(key, ())):
             if not low < high:
                 raise InputError.at(f"{path}: {key}[{row}]", [low, high], "the lower one first")
+            if high - low < _SMALLEST:
+                raise InputError.at(f"{path}: {key}[{row}]", [low, high], f"ends {_SMALLEST:g} and more apart")
     for joint, zero in enumerate(content.get("zero", ())):
         if abs(zero) > 2.0 * np.pi:
             expected = (
@@ -144,6 +153,15 @@ def read_arm(path: Path | None) -> Arm:
             )
             raise InputError.at(f"{path}: zero.{joint}", zero, expected)
     return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
+
+
+def _numbers(value: object) -> Iterator[float]:
+    """Numbers of a list and of the lists in it."""
+    if isinstance(value, list):
+        for item in value:
+            yield from _numbers(item)
+    elif isinstance(value, (int, float)):
+        yield value
 
 
 def _value(key: str, value: Any) -> Any:  # noqa: ANN401
