@@ -145,7 +145,7 @@ BAD = {
     "negative jitter": ("refinement: {jitter: -1.0e-4}", "refinement.jitter", "-0.0001", "at least 0"),
     "key of an earlier version": ("refinement: {spread_low: 0.1}", "refinement.spread_low", "unknown", "reach"),
     "NaN": ("signals: {filter_coefficient: .nan}", "signals.filter_coefficient", "nan", "finite"),
-    "infinity": ("signals: {duration_s: .inf}", "signals.duration_s", "inf", "finite"),
+    "infinity": ("signals: {duration_s: .inf}", "signals.duration_s", "inf", "at most 1000000000"),
     "infinite budget": ("training: {steps: .inf}", "training.steps", "inf", "integer"),
     "NaN in a list": (f"numeric: {{arms: {{N2: [{NINE}, .nan]}}}}", "numeric.arms.N2[8]", "nan", "finite"),
     "negative parameter": (f"numeric: {{arms: {{N2: [{NINE}, -1]}}}}", "numeric.arms.N2[8]", "-1", "more than 0"),
@@ -200,6 +200,16 @@ BAD = {
     "folder outside by a detour": ("figures: a/../../x", "figures", "a/../../x", "text"),
     "folder with a space": ("figures: my figures", "figures", "my figures", "text"),
     "folder without a name": ("figures: ''", "figures", "''", "text"),
+    "layer of a hundred million": ("network: {hidden: [100, 100000000]}", "network.hidden[1]", "100000000", "4096"),
+    "batch of a billion": ("training: {batch: 1000000000}", "training.batch", "1000000000", "at most 4096"),
+    "steps for ever": ("training: {steps: 100000000000000000}", "training.steps", "100000000000000000", "10000000"),
+    "parameter without end": (f"arm: {{parameters: [{NINE}, 1.0e+308]}}", "arm.parameters[8]", "1e+308", "1000000000"),
+    "results among the sources": ("results: src/mine", "results", "src/mine", "results/mine"),
+    "results over the reference": ("results: docs/reference", "results", "docs/reference", "results/mine"),
+    "results over the captures": ("results: data", "results", "data", "results/mine"),
+    "figures over the settings": ("figures: config", "figures", "config", "paper_figures/mine"),
+    "results of a tool": ("results: .snakemake/x", "results", ".snakemake/x", "results/mine"),
+    "one folder for both": ("results: out\nfigures: out", "results", "out", "two folders"),
 }
 
 
@@ -262,6 +272,25 @@ def test_a_missing_section_is_one_line_that_names_the_file(tmp_path, section):
         check_config(load(file), SCHEMA, [file])
     line = line_of(str(error.value))
     assert (line["file"], line["field"], line["found"]) == (str(file), section, "nothing")
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("training:\n  steps: 5\n  steps: 50\n", "line 3"),
+        ("training: {1: 2}\n", "line 1"),
+        ("training:\n  steps: 1:30\n", "line 2"),
+        (f"arm:\n  back_emf_nm_s_per_rad: 1{'0' * 400}\n", "line 2"),
+        (f"a: &a [x, x]\nb: &b {[['*a'] * 9] * 9}\n".replace("'", "") + "training: {steps: &c [*c]}\n", "line 3"),
+    ],
+    ids=["key twice", "key that is no text", "base of 60", "400 digits", "alias to itself"],
+)
+def test_what_yaml_would_accept_in_silence_is_refused(overlay, text, place):
+    """Snakemake's loader has accepted the file before it is checked."""
+    file = overlay(text)
+    with pytest.raises(InputError) as error:
+        check_config(load(BASE), SCHEMA, [BASE, file])
+    assert str(error.value).startswith(f"{file}: {place}: found ")
 
 
 def test_a_missing_key_is_named(tmp_path):

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from repro.documents import read_json
 from repro.errors import InputError
-from repro.files import read_csv, read_json, write_csv, write_json, write_text, write_whole
+from repro.files import read_csv, write_csv, write_json, write_text, write_whole
 
 
 class Interrupted(BaseException):

@@ -22,9 +22,7 @@ CPUS = 2
 SMOKE = ["--snakefile", str(ROOT / "Snakefile"), "--configfile", str(ROOT / "config" / "smoke.yaml")]
 SNAKEMAKE = [sys.executable, "-m", "snakemake", *SMOKE]
 LOCAL = [*SNAKEMAKE, "--cores", str(CPUS), "--", *sys.argv[1:]]
-# A Slurm without accounting is asked by squeue.
-ON_SLURM = [*SNAKEMAKE, "--workflow-profile", str(ROOT / "workflow" / "profiles" / "slurm")]
-ON_SLURM += ["--slurm-status-command", "squeue", "--", *sys.argv[1:]]
+ON_SLURM = [*SNAKEMAKE, "--workflow-profile", str(ROOT / "workflow" / "profiles" / "slurm"), "--", *sys.argv[1:]]
 KINDS = {".bin", ".program", ".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
 SECONDS = 600
 

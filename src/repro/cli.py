@@ -3,13 +3,17 @@
 import argparse
 import logging
 import os
+import re
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 from repro import __version__, contract
-from repro.commands import compare, decode, excite, identify, record, simulate, upgrade, verify
+from repro.commands import check, compare, decode, excite, identify, record, simulate, upgrade, verify
 from repro.errors import InputError
 
+#: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
+_UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 #: Subcommands in the order of a user's work.
 COMMANDS = {
     "simulate": simulate,
@@ -18,6 +22,7 @@ COMMANDS = {
     "upgrade": upgrade,
     "excite": excite,
     "identify": identify,
+    "check": check,
     "verify": verify,
     "compare": compare,
 }
@@ -36,6 +41,13 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand."""
+    for text in sys.argv[1:] if argv is None else argv:
+        if found := _UNWRITABLE.search(text):
+            print(
+                InputError.at(f"argument {text[:80]!r}", repr(found[0]), "text without control characters, in UTF-8"),
+                file=sys.stderr,
+            )
+            return 2
     arguments = parser().parse_args(argv)
     contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
@@ -43,12 +55,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         code: int = COMMANDS[arguments.command].run(arguments)
         sys.stdout.flush()
     except InputError as error:
-        print(error, file=sys.stderr)
+        print(" ".join(str(error).splitlines()), file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:
-        # Whoever read our output has seen enough; what is still buffered must not fail again at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+    except OSError as error:
+        with suppress(OSError):  # what is still buffered must not fail again at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):  # whoever read our output has seen enough
+            return 1
+        place = str(error.filename or "output")[:200]
+        print(InputError.at(place, error.strerror or str(error), "what can be read or written"), file=sys.stderr)
+        return 2
     return code

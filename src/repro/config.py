@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.feasibility import is_positive_definite
@@ -15,6 +16,11 @@ from repro.signals.programs import MEMORY_SAMPLES
 
 _ABSENT = object()
 
+#: What a file should be, for messages.
+CONFIGURATION = "a configuration file"
+
+#: Folders of the project that no run may write to; those that begin with a point belong to tools.
+_OWN = {"benchmarks", "build", "config", "data", "docs", "envs", "profiles", "src", "tests", "workflow"}
 #: Nearest that the circle of T2 comes to joint 1, over the arm's reach.
 NEAREST = 0.7
 #: Largest number that the board's memory holds.
@@ -46,7 +52,7 @@ class _Sources:
 
     def __init__(self, config: Mapping[str, Any], files: Iterable[Path]) -> None:
         self._config = config
-        self._files = [(str(file), yaml.safe_load(Path(file).read_text(encoding="utf-8"))) for file in files]
+        self._files = [(str(file), read_yaml(Path(file), CONFIGURATION)) for file in files]
 
     def hold(self, place: Place) -> bool:
         """Whether there is a value."""
@@ -92,10 +98,21 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
     if round(signals["duration_s"] / signals["sampling_period_s"]) <= signals["image_samples"]:
         expected = f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
         yield (("signals", "duration_s"), ("signals", "sampling_period_s")), expected
+    yield from _folder_contradictions(config)
     yield from _experiment_contradictions(config)
     if not 1 <= round(paper["train_share"] * paper["images"]) < paper["images"]:
         places = (("training", "paper", "images"), ("training", "paper", "train_share"))
         yield places, "at least one image to train with and one to test with"
+
+
+def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+    """Folders that a run would spoil."""
+    for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
+        top = config[key].split("/")[0]
+        if top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
+            yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
+    if config["results"] == config["figures"]:
+        yield (("results",), ("figures",)), "two folders"
 
 
 def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:

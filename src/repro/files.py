@@ -3,7 +3,8 @@
 import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,16 @@ def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
         temporary.unlink(missing_ok=True)
 
 
+@contextmanager
+def writing(place: Path | str) -> Iterator[None]:
+    """Report what cannot be written, such as a full disk, in one line."""
+    try:
+        yield
+    except OSError as error:
+        expected = "a place that can be written, with room"
+        raise InputError.at(str(place), error.strerror or str(error), expected) from error
+
+
 def write_text(path: Path | str, text: str) -> None:
     """Write UTF-8 text with Unix line ends."""
 
@@ -54,20 +65,6 @@ def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
     """Write a table without its index, numbers with ten significant digits."""
     text = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
     write_text(path, text)
-
-
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is not a JSON number")
-
-
-def read_json(path: Path) -> object:
-    """Read JSON."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a JSON file") from error
-    except ValueError as error:
-        raise InputError.at(str(path), f"text that is not JSON ({error})", "a JSON file") from error
 
 
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:

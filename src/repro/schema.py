@@ -26,9 +26,9 @@ def violation(content: object, schema: Mapping[str, Any]) -> tuple[Place, object
 
     What is expected is the schema's own description of the value, where it has one.
     """
-    found = list(_Validator(schema).iter_errors(content))
-    if found:
-        return _words(min(found, key=lambda error: [str(key) for key in error.absolute_path]), schema)
+    errors = _Validator(schema).iter_errors(content)  # one at a time: there may be millions
+    if first := min(errors, key=lambda error: [str(key) for key in error.absolute_path], default=None):
+        return _words(first, schema)
     return next(((place, value, "a finite number") for place, value in _infinite(content)), None)
 
 

@@ -193,7 +193,7 @@ def test_no_board_writes_nothing(tmp_path, capsys):
         ("drop", "--faults: drop: found '', expected a number"),
         ("drop=x", "--faults: drop: found 'x', expected a number"),
         ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
-        ("drop=2", "--faults: drop: a probability"),
+        ("drop=2", "--faults: found drop=2, expected drop: a probability"),
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
     ],
 )

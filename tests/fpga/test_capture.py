@@ -117,7 +117,7 @@ def change(*keys, to):
         (change("format", to=True), "format: found True, expected 2"),
         (change("source", to="real"), "source: found 'real', expected simulated or serial"),
         (change("source", to="serial"), "board: found"),
-        (change("sampling_period_s", to="2.5 ms"), "sampling_period_s: found '2.5 ms', expected a positive number"),
+        (change("sampling_period_s", to="2.5 ms"), "sampling_period_s: found '2.5 ms', expected 5e-05 to 0.2 s"),
         (change("samples_expected", to=400.0), "samples_expected: found 400.0, expected an integer"),
         (change("complete", to=False), "complete: found False, expected true if and only if"),
         (change("reason", to="tired"), "reason: found 'tired', expected one of"),
@@ -334,3 +334,32 @@ def test_constants_stand_in_both_units():
     capture = decode_capture(frames, about(desired))
     full = capture.about.control.torque_per_count * 1023
     np.testing.assert_allclose(full, CONTROL.full_torque)
+
+
+@pytest.mark.parametrize("host", [None, HOST])
+def test_every_flipped_bit_of_a_sidecar_is_refused_or_changes_nothing(stored, tmp_path, host):
+    path = tmp_path / "other" / "T4.bin"
+    write_capture(path, FRAMES, about(DESIRED, {"ripple_cycles": 17.0, "name": "simulated"}, host))
+    sidecar = path.with_suffix(".json")
+    whole = sidecar.read_bytes()
+    before = read_capture(path).about
+    refused = 0
+    for k in np.random.default_rng(4).choice(8 * len(whole), 150, replace=False):
+        damaged = bytearray(whole)
+        damaged[k // 8] ^= 1 << (k % 8)
+        sidecar.write_bytes(damaged)
+        try:
+            assert read_capture(path).about == before  # a blank became another one
+        except InputError as error:
+            assert "\n" not in str(error)
+            refused += 1
+    assert refused > 100
+
+
+@pytest.mark.parametrize("period", [1e-300, 4e-5, 0.21, 1e300])
+def test_a_period_that_no_arm_is_sampled_with_is_refused(stored, period):
+    path = stored.with_suffix(".json")
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "sampling_period_s": period}))
+    with pytest.raises(InputError, match="sampling_period_s: found"):
+        read_capture(stored)

@@ -3,7 +3,7 @@
 import pytest
 from fake_board import frames_of
 
-from repro.fpga.receiver import Receiver
+from repro.fpga.receiver import Receiver, most_bytes
 
 _, FRAMES = frames_of(200)
 
@@ -80,3 +80,32 @@ def test_a_byte_too_many_does_not_cut_off_the_last_frame():
 @pytest.mark.parametrize("last", [b"", FRAMES[1592:-1], bytes(8)])
 def test_without_the_last_sample_it_is_incomplete(last):
     assert receive(FRAMES[:1592] + last)[1] == "silent"
+
+
+class Ticking:
+    """A port that gives the same bytes at each look, and its clock, which a look advances."""
+
+    def __init__(self, piece, seconds):
+        self.piece, self.seconds, self.now = piece, seconds, 0.0
+
+    def read(self, size):
+        self.now += self.seconds
+        return self.piece
+
+    def clock(self):
+        return self.now
+
+
+@pytest.mark.parametrize(
+    ("piece", "seconds"), [(b"\xa5", 1.0), (b"\x11", 1e-3), (bytes(1 << 16), 1e-6)], ids=["slow", "garbage", "flood"]
+)
+def test_a_device_that_sends_no_frame_ends_a_recording(piece, seconds):
+    line, kept = Ticking(piece, seconds), []
+    receiver = Receiver(200, 2.0, line.clock, kept.append)
+    receiver.run(line, lambda done, total: None)
+    assert receiver.close() == "overrun"
+    assert receiver.good == 0
+    assert line.now < 15.0  # a motion of 0.5 s
+    assert len(receiver.data) <= most_bytes(200)
+    assert b"".join(kept) == receiver.data
+    assert receiver.data

@@ -82,11 +82,15 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("delay: 5\n", "delay: found 5, expected a number from -1 to 1, s, or auto"),
         ("name: ''\n", "name: found '', expected text"),
         ("name: 7\n", "name: found 7, expected text"),
-        ("gravity: 9.8\ngravity: 9.9\n", "the key 'gravity' twice, again in line 2"),
-        ("7: a\n", "found text that is not YAML (a key that is not text in line 1)"),
+        ("gravity: 9.8\ngravity: 9.9\n", "line 2: found the key 'gravity' twice, expected"),
+        ("7: a\n", "line 1: found the key '7', expected text as key"),
         ("gravity: [\n", "found text that is not YAML"),
         ("- 1\n", "found [1], expected keys with values"),
-        ("a: " + "[" * 5000, "expected an arm file"),
+        ("torque_scale: [1, 1e308]\n", "torque_scale: found [1, 1e+308], expected magnitudes"),
+        ("speed_limit: [1e-300, 6]\n", "speed_limit: found [1e-300, 6], expected magnitudes"),
+        ("position_limit: [[0, 1e-300], [0, 1]]\n", "position_limit[0]: found [0, 1e-300], expected ends"),
+        ("a: " + "[" * 5000, "found lists within lists"),
+        (f"gravity: 1{'0' * 400}\n", "line 1: found '1000"),
     ],
 )
 def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, told):

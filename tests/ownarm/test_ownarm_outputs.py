@@ -264,3 +264,25 @@ def test_every_source_that_is_cited_exists(name, filter_name):
         assert (source in keys) == claims
     assert ("savitzky1964smoothing" in keys) == filter_name.startswith("Savitzky")
     assert bibtex(keys).count("@") == len(keys)
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_a_folder_of_the_user_next_to_the_result_is_kept(tmp_path):
+    (tmp_path / ".out.partial").mkdir()
+    (tmp_path / ".out.partial" / "notes.txt").write_text("mine")
+    check_folder(tmp_path / "out", overwrite=False)
+    write_all(tmp_path / "out", *example(), ARM)
+    assert (tmp_path / ".out.partial" / "notes.txt").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.partial", "out"]
+
+
+@pytest.mark.usefixtures("small_figures")
+@pytest.mark.parametrize("name", ["=1+1.csv", "+1.csv", "-1.csv", "@a.csv"])
+def test_the_name_of_a_log_is_no_formula_in_a_table(tmp_path, name):
+    result, curves = example()
+    methods = tuple(replace(m, fit=replace(m.fit, log=name)) for m in result.methods)
+    signals = tuple(replace(s, name=name) for s in curves.signals)
+    write_all(tmp_path / "out", replace(result, methods=methods), replace(curves, signals=signals), ARM)
+    scores = pd.read_csv(tmp_path / "out" / "scores.csv")
+    assert set(scores.log[scores.part == "fit"]) == {f"'{name}"}
+    assert set(pd.read_csv(tmp_path / "out" / "residuals.csv").log) == {f"'{name}"}

@@ -10,7 +10,8 @@ import yaml
 
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.config import check_config
-from repro.files import read_csv, read_json
+from repro.documents import read_json
+from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.pipeline.ablation import run_reading, train_reading
 from repro.pipeline.experiment import true_parameters

@@ -12,6 +12,32 @@ from repro.pipeline import alive
 from repro.pipeline.alive import RUN, begin_run, join_run
 
 SRC = Path(__file__).resolve().parents[2] / "src"
+INTERRUPTED = """
+import os, signal, subprocess, sys, time
+from pathlib import Path
+from repro.pipeline.alive import begin_run
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background ignores it
+begin_run(Path(sys.argv[1]), os.environ)
+job = subprocess.Popen([sys.executable, "-c", sys.argv[2]], stdout=subprocess.PIPE, start_new_session=True)
+job.stdout.readline()  # it has signed in
+print("ready", flush=True)
+try:
+    time.sleep(60)
+except KeyboardInterrupt:
+    pass
+began = time.monotonic()
+print(job.wait(), time.monotonic() - began)
+"""
+LONG_JOB = """
+import os, sys, time
+from repro.pipeline.alive import join_run
+join_run(os.environ)
+print("in", flush=True)
+try:
+    time.sleep(60)
+except KeyboardInterrupt:
+    sys.exit(7)
+"""
 RUNNING = """
 import os, sys
 from pathlib import Path
@@ -238,3 +264,17 @@ def test_what_another_program_left_is_no_run(state):
     (state / "runs" / "notes").touch()
     begin(state)
     assert locked(state)
+
+
+def test_one_interrupt_of_the_run_alone_ends_its_jobs(tmp_path):
+    """Snakemake waits for its jobs, and a signal to one process does not reach them."""
+    command = [sys.executable, "-c", INTERRUPTED, str(tmp_path), LONG_JOB]
+    environment = {**os.environ, "PYTHONPATH": str(SRC)}
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+    assert run.stdout.readline() == "ready\n"
+    run.send_signal(signal.SIGINT)
+    output, _ = run.communicate(timeout=30)
+    code, seconds = output.split()
+    assert code == "7"
+    assert float(seconds) < 15.0
+    assert not list((tmp_path / "runs").iterdir())

@@ -20,20 +20,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check, decode, tell, and write the table if asked."""
-    from repro.files import CSV_FLOAT_FORMAT, write_csv
-    from repro.fpga.capture import read_capture
+    from repro.files import CSV_FLOAT_FORMAT, write_csv, writing
+    from repro.fpga.capture import files_of, read_capture
     from repro.fpga.recorded import to_table
 
     out = arguments.out
-    if out not in (None, "-") and Path(out).exists() and not arguments.overwrite:
-        raise InputError.at(out, "a file", "a new name, or --overwrite")
+    if out not in (None, "-") and Path(out).exists():
+        if not arguments.overwrite:
+            raise InputError.at(out, "a file", "a new name, or --overwrite")
+        if any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
+            raise InputError.at(out, "a file of the capture itself", "another name")
     capture = read_capture(arguments.file)
     if out == "-":
         print(summary(capture), file=sys.stderr)
         to_table(capture).to_csv(sys.stdout, index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
         return 0
     if out is not None:
-        write_csv(Path(out), to_table(capture))
+        with writing(out):
+            write_csv(Path(out), to_table(capture))
     print(summary(capture))
     return 0
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import positive_integer, positive_seconds, whole_number
+from repro.commands.options import integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from repro.signals.trajectories import Motion
 
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
+#: Largest magnitude of a guess, in the units of the parameters.
+_LARGEST = 1e6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,30 +29,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"
     )
-    parser.add_argument("--duration", type=positive_seconds, default=20.0, help="of the motion, s (default: 20)")
+    parser.add_argument("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
     parser.add_argument(
-        "--harmonics", type=positive_integer, default=12, help="highest multiple of 1/duration in it (default: 12)"
+        "--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)"
     )
-    parser.add_argument("--rate", type=_positive, default=400.0, help="samples per second (default: 400, the board's)")
+    parser.add_argument(
+        "--rate",
+        type=number(1.0, 1e5, "a rate in Hz"),
+        default=400.0,
+        help="samples per second (default: 400, the board's)",
+    )
     parser.add_argument(
         "--noise",
         nargs=2,
-        type=_positive,
+        type=number(1e-9, 1e6, "a number"),
         default=(0.05, 0.05),
         metavar=("TAU1", "TAU2"),
         help="standard deviation of a sample of each torque, N m (default: 0.05 0.05)",
     )
-    parser.add_argument("--seed", type=whole_number, default=1, help="of the starts of the search (default: 1)")
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number above 0")
-    return value
+    parser.add_argument("--seed", type=seed, default=1, help="of the starts of the search (default: 1)")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -99,7 +96,7 @@ def read_guess(given: list[str] | None) -> "Array | None":
     """Parameters that ``--guess`` states."""
     import numpy as np
 
-    from repro.files import read_json
+    from repro.documents import read_json
 
     if given is None:
         return None
@@ -115,8 +112,10 @@ def read_guess(given: list[str] | None) -> "Array | None":
         beta = np.array([float(number) for number in numbers])
     except (TypeError, ValueError):
         beta = np.empty(0)
-    if beta.shape != (9,) or not np.isfinite(beta).all():
-        raise InputError.at("--guess", " ".join(given), "parameters.json of repro identify, or nine numbers")
+    if beta.shape != (9,) or not (np.abs(beta) <= _LARGEST).all():
+        found = " ".join(given)[:200]
+        expected = f"parameters.json of repro identify, or nine numbers of at most {_LARGEST:g}"
+        raise InputError.at("--guess", found, expected)
     return beta
 
 

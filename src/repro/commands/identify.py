@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from repro.commands.options import add_config, positive_integer, whole_number
+from repro.commands.options import add_config, integer, number, seed
 from repro.errors import InputError
 from repro.identification.methods.names import NETWORKS, names
 
@@ -45,8 +45,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", required=True, type=Path, help="folder for parameters, report and exports")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
     parser.add_argument("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
-    parser.add_argument("--cutoff", type=_hertz, help="cut-off in Hz (default: chosen from the log)")
-    parser.add_argument("--seed", type=whole_number, default=1, help="of standard errors and search (default: 1)")
+    parser.add_argument(
+        "--cutoff", type=number(0.1, 1000.0, "a frequency in Hz"), help="cut-off in Hz (default: chosen from the log)"
+    )
+    parser.add_argument("--seed", type=seed, default=1, help="of standard errors and search (default: 1)")
     parser.add_argument(
         "--self-test",
         action="store_true",
@@ -56,10 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--friction", action="store_true", help="take out friction beyond Eq. 1 where the log asks for it"
     )
     parser.add_argument(
-        "--steps", type=positive_integer, default=1500, help="training steps of the CNN (default: 1500)"
+        "--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)"
     )
     parser.add_argument(
-        "--threads", type=positive_integer, help="no effect: the CNN uses one thread, so that the seed determines it"
+        "--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it"
     )
     parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")
     parser.add_argument(
@@ -72,16 +74,6 @@ def _cache() -> Path:
     """Folder for trained networks, of the user's choice by XDG_CACHE_HOME."""
     home = os.environ.get("XDG_CACHE_HOME")
     return (Path(home) if home else Path("~/.cache")) / "repro"
-
-
-def _hertz(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.1 <= value < 1e3:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a frequency of 0.1 to 1000 Hz")
-    return value
 
 
 def run(arguments: argparse.Namespace) -> int:

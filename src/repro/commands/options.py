@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 DEFAULT_CONFIG = Path("config/config.yaml")
@@ -14,26 +15,32 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def whole_number(text: str) -> int:
-    """Read an integer, 0 or more."""
-    if not (text.isascii() and text.isdigit()):
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number, 0 or more")
-    return int(text)
+def integer(low: int, high: int) -> Callable[[str], int]:
+    """Type of an option that is an integer within a range."""
+
+    def read(text: str) -> int:
+        digits = text.isascii() and text.isdigit() and len(text) <= len(str(high))
+        if not (digits and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"found {text[:40]!r}, expected a whole number from {low} to {high}")
+        return int(text)
+
+    return read
 
 
-def positive_integer(text: str) -> int:
-    """Read an integer, 1 or more."""
-    if whole_number(text) == 0:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number, 1 or more")
-    return int(text)
+def number(low: float, high: float, what: str) -> Callable[[str], float]:
+    """Type of an option that is a number within a range."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not (text.isascii() and low <= value <= high):
+            raise argparse.ArgumentTypeError(f"found {text[:40]!r}, expected {what} of {low:g} to {high:g}")
+        return value
+
+    return read
 
 
-def positive_seconds(text: str) -> float:
-    """Read a time of at least 0.1 s."""
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0.1 <= seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a time of 0.1 s or more")
-    return seconds
+seed = integer(0, 2**32 - 1)
+seconds = number(0.1, 3600.0, "a time in s")

@@ -6,11 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import add_config, positive_integer, positive_seconds
+from repro.commands.options import add_config, integer, seconds
 from repro.errors import InputError
 
 if TYPE_CHECKING:
     from repro.signals.programs import Program
+
+#: URLs of pyserial behind which a board can be.
+_URLS = ("socket://", "rfc2217://")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,9 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written beside it"
     )
-    parser.add_argument("--baud", type=positive_integer, help="bits per second (default: experiment.baud)")
+    parser.add_argument("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
     parser.add_argument(
-        "--timeout", type=positive_seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
+        "--timeout", type=seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
     )
     parser.add_argument("--overwrite", action="store_true", help="replace a capture that is there")
     add_config(parser)
@@ -37,6 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.commands.decode import summary
     from repro.fpga.capture import check_target, write_capture
     from repro.fpga.link import LinkSettings, record
+    from repro.fpga.rawfile import raw_file
     from repro.pipeline.experiment import control_constants, describe, download, load_config
 
     check_target(arguments.out, arguments.overwrite)
@@ -47,9 +51,14 @@ def run(arguments: argparse.Namespace) -> int:
     defaults = config["experiment"]
     port = defaults["port"] if arguments.port is None else arguments.port
     baud = defaults["baud"] if arguments.baud is None else arguments.baud
-    recording = record(port, load, start, program.q.shape[1], LinkSettings(baud, arguments.timeout))
-    about = describe(program, control, recording.board, recording.host)
-    capture = write_capture(arguments.out, recording.data, about, recording.reason, arguments.overwrite)
+    if "://" in port and not port.startswith(_URLS):
+        raise InputError.at("--port", repr(port), f"a device, or a URL that begins with {' or '.join(_URLS)}")
+    n = program.q.shape[1]
+    with raw_file(arguments.out, n, len(load), arguments.overwrite) as raw:
+        recording = record(port, load, start, n, LinkSettings(baud, arguments.timeout), raw.add)
+        raw.close()
+        about = describe(program, control, recording.board, recording.host)
+        capture = write_capture(arguments.out, recording.data, about, recording.reason, arguments.overwrite)
     print(summary(capture))
     if capture.complete:
         return 0
@@ -76,17 +85,24 @@ def read_program(path: Path) -> "Program":
     import numpy as np
     import pandas as pd
 
+    from repro.documents import read_bytes
     from repro.files import read_csv
-    from repro.fpga.frames import SAMPLING_PERIOD
+    from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.signals.programs import Program
 
+    largest, columns = 2**15 * RADIANS_PER_COUNT, []
+    read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
     table = read_csv(path, ("q1_rad", "q2_rad"))
-    columns = []
     for name in ("q1_rad", "q2_rad"):
         column = np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
         for row in np.flatnonzero(~np.isfinite(column)):
-            raise InputError.at(f"{path}: row {row + 1}, {name}", repr(table[name].iloc[row]), "a finite number")
+            cell = table[name].iloc[row]
+            found = repr(cell[:40]) if isinstance(cell, str) else str(cell)
+            raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
+        for row in np.flatnonzero(np.abs(column) > largest):
+            expected = f"at most {largest:.4g} rad, which the encoder counts up to"
+            raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.4g} rad", expected)
         columns.append(column)
-    if not len(table):
-        raise InputError.at(str(path), "no rows", "a motion of at least one")
+    if len(table) < 2:
+        raise InputError.at(str(path), f"{len(table) or 'no'} rows", "a motion of at least two")
     return Program(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)

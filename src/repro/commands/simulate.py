@@ -5,7 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from repro.commands.options import add_config, whole_number
+from repro.commands.options import add_config, integer, number, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,10 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
     parser.add_argument("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
     parser.add_argument("--host", default="127.0.0.1", help="with socket: address to listen on (default: 127.0.0.1)")
-    parser.add_argument("--port-number", type=whole_number, default=0, help="with socket: 0 takes a free one (default)")
+    parser.add_argument(
+        "--port-number", type=integer(0, 65535), default=0, help="with socket: 0 takes a free one (default)"
+    )
     parser.add_argument("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
     parser.add_argument("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
-    parser.add_argument("--seed", type=whole_number, help="of arm and faults (default: experiment.seed)")
+    parser.add_argument("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
     parser.add_argument("--once", action="store_true", help="end after the first motion, when its host has gone")
     add_config(parser)
 
@@ -69,10 +71,14 @@ def parse_faults(text: str) -> "FaultSettings":
         if name not in names or name in values:
             raise InputError.at("--faults", repr(part), f"each once: {', '.join(names)}, as in drop=1e-4,flip=1e-4")
         try:
-            values[name] = int(value) if name in ("stall_bytes", "disconnect_after") else float(value)
-        except ValueError as error:
+            values[name] = (
+                integer(0, 10**9)(value)
+                if name in ("stall_bytes", "disconnect_after")
+                else number(0.0, 1e6, "a number")(value)
+            )
+        except argparse.ArgumentTypeError as error:
             raise InputError.at(f"--faults: {name}", repr(value), "a number") from error
     try:
         return FaultSettings(**values)  # type: ignore[arg-type]
     except ValueError as error:
-        raise InputError(f"--faults: {error}") from error
+        raise InputError.at("--faults", text, str(error).rstrip(".")) from error

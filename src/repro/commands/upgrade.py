@@ -39,8 +39,9 @@ def run(arguments: argparse.Namespace) -> int:
 def upgrade(path: Path, config: dict[str, object], trajectory: str | None) -> str:
     """Write ``NAME.program`` and the new ``NAME.json`` of one capture; a line that says on what evidence."""
     from repro.commands.record import program_of
-    from repro.files import read_json, write_json
-    from repro.fpga.capture import check_bytes, decode_capture, files_of, write_bytes
+    from repro.documents import read_bytes, read_json
+    from repro.files import write_json, writing
+    from repro.fpga.capture import LARGEST, check_bytes, decode_capture, files_of, write_bytes
     from repro.fpga.downlink import Gains, encode_program
     from repro.fpga.recorded import verify_control
     from repro.fpga.sidecar import FORMAT, WITHOUT_PROGRAM, about_of, check_sidecar
@@ -51,7 +52,7 @@ def upgrade(path: Path, config: dict[str, object], trajectory: str | None) -> st
         check_sidecar(str(beside), old)
         return f"{path}: has what was sent already"
     try:
-        data = data_file.read_bytes()
+        data = read_bytes(data_file, LARGEST, "a capture")
         check_bytes(data_file, data, old)
         program = program_of(config, trajectory or old["motion"])
         digest = hashlib.sha256(program.q.T.astype(">f4").tobytes()).hexdigest()
@@ -83,7 +84,8 @@ def upgrade(path: Path, config: dict[str, object], trajectory: str | None) -> st
             f"a recording of another {capture.about.motion}: {check.agree} of {check.checked} torques follow from it",
             "the configuration it was recorded with (--config), or its table (--trajectory)",
         )
-    write_bytes(sent, download)
-    write_json(beside, content)
+    with writing(path):
+        write_bytes(sent, download)
+        write_json(beside, content)
     apart = "the hash of the motion sent" if same else "motion computed again, its last bits apart"
     return f"{path}: upgraded, {apart}; the control law confirms {check.agree} of {check.checked} torques"

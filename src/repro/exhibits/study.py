@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 
 from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.documents import read_json
 from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
-from repro.files import read_csv, read_json
+from repro.files import read_csv
 from repro.identification.registry import OPPONENTS
 from repro.pipeline.both_metrics import both_metrics
 from repro.pipeline.effects import cell_means, effects

@@ -9,9 +9,9 @@ from repro.fpga.controller import ControlConstants
 from repro.fpga.downlink import SingleArray, parse_program
 
 #: Why a recording ended early; empty if it did not.
-REASONS: Final = ("", "silent", "disconnected", "interrupted")
+REASONS: Final = ("", "silent", "disconnected", "interrupted", "overrun")
 
-Reason = Literal["", "silent", "disconnected", "interrupted"]
+Reason = Literal["", "silent", "disconnected", "interrupted", "overrun"]
 
 
 @dataclass(frozen=True)

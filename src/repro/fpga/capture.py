@@ -11,17 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.documents import read_bytes, read_json
 from repro.errors import InputError
-from repro.files import read_json, write_json, write_whole
+from repro.files import write_json, write_whole
 from repro.fpga.about import About, Reason
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.parser import StreamParser
-from repro.fpga.sidecar import about_of, check_sidecar, sidecar
+from repro.fpga.sidecar import about_of, check_sidecar, check_sum, sidecar
 from repro.fpga.stream import Counts, Gap
 from repro.model.parameters import Array
 
 #: Suffix of the file that holds what the board was sent.
 PROGRAM = ".program"
+#: Largest file of a capture, bytes: the board's memory holds a motion of 64 KiB.
+LARGEST = 4 << 20
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Capture:
         Interruptions.
     counts : Counts
         What became of every byte.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why the recording ended early.
     """
 
@@ -88,7 +91,7 @@ def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = 
         As received.
     about : About
         What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
     place : str
         Name for messages.
@@ -120,7 +123,7 @@ def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", ov
         As received.
     about : About
         What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
     overwrite : bool
         Whether a capture that is there may be replaced.
@@ -186,7 +189,7 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
     for each in files_of(path):
         if each.exists() and not overwrite:
-            raise InputError.at(str(each), "a file", "a new name, or leave to overwrite")
+            raise InputError.at(str(each), "a file", "a new name, or --overwrite")
 
 
 def read_capture(path: Path) -> Capture:
@@ -210,10 +213,10 @@ def read_capture(path: Path) -> Capture:
     if path.suffix != ".bin":
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
     _, sent, beside = files_of(path)
-    data = _read_bytes(path)
+    data = read_bytes(path, LARGEST, "a capture")
     content = check_sidecar(str(beside), read_json(beside))
     check_bytes(path, data, content)
-    program = _read_bytes(sent)
+    program = read_bytes(sent, LARGEST, "a capture")
     check_bytes(sent, program, content["program"])
     try:
         about = about_of(content, program)
@@ -223,14 +226,8 @@ def read_capture(path: Path) -> Capture:
     for name, counted in asdict(capture.counts).items():
         if content["counts"][name] != counted:
             raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
+    check_sum(str(beside), content)
     return capture
-
-
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a capture") from error
 
 
 def check_bytes(path: Path, data: bytes, vouched: Mapping[str, Any]) -> None:

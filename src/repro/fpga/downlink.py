@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from repro.documents import parse_json
 from repro.fpga.messages import BLOCK_SAMPLES, Message, MessageDecoder, MessageKind, encode_message
 from repro.signals.programs import MEMORY_SAMPLES
 
@@ -215,16 +216,12 @@ def parse_identity(message: Message) -> dict[str, Any]:
     """What the board says of itself; ValueError if it is another message or not one JSON object."""
     _check_kind(message, MessageKind.IDENTITY)
     try:
-        identity = json.loads(message.payload, parse_constant=_refuse_constant)
+        identity = parse_json(message.payload.decode(), "identity")
     except ValueError as error:
         raise ValueError(f"identity: must be UTF-8 JSON ({error}).") from error
     if not isinstance(identity, dict):
         raise ValueError(f"identity: must be a JSON object, got {type(identity).__name__}.")
     return identity
-
-
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is not a JSON number")
 
 
 def _check_kind(message: Message, kind: MessageKind) -> None:

@@ -6,7 +6,7 @@ which of them it has.
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -49,8 +49,8 @@ class LinkSettings:
         """Refuse settings that cannot work."""
         if self.baud < 1:
             raise ValueError(f"baud: must be positive, got {self.baud}.")
-        if not self.silence > QUIET:
-            raise ValueError(f"silence: must be more than {QUIET} s, got {self.silence}.")
+        if not self.silence >= QUIET:
+            raise ValueError(f"silence: must be {QUIET} s or more, got {self.silence}.")
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Recording:
         As received since the start.
     board : mapping or None
         How a simulated board described itself; None for real hardware, which is silent.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why the recording ended before all samples had come.
     host : Host
         The host's end of the link.
@@ -75,10 +75,18 @@ class Recording:
     host: Host
 
 
-def record(port: str, download: bytes, start: bytes, samples: int, settings: LinkSettings | None = None) -> Recording:
+def record(
+    port: str,
+    download: bytes,
+    start: bytes,
+    samples: int,
+    settings: LinkSettings | None = None,
+    keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
+) -> Recording:
     """Record one motion.
 
-    Unplugging, silence and Ctrl-C end a recording early: the arm is told to stop, and what arrived is kept.
+    Unplugging, silence, Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the arm is
+    sent the command to stop, and what arrived is kept.
 
     Parameters
     ----------
@@ -92,6 +100,8 @@ def record(port: str, download: bytes, start: bytes, samples: int, settings: Lin
         Number of samples expected.
     settings : LinkSettings, optional
         How the port is used.
+    keep : callable
+        Called with each piece of bytes as it arrives.
 
     Returns
     -------
@@ -105,7 +115,7 @@ def record(port: str, download: bytes, start: bytes, samples: int, settings: Lin
     """
     s = LinkSettings() if settings is None else settings
     line = _open(port, s.baud)
-    receiver = Receiver(samples, s.silence)
+    receiver = Receiver(samples, s.silence, keep=keep)
     reason: Reason = "interrupted"
     try:
         with _one_line(port):
@@ -155,7 +165,7 @@ def _no_frames(received: int, reason: str, settings: LinkSettings) -> str:
 def _open(port: str, baud: int) -> serial.SerialBase:
     try:
         return serial.serial_for_url(port, baudrate=baud, timeout=0, write_timeout=5.0, exclusive=True)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, OverflowError) as error:
         expected = "a serial device, a pseudo-terminal or socket://HOST:PORT of a board"
         why = " ".join(str(error).split())
         raise InputError.at(f"port {port}", f"one that cannot be opened ({why})", expected) from error

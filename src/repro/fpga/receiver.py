@@ -7,7 +7,7 @@ from typing import Final
 import serial
 
 from repro.fpga.about import Reason
-from repro.fpga.frames import FRAME_BYTES
+from repro.fpga.frames import FRAME_BYTES, SAMPLING_PERIOD
 from repro.fpga.parser import StreamParser
 
 #: Seconds between two looks at a port that had nothing.
@@ -17,6 +17,13 @@ QUIET: Final = 0.1
 #: Seconds between time stamps.
 _STAMP: Final = 0.05
 _READ: Final = 1 << 16
+#: Seconds by which a recording may exceed twice the length of its motion: a simulated board can be slow.
+_SLACK: Final = 10.0
+
+
+def most_bytes(samples: int) -> int:
+    """Most bytes that are received for a motion: four times its frames, and what a port gives at once."""
+    return 4 * FRAME_BYTES * samples + 2 * _READ
 
 
 def take(line: serial.SerialBase) -> bytes:
@@ -35,6 +42,8 @@ class Receiver:
         Seconds without a byte after which it gives up.
     clock : callable
         Seconds since any fixed moment.
+    keep : callable
+        Called with each piece of bytes as it arrives.
 
     Attributes
     ----------
@@ -46,11 +55,17 @@ class Receiver:
         Frames so far.
     """
 
-    def __init__(self, samples: int, silence: float, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        samples: int,
+        silence: float,
+        clock: Callable[[], float] = time.monotonic,
+        keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
+    ) -> None:
         self.data = bytearray()
         self.stamps: list[tuple[int, float]] = []
         self.good = 0
-        self._samples, self._silence, self._clock = samples, silence, clock
+        self._samples, self._silence, self._clock, self._keep = samples, silence, clock, keep
         self._parser = StreamParser()
         self._ended: Reason = ""
 
@@ -70,10 +85,14 @@ class Receiver:
             If nothing has arrived yet; later it ends the recording.
         """
         began = last = self._clock()
+        longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
         try:
             while True:
                 piece = take(line)
                 now = self._clock()
+                if now - began > longest or len(self.data) + len(piece) > most_bytes(self._samples):
+                    self._ended = "overrun"
+                    break
                 if piece:
                     last = now
                     if self._accept(piece):
@@ -99,7 +118,7 @@ class Receiver:
 
         Returns
         -------
-        {"", "silent", "disconnected", "interrupted"}
+        {"", "silent", "disconnected", "interrupted", "overrun"}
             Why the recording ended before its last sample; empty if it did not.
         """
         self.good = min(self.good + len(self._parser.finish()), self._samples)
@@ -109,6 +128,7 @@ class Receiver:
     def _accept(self, piece: bytes) -> bool:
         """Add bytes; True once all samples are there, what a board sends after them being cut off."""
         self.data += piece
+        self._keep(piece)
         frames = self._parser.feed(piece)
         before, self.good = self.good, self.good + len(frames)
         if self.good < self._samples:

@@ -29,7 +29,7 @@ def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[s
         The recording.
     counts : Counts
         What the parser made of it.
-    reason : {"", "silent", "disconnected", "interrupted"}
+    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
         Why it ended early.
 
     Returns
@@ -64,7 +64,13 @@ def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[s
     }
     if about.host is not None:
         content["host"] = {**asdict(about.host), "chunks": [list(chunk) for chunk in about.host.chunks]}
-    return content
+    return {**content, "sidecar_sha256": _own_sum(content)}
+
+
+def _own_sum(content: Mapping[str, object]) -> str:
+    """SHA-256 of a sidecar without this sum."""
+    rest = {key: value for key, value in content.items() if key != "sidecar_sha256"}
+    return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
 
 
 def check_sidecar(place: str, content: object) -> dict[str, Any]:
@@ -127,6 +133,13 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
         if not agrees:
             raise InputError.at(f"{place}: {name}", repr(found), expected)
     return c
+
+
+def check_sum(place: str, content: Mapping[str, object]) -> None:
+    """Refuse a sidecar that was changed; recordings of earlier versions have no sum."""
+    own = _own_sum(content)
+    if content.get("sidecar_sha256", own) != own:
+        raise InputError.at(f"{place}: sidecar_sha256", content["sidecar_sha256"], f"{own}, the sum of the other keys")
 
 
 def _control(c: Mapping[str, Any]) -> ControlConstants:

@@ -2,14 +2,14 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from repro.documents import Loader, read_yaml
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
@@ -20,6 +20,8 @@ Pair = tuple[float, float]
 
 # YAML 1.1 takes 1e-3 for text, because it has no point.
 _EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
+#: Magnitudes beyond which no number of an arm is, and below which no limit is; their squares must not overflow.
+_LARGEST, _SMALLEST = 1e9, 1e-6
 _FLOAT = "tag:yaml.org,2002:float"
 
 
@@ -96,19 +98,8 @@ class Arm:
     file: str = "arm file"
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML with numbers such as 1e-3, and no key twice."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Build a mapping after checking that its keys are text and differ."""
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
-                raise yaml.YAMLError(f"a key that is not text in line {key.start_mark.line + 1}")
-            if key.value in seen:
-                raise yaml.YAMLError(f"the key {key.value!r} twice, again in line {key.start_mark.line + 1}")
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
+class _Loader(Loader):
+    """YAML with numbers such as 1e-3."""
 
 
 _Loader.add_implicit_resolver(_FLOAT, _EXPONENT, list("-+0123456789"))
@@ -134,11 +125,16 @@ def read_arm(path: Path | None) -> Arm:
     """
     if path is None:
         return Arm()
-    content = _load(path)
+    content = read_yaml(path, "an arm file", _Loader)
     schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
     if wrong := violation(content, schema):
         place, found, expected = wrong
         raise InputError.at(f"{path}: {spelled(place)}", found, expected)
+    for key, value in content.items():
+        least = _SMALLEST if key in ("speed_limit", "torque_limit") else 0.0
+        if any(not least <= abs(number) <= _LARGEST for number in _numbers(value)):
+            expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
+            raise InputError.at(f"{path}: {key}", repr(value)[:60], expected)
     columns = content.get("columns", {})
     for signal, header in columns.items():
         twin = next(other for other in columns if columns[other] == header)
@@ -148,6 +144,8 @@ def read_arm(path: Path | None) -> Arm:
         for row, (low, high) in enumerate(content.get(key, ())):
             if not low < high:
                 raise InputError.at(f"{path}: {key}[{row}]", [low, high], "the lower one first")
+            if high - low < _SMALLEST:
+                raise InputError.at(f"{path}: {key}[{row}]", [low, high], f"ends {_SMALLEST:g} and more apart")
     for joint, zero in enumerate(content.get("zero", ())):
         if abs(zero) > 2.0 * np.pi:
             expected = (
@@ -157,23 +155,13 @@ def read_arm(path: Path | None) -> Arm:
     return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
 
 
-def _load(path: Path) -> dict[str, Any]:
-    """Content of a YAML file; an empty one holds nothing."""
-    try:
-        # A subclass of SafeLoader, so no object is made but plain data.
-        content = yaml.load(path.read_text(encoding="utf-8-sig"), _Loader)
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "an arm file") from error
-    except RecursionError as error:
-        raise InputError.at(str(path), "lists within lists without end", "an arm file") from error
-    except (yaml.YAMLError, ValueError) as error:
-        found = f"text that is not YAML ({' '.join(str(error).split())})"
-        raise InputError.at(str(path), found, "an arm file in YAML, each key once") from error
-    if content is None:
-        return {}
-    if not isinstance(content, dict):
-        raise InputError.at(str(path), repr(content)[:60], "keys with values, such as 'gravity: 9.81'")
-    return content
+def _numbers(value: object) -> Iterator[float]:
+    """Numbers of a list and of the lists in it."""
+    if isinstance(value, list):
+        for item in value:
+            yield from _numbers(item)
+    elif isinstance(value, (int, float)):
+        yield value
 
 
 def _value(key: str, value: Any) -> Any:  # noqa: ANN401

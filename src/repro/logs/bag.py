@@ -3,9 +3,13 @@
 from pathlib import Path
 from typing import Any
 
+from repro.documents import check_size
 from repro.errors import InputError
+from repro.logs.encoding import LARGEST
 from repro.logs.table import Table
 
+#: Most messages, of which each takes some kilobytes of memory.
+MOST_MESSAGES = 200_000
 _TYPE = "sensor_msgs/msg/JointState"
 _KINDS = ("position", "velocity", "effort")
 
@@ -37,6 +41,9 @@ def read_bag(path: Path, topic: str | None) -> Table:
     """
     if not path.exists():
         raise InputError.at(str(path), "no such file", "a ROS 2 bag")
+    files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]
+    for file in files:
+        check_size(file, LARGEST, "a file of a ROS 2 bag")
     try:
         from rosbags.highlevel import AnyReader  # noqa: PLC0415
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
@@ -51,6 +58,8 @@ def read_bag(path: Path, topic: str | None) -> Table:
                 expected = f"{topic or 'one, or the one to read'}, as topic in the arm file"
                 raise InputError.at(f"{path}: topics of sensor_msgs/JointState", ", ".join(topics) or "none", expected)
             wanted = [c for c in reader.connections if c.topic == chosen[0]]
+            if (n := sum(c.msgcount for c in wanted)) > MOST_MESSAGES:
+                raise InputError.at(f"{path}: {chosen[0]}", f"{n} messages", f"at most {MOST_MESSAGES}")
             messages = [(at, reader.deserialize(raw, c.msgtype)) for c, at, raw in reader.messages(wanted)]
             return _table(path, chosen[0], messages)
     except InputError:
@@ -77,5 +86,5 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
                 row |= {f"{name}.{kind}": repr(float(x)) for name, x in zip(message.name, values, strict=True)}
         rows.append(row)
     header = tuple(dict.fromkeys(name for row in rows for name in row))
-    cells = [[row.get(name, "") for name in header] for row in rows]
-    return Table(str(path), header, cells, list(range(1, len(rows) + 1)), tuple(notes))
+    cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
+    return Table(str(path), header, lambda: [cells], len(cells), tuple(notes))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
@@ -21,11 +22,13 @@ _LIKELY = (20.0, 10e3)
 STILL = 0.02
 #: Largest magnitudes of a time (in the file), a position (rad), a velocity (rad/s) and a torque (N m).
 _LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
+#: Smallest of the largest torques of a joint, N m: the square of a smaller one is nothing in double precision.
+_SMALLEST = 1e-12
 #: Share of samples at the torque limit above which nothing else is left.
 _ALL = 0.9
 
 
-def check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int]) -> None:
+def check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:
     """Check the time column.
 
     Parameters
@@ -97,6 +100,9 @@ def check_signals(log: Log, file: str) -> None:
         if np.ptp(tau) == 0.0:
             found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
             raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque that changes")
+        if np.abs(tau).max() < _SMALLEST:
+            found = f"{np.abs(tau).max():.3g} N m at most"
+            raise InputError.at(f"{file}: torque of joint {joint}", found, f"a torque of {_SMALLEST:g} N m and more")
     for joint, share in enumerate(saturated_share(log), 1):
         if share > _ALL:
             found = f"saturated throughout ({100.0 * share:.0f} % of the samples at the limit)"

@@ -15,7 +15,7 @@ from repro.logs.bag import is_bag, read_bag
 from repro.logs.checks import FEWEST, check_signals, check_time
 from repro.logs.header import SIMULATED, find_columns
 from repro.logs.log import Log
-from repro.logs.table import Table, in_words, read_table
+from repro.logs.table import in_words, read_table
 from repro.logs.uniform import stretches
 from repro.logs.units import KINDS, Signal, si_factor
 from repro.model.parameters import Array
@@ -48,21 +48,24 @@ def read_log(path: Path, arm: Arm) -> Log:
     """
     if path.is_dir() and not is_bag(path):
         raise InputError.at(str(path), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
-    raw = _from_capture(path) if path.suffix == ".bin" else _from_table(path, arm)
+    raw = _from_capture(path, arm) if path.suffix == ".bin" else _from_table(path, arm)
     limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
-    log = replace(_to_eq1(raw, arm), torque_limit=limit)
+    with np.errstate(over="ignore"):  # what is beyond double precision is refused below
+        log = replace(_to_eq1(raw, arm), torque_limit=limit)
     check_signals(log, str(path))
     stretches(log)  # refuses a log that is all gaps
     return log
 
 
-def _from_capture(path: Path) -> Log:
+def _from_capture(path: Path, arm: Arm) -> Log:
     """A capture; it states its units itself."""
     capture = read_capture(path)
     about, evenly = capture.about, samples(capture)
     t = np.asarray(about.h * np.arange(about.samples), dtype=np.float64)
     check_time(t, t, "s", str(path), range(1, about.samples + 1))
     notes = [f"capture of the motion {about.motion}"]
+    if arm.columns or arm.units:
+        notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
     if evenly.filled:
         notes.append(f"{evenly.filled} lost samples are interpolated")
     simulated = about.source == "simulated"
@@ -74,13 +77,13 @@ def _from_table(path: Path, arm: Arm) -> Log:
     """A table or bag in SI, signs and zeros as recorded."""
     table = read_bag(path, arm.topic) if is_bag(path) else read_table(path)
     columns, notes = find_columns(table.header, arm, table.file)
-    values, more = table.numbers([column.index for column in columns.values()])
-    kept, told = _full_rows(table, list(columns), values)
+    values, lines, more = table.numbers([column.index for column in columns.values()])
+    kept, told = _full_rows(table.file, lines, list(columns), values)
     notes = (*table.notes, *more, *notes, *told)
     recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
     si = {signal: si_factor(signal, str(columns[signal].unit), arm) * values for signal, values in recorded.items()}
     time = si["time"]
-    check_time(time, recorded["time"], str(columns["time"].unit), table.file, [table.lines[k] for k in kept])
+    check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
     if time[0] != 0.0:
         notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
     pairs: Sequence[tuple[Signal, Signal]] = (("q1", "q2"), ("tau1", "tau2"), ("dq1", "dq2"))
@@ -91,7 +94,9 @@ def _from_table(path: Path, arm: Arm) -> Log:
     return Log(path.name, time - time[0], q, tau, dq, notes, simulated)
 
 
-def _full_rows(table: Table, signals: Sequence[Signal], values: Array) -> tuple[NDArray[np.intp], list[str]]:
+def _full_rows(
+    file: str, lines: NDArray[np.int64], signals: Sequence[Signal], values: Array
+) -> tuple[NDArray[np.intp], list[str]]:
     """Rows without an empty cell that are no copy of the row before, and what is said of the others."""
     needed = [KINDS[signal] != "velocity" for signal in signals]
     empty = np.isnan(values[needed]).any(0)
@@ -99,13 +104,13 @@ def _full_rows(table: Table, signals: Sequence[Signal], values: Array) -> tuple[
     if kept.size < min(FEWEST, empty.size):
         found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows"
         row = int(np.argmax(empty))
-        raise InputError.at(f"{table.file}: line {table.lines[row]}", found, f"at least {FEWEST} full rows")
+        raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {FEWEST} full rows")
     full = values[:, kept]
     copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
     for rows, words in ((np.flatnonzero(empty), "with empty cells"), (kept[copies], "equal to the one before")):
         if rows.size:
-            plural, lines = "s" * (rows.size > 1), in_words([table.lines[k] for k in rows])
-            notes.append(f"{rows.size} row{plural} {words} left out: {lines}")
+            plural, where = "s" * (rows.size > 1), in_words(lines[rows])
+            notes.append(f"{rows.size} row{plural} {words} left out: {where}")
     if np.isnan(full).any():
         notes.append("velocity is ignored, because it has empty cells of its own")
     return kept[~copies], notes

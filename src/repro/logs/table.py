@@ -1,24 +1,32 @@
-"""A CSV file as columns of numbers; whatever is wrong with it is told by line and column."""
+"""A CSV file as columns of numbers, read a block of lines at a time; faults are reported by line and column."""
 
 import csv
 import math
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.errors import InputError
+from repro.logs.encoding import EXPECTED, check_text, numbered_lines
 from repro.model.parameters import Array
 
-_EXPECTED = "a CSV table: a header, then rows of numbers"
-_CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+#: Most rows and columns of a log.
+MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000
+#: Lines that are read at a time.
+_BLOCK = 20_000
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Numbers with a decimal comma, and those that may as well be whole ones with digits in groups.
 _COMMA, _GROUPS = re.compile(r"[+-]?\d*,\d*([eE][+-]?\d+)?"), re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 #: What programs write where there is no number.
 _EMPTY = frozenset(("", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none", "na", "n/a"))
+
+#: Line of the file, from 1, and as many cells as the header has, of each row.
+Rows = list[tuple[int, list[str]]]
 
 
 @dataclass(frozen=True)
@@ -31,25 +39,21 @@ class Table:
         Where it was read, for messages.
     header : tuple of str
         Names of the columns.
-    rows : list of list of str
-        Cells, as many in each row as the header has.
-    lines : list of int
-        Line of the file that each row is, from 1.
+    blocks : callable
+        Gives the rows, some at a time.
+    size : int
+        Lines of the file.
     notes : tuple of str
         How it was read, where not as usual.
     """
 
     file: str
     header: tuple[str, ...]
-    rows: list[list[str]]
-    lines: list[int]
+    blocks: Callable[[], Iterable[Rows]]
+    size: int
     notes: tuple[str, ...] = ()
 
-    def place(self, row: int, column: int) -> str:
-        """File, line and column of a cell, for messages."""
-        return f"{self.file}: line {self.lines[row]}, column {self.header[column]}"
-
-    def numbers(self, columns: Sequence[int]) -> tuple[Array, tuple[str, ...]]:
+    def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
         """Columns as numbers.
 
         Parameters
@@ -61,35 +65,82 @@ class Table:
         -------
         values : array of shape (k, N)
             NaN where a cell is empty.
+        lines : integer array of shape (N,)
+            Line of the file that each row is, from 1.
         notes : tuple of str
             Whether they have a decimal comma.
 
         Raises
         ------
         InputError
-            If a cell is neither empty nor a finite number, or its comma may be for decimals or for groups of digits.
+            If there are too many rows, a cell is neither empty nor a finite number, or its comma may be for decimals or
+            for groups of digits.
         """
-        cells = [row[column].strip() for column in columns for row in self.rows]
-        commas = [k for k, cell in enumerate(cells) if "," in cell and _COMMA.fullmatch(cell)]
-        bad, expected = [], "a finite number"
-        if commas:
-            if any("." in cell for cell in cells):
-                bad, expected = commas, "a point, as in other numbers"
-            elif all(_GROUPS.fullmatch(cells[k]) for k in commas):
-                bad, expected = commas, "commas that are clearly for decimals, not for groups of digits: write a point"
-            cells = [cell.replace(",", ".") for cell in cells]
-        values = np.array([math.nan if cell.lower() in _EMPTY else _number(cell, math.inf) for cell in cells])
-        # Python takes 1_000 for a number.
-        bad = bad or [k for k, cell in enumerate(cells) if "_" in cell] or np.flatnonzero(np.isinf(values)).tolist()
+        found = [_Column(f"column {self.header[index]}") for index in columns]
+        lines: list[int] = []
+        for rows in self.blocks():
+            lines += [line for line, _ in rows]
+            if len(lines) > MOST_ROWS or self.size > 2 * MOST_ROWS:  # half of the lines may be blank
+                expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
+                raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
+            for column, index in zip(found, columns, strict=True):
+                column.add([(line, cells[index]) for line, cells in rows])
+        commas, bad, expected = [c.comma for c in found if c.comma], [], "a finite number"
+        if commas and any(c.point for c in found):
+            bad, expected = commas, "a point, as in other numbers"
+        elif commas and all(c.grouped for c in found):
+            bad, expected = commas, "commas that are clearly for decimals, not for groups of digits: write a point"
+        bad = bad or [c.underscore for c in found if c.underscore] or [c.wrong for c in found if c.wrong]
         if bad:
-            column, row = divmod(bad[0], len(self.rows))
-            cell = self.rows[row][columns[column]].strip()
-            raise InputError.at(self.place(row, columns[column]), repr(cell[:40]), expected)
-        return values.reshape(len(columns), -1), ("numbers have a decimal comma",) if commas else ()
+            line, name, cell = bad[0]
+            raise InputError.at(f"{self.file}: line {line}, {name}", repr(cell[:40]), expected)
+        values = np.stack([np.concatenate(c.values) for c in found])
+        return values, np.array(lines), ("numbers have a decimal comma",) if commas else ()
+
+
+@dataclass
+class _Column:
+    """Numbers of a column, and the first cell of each fault: its line, its column and its text."""
+
+    name: str
+    values: list[Array] = field(default_factory=list)
+    point: bool = False  # whether a cell has one
+    grouped: bool = True  # whether each comma may be for groups of digits
+    comma: tuple[int, str, str] | None = None
+    underscore: tuple[int, str, str] | None = None  # Python takes 1_000 for a number
+    wrong: tuple[int, str, str] | None = None
+
+    def add(self, cells: list[tuple[int, str]]) -> None:
+        """Append the cells of some lines."""
+        text = "".join(cell for _, cell in cells)
+        if "_" not in text and text.isascii():  # the usual case: numbers alone
+            try:
+                values = np.array([float(cell) for _, cell in cells])
+            except ValueError:
+                pass
+            else:
+                if np.isfinite(values).all():
+                    self.point = self.point or "." in text
+                    self.values.append(values)
+                    return
+        self.values.append(np.array([self._read(line, cell.strip()) for line, cell in cells]))
+
+    def _read(self, line: int, cell: str) -> float:
+        place = (line, self.name, cell)
+        self.point = self.point or "." in cell
+        if _COMMA.fullmatch(cell):
+            self.comma = self.comma or place
+            self.grouped = self.grouped and _GROUPS.fullmatch(cell) is not None
+        if "_" in cell:
+            self.underscore = self.underscore or place
+        value = math.nan if cell.lower() in _EMPTY else _number(cell.replace(",", "."), math.inf)
+        if math.isinf(value):
+            self.wrong = self.wrong or place
+        return value
 
 
 def read_table(path: Path) -> Table:
-    """Read a CSV file.
+    """Read the header of a CSV file and check its beginning; `Table.numbers` reads the rest.
 
     Parameters
     ----------
@@ -105,76 +156,63 @@ def read_table(path: Path) -> Table:
     Raises
     ------
     InputError
-        If the file is missing, unreadable, empty, not text, has one column, no header, no rows, a column twice, or
-        rows of different length, or two characters may be the separator.
+        If the file is missing, unreadable, empty, too large, not text, has one column or too many, no header, no rows,
+        a column twice, or rows of different length, or two characters may be the separator.
     """
-    comment, lines = _leading_comment(_text(path).replace("\r\n", "\n").replace("\r", "\n").split("\n"))
-    filled = [(number, line) for number, line in lines if line.strip()]
-    if not filled:
-        raise InputError.at(str(path), "no header" if comment else "an empty file", _EXPECTED)
-    (number, header), rest = filled[0], filled[1:]
-    place, nameless = f"{path}: line {number}", _is_numbers(header)
+    size = check_text(path)
+    comment, lines = "", _filled(path)
+    first = next(lines, None)
+    while first and first[1].startswith("#"):
+        comment, first = first[1].lstrip("# "), next(lines, None)
+    if first is None:
+        raise InputError.at(str(path), "no header" if comment else "an empty file", EXPECTED)
+    (begin, header), second = first, next(lines, None)
+    place, nameless = f"{path}: line {begin}", _is_numbers(header)
     unnamed = InputError.at(place, f"numbers ({header[:40]})", "a header that names the columns")
     if nameless:
-        header, rest = comment, filled
+        header, second = comment, first
         if _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
             raise unnamed
-    if not rest:
-        raise InputError.at(str(path), "a header and no samples", _EXPECTED)
-    separator = _separator(place, header, rest[0][1])
-    rows = [_cells(line, separator) for _, line in rest]
-    named = _cells(header, separator)
-    if nameless and len(named) != len(rows[0]):
+    if second is None:
+        raise InputError.at(str(path), "a header and no samples", EXPECTED)
+    begin, row = second
+    separator = _separator(place, header, row)
+    names = tuple(cell.strip() for cell in _cells(header, separator))
+    if nameless and len(names) != len(_cells(row, separator)):
         raise unnamed
-    names = tuple(cell.strip() for cell in named)
+    if len(names) > MOST_COLUMNS:
+        raise InputError.at(f"{path}: header", f"{len(names)} columns", f"at most {MOST_COLUMNS}")
     twice = [name for k, name in enumerate(names) if name and name in names[:k]]
     if twice:
         raise InputError.at(f"{path}: header", f"the column {twice[0]!r} twice", "names that differ")
-    for row, (number, line) in zip(rows, rest, strict=True):
-        if len(row) != len(names):
-            ended = line.rstrip(" ").endswith(separator)
-            raise _ragged(f"{path}: line {number}", len(row), len(names), ended, number == rest[-1][0])
+
+    def blocks() -> Iterator[Rows]:
+        lines = (each for each in _filled(path) if each[0] >= begin)
+        while block := list(islice(lines, _BLOCK)):
+            rows = [(number, _cells(line, separator)) for number, line in block]
+            for k, (number, cells) in enumerate(rows):
+                if len(cells) != len(names):
+                    last = k == len(rows) - 1 and next(lines, None) is None
+                    ended = block[k][1].rstrip(" ").endswith(separator)
+                    raise _ragged(f"{path}: line {number}", len(cells), len(names), ended, last)
+            yield rows
+
+    next(blocks())  # rows of another length are a clearer fault than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
-    return Table(str(path), names, rows, [number for number, _ in rest], notes)
+    return Table(str(path), names, blocks, size, notes)
 
 
-def in_words(lines: Sequence[int]) -> str:
+def _filled(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines of a file that are not blank, with their numbers."""
+    return ((number, line) for number, line in numbered_lines(path) if line.strip())
+
+
+def in_words(lines: Sequence[int] | NDArray[np.int64]) -> str:
     """Lines in words: runs, the first few of many."""
     runs = np.split(np.array(lines), np.flatnonzero(np.diff(lines) > 1) + 1)
     words = [f"{run[0]} to {run[-1]}" if run.size > 1 else str(run[0]) for run in runs]
     more = f" and {len(words) - 5} more places" if len(words) > 6 else ""
     return f"line{'s' * (len(lines) > 1)} {', '.join(words[:5] if more else words)}{more}"
-
-
-def _text(path: Path) -> str:
-    """Content of a text file."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
-    if not data:
-        raise InputError.at(str(path), "an empty file", _EXPECTED)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise InputError.at(str(path), "UTF-16 text", "UTF-8 text, a CSV table")
-    if data[:2] in (b"PK", b"\x1f\x8b"):
-        raise InputError.at(str(path), "a compressed file or a spreadsheet", _EXPECTED)
-    control = _CONTROL.search(data)
-    if control:
-        found = f"binary data (byte 0x{data[control.start()]:02x} at offset {control.start()})"
-        raise InputError.at(str(path), found, _EXPECTED)
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
-        raise InputError.at(str(path), found, "UTF-8 text, a CSV table") from error
-
-
-def _leading_comment(lines: list[str]) -> tuple[str, Iterator[tuple[int, str]]]:
-    """Last of the comment lines at the beginning without its #, and the numbered lines behind them."""
-    begin = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
-    comments = [line for line in lines[:begin] if line.strip()]
-    return comments[-1].lstrip("# ") if comments else "", enumerate(lines[begin:], begin + 1)
 
 
 def _separator(place: str, header: str, row: str) -> str:
@@ -207,9 +245,9 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _number(cell: str, otherwise: float = math.nan) -> float:
-    """A cell's number, NaN and text alike are something else."""
+    """A cell's number; NaN, text and digits of other scripts alike are something else."""
     try:
-        value = float(cell)
+        value = float(cell) if cell.isascii() else math.nan
     except ValueError:
         return otherwise
     return otherwise if math.isnan(value) else value

@@ -1,6 +1,6 @@
 """The files of a result: all of them or none."""
 
-import shutil
+import tempfile
 from collections.abc import Callable, Set
 from dataclasses import asdict
 from pathlib import Path
@@ -13,18 +13,20 @@ from repro.errors import InputError
 from repro.export.bibtex import bibtex
 from repro.export.links import links_of
 from repro.export.models import mjcf, urdf
-from repro.files import write_csv, write_json, write_text
+from repro.files import write_csv, write_json, write_text, writing
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.tables import parameters_table, scores_table
+from repro.ownarm.tables import cell, parameters_table, scores_table
 from repro.ownarm.words import COMBINED, NOT_EXCITED
 from repro.pipeline.provenance import write_provenance
 
 PAGE = "report.html"
 
+#: Room that is tested before the work begins, bytes: what a usual result takes.
+_ROOM = 8 << 20
 #: Files that are written or not, as the result has it.
 EITHER = {"arm.urdf", "arm.xml", "no-links.txt"}
 
@@ -41,29 +43,20 @@ SOLVERS = {
 
 def check_folder(out: Path, overwrite: bool) -> None:
     """Refuse a folder that holds anything, unless told to replace what we write."""
-    try:
+    with writing(out):
         there = out.exists()
         if there and not out.is_dir():
             raise InputError.at(str(out), "a file", "a folder, or a name that is free")
         if there and not overwrite and any(out.iterdir()):
             raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
-        made = _beside(out)
-        made.mkdir(exist_ok=True)
-        shutil.rmtree(made)
-    except OSError as error:
-        raise _unwritable(out, error) from error
+        with _near(out) as made:
+            (Path(made) / "room").write_bytes(bytes(_ROOM))
 
 
-def _beside(out: Path) -> Path:
-    """Folder that is filled before its files are put into `out`; one that a killed run left is taken again."""
-    near = out.absolute().parent
-    while not near.exists():
-        near = near.parent
-    return near / f".{out.name}.partial"
-
-
-def _unwritable(out: Path, error: OSError) -> InputError:
-    return InputError.at(str(out), error.strerror or str(error), "a folder that can be written, with room")
+def _near(out: Path) -> tempfile.TemporaryDirectory[str]:
+    """New folder on the disk of `out`, which is filled before its files are put into `out`."""
+    near = next(parent for parent in out.absolute().parents if parent.exists())
+    return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
 
 
 def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
@@ -73,10 +66,8 @@ def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
 
 def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset()) -> list[str]:
     """Let `fill` write into a folder beside `out`, then put its files in place; of `either` no older one stays."""
-    made = _beside(out)
-    shutil.rmtree(made, ignore_errors=True)
-    try:
-        made.mkdir()
+    with writing(out), _near(out) as folder:
+        made = Path(folder)
         fill(made)
         names = sorted(path.name for path in made.iterdir())
         out.mkdir(parents=True, exist_ok=True)
@@ -85,19 +76,13 @@ def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset())
         for name in names:
             (made / name).replace(out / name)
         return names
-    except OSError as error:
-        raise _unwritable(out, error) from error
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
 
 
 def write_sidecar(out: Path) -> str:
     """Write which versions made a result, and when, beside it."""
     name = "provenance.json"
-    try:
+    with writing(out):
         write_provenance(out / name, Path(__file__).parent, 1, fingerprint())
-    except OSError as error:
-        raise _unwritable(out, error) from error
     return name
 
 
@@ -136,7 +121,7 @@ def residuals(result: Result, curves: Curves) -> pd.DataFrame:
             frames.append(
                 pd.DataFrame(
                     {
-                        "log": signals.name,
+                        "log": cell(signals.name),
                         "time_s": signals.t,
                         "joint": joint + 1,
                         "torque_nm": tau,

@@ -35,7 +35,7 @@ def scores_table(result: Result) -> pd.DataFrame:
     rows = [
         (
             method.method,
-            score.log,
+            cell(score.log),
             part,
             joint + 1,
             score.relative_rms[joint],
@@ -48,6 +48,11 @@ def scores_table(result: Result) -> pd.DataFrame:
     ]
     numbers = dict.fromkeys(SCORE_COLUMNS[4:], "float64")
     return pd.DataFrame(rows, columns=list(SCORE_COLUMNS)).astype(numbers)
+
+
+def cell(name: str) -> str:
+    """Name of a log as text that no spreadsheet takes for a formula."""
+    return f"'{name}" if name.startswith(("=", "+", "-", "@")) else name
 
 
 def parts(method: MethodResult) -> Iterator[tuple[str, Score]]:

@@ -8,6 +8,7 @@ from repro.errors import InputError
 from repro.files import write_whole
 from repro.fpga.capture import Capture, files_of, read_capture, write_capture
 from repro.fpga.link import LinkSettings, record
+from repro.fpga.rawfile import raw_file
 from repro.pipeline.experiment import control_constants, describe, download, program_from_config
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import check_recorded
@@ -46,9 +47,12 @@ def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
 def _record(out: Path, program: Program, config: Config) -> None:
     e, control = config["experiment"], control_constants(config)
     load, start = download(program, control)
-    recording = record(e["port"], load, start, program.q.shape[1], LinkSettings(e["baud"]))
-    about = describe(program, control, recording.board, recording.host)
-    write_capture(out, recording.data, about, recording.reason, overwrite=True)
+    n = program.q.shape[1]
+    with raw_file(out, n, len(load), overwrite=True) as raw:
+        recording = record(e["port"], load, start, n, LinkSettings(e["baud"]), raw.add)
+        raw.close()
+        about = describe(program, control, recording.board, recording.host)
+        write_capture(out, recording.data, about, recording.reason, overwrite=True)
 
 
 def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:

@@ -10,13 +10,20 @@ starts afterwards, for example one that waited in a queue, cannot make its file,
 import atexit
 import os
 import shutil
+import signal
 import socket
 import sys
+import threading
 from collections.abc import Mapping, MutableMapping
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import NoReturn
 
 #: Environment variable by which jobs find their run, on whatever computer.
 RUN = "REPRO_RUN"
+#: Seconds that jobs get to end by themselves after the run was interrupted.
+_PATIENCE = 2.0
 
 
 def begin_run(state: Path, environment: MutableMapping[str, str], unlock: bool = False) -> None:
@@ -26,12 +33,34 @@ def begin_run(state: Path, environment: MutableMapping[str, str], unlock: bool =
     own.mkdir(parents=True, exist_ok=True)
     environment[RUN] = str(own)
     atexit.register(shutil.rmtree, own, ignore_errors=True)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, partial(_interrupt, own))
     others = [run for run in runs.iterdir() if run != own]
     if unlock:
         for run in others:
             shutil.rmtree(run, ignore_errors=True)
     elif all(_cleared(run) for run in others):
         shutil.rmtree(state / "locks", ignore_errors=True)
+
+
+def _interrupt(run: Path, *_: object) -> NoReturn:
+    """End the run's jobs on this computer before Snakemake waits for them.
+
+    A terminal sends SIGINT to the jobs as well, so they get two seconds to end by themselves.
+    """
+    timer = threading.Timer(_PATIENCE, _interrupt_jobs, [run])
+    timer.daemon = True
+    timer.start()
+    raise KeyboardInterrupt
+
+
+def _interrupt_jobs(run: Path) -> None:
+    jobs = [job.name for job in run.iterdir()] if run.exists() else []
+    shutil.rmtree(run, ignore_errors=True)  # a job that has not signed in yet ends when it tries to
+    for name in jobs:
+        if _same_processes(name) and not _ended(name):
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(int(name.rsplit("_", 2)[1]), signal.SIGINT)
 
 
 def join_run(environment: Mapping[str, str]) -> None:
@@ -83,6 +112,11 @@ def _started(pid: int) -> str:
         return ""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
     return "" if fields[0] in "ZX" else fields[19]
+
+
+def _same_processes(name: str) -> bool:
+    """Whether a process was started on this computer since it booted, and its number is valid here."""
+    return name.rsplit("_", 2)[0] == _name(os.getpid()).rsplit("_", 2)[0]
 
 
 def _ended(name: str) -> bool:

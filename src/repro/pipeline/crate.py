@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from repro.files import read_json, write_json
+from repro.documents import read_json
+from repro.files import write_json
 from repro.pipeline.jobs import UNITS, Job
 
 RECORD = "ro-crate-metadata.json"

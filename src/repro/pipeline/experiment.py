@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from repro.config import check_config, merged
+from repro.config import CONFIGURATION, check_config, merged
+from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.about import About, Host
 from repro.fpga.controller import ControlConstants
@@ -26,27 +26,13 @@ SCHEMA = Path("workflow/schemas/config.schema.yaml")
 
 def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
     """Read and check a configuration outside the workflow."""
-    config = _read_yaml(path)
+    config = read_yaml(path, CONFIGURATION)
     for overlay in overlays:
-        config = merged(config, _read_yaml(overlay))
+        config = merged(config, read_yaml(overlay, CONFIGURATION))
     schema = path.resolve().parent.parent / SCHEMA
     if not schema.exists():
         raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
     check_config(config, schema, [path, *overlays])
-    return config
-
-
-def _read_yaml(path: Path) -> dict[str, Any]:
-    try:
-        config = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a configuration file") from error
-    except UnicodeDecodeError as error:
-        raise InputError.at(str(path), "bytes that are not text", "YAML") from error
-    except yaml.YAMLError as error:
-        raise InputError.at(str(path), f"text that is not YAML ({' '.join(str(error).split())})", "YAML") from error
-    if not isinstance(config, dict):
-        raise InputError.at(str(path), type(config).__name__, "sections, as in config/config.yaml")
     return config
 
 

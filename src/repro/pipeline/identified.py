@@ -6,8 +6,9 @@ from typing import Any
 
 import pandas as pd
 
+from repro.documents import read_json
 from repro.errors import InputError
-from repro.files import read_csv, read_json
+from repro.files import read_csv
 from repro.model.parameters import NAMES
 
 SCORE_COLUMNS = ("case", "method", "seed", "trajectory", "joint", "time", "frequency", "total")

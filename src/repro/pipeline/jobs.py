@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from repro.files import read_json
+from repro.documents import read_json
 
 #: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
 UNITS = {"s": "s", "cpu_time": "s", "max_rss": "MiB"}

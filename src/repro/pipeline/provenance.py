@@ -12,7 +12,8 @@ from pathlib import Path
 
 from repro import __version__
 from repro.contract import held
-from repro.files import read_json, write_json
+from repro.documents import read_json
+from repro.files import write_json
 
 PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 

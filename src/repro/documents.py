@@ -1,0 +1,217 @@
+"""YAML and JSON files that a user writes: limited in size, depth and digits, each key once."""
+
+import json
+import re
+import stat
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from repro.errors import InputError
+
+#: Largest YAML and JSON file, bytes. YAML is read at about 50 kB/s.
+LARGEST_YAML, LARGEST_JSON = 256 << 10, 512 << 10
+#: Most lists and sections within each other.
+DEEPEST = 50
+#: Most values of a YAML file with its aliases written out.
+MOST_VALUES = 300_000
+#: Most digits of an integer, so that it fits in 64 bits.
+MOST_DIGITS = 18
+
+_INTEGER = re.compile(rf"[-+]?(0|[1-9][0-9]{{0,{MOST_DIGITS - 1}}})")
+_DIGITS = f"{MOST_DIGITS} decimal digits at most"
+_TOO_DEEP = ("lists within lists without end", f"at most {DEEPEST} within each other")
+
+
+def read_bytes(path: Path, most: int, expected: str) -> bytes:
+    """Content of a regular file of at most `most` bytes; a pipe or a device could be endless."""
+    try:
+        check_size(path, most, expected)
+        with path.open("rb") as file:
+            content = file.read(most + 1)  # files of /proc have no size
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", expected) from error
+    if len(content) > most:
+        raise _too_large(path, len(content), most)
+    return content
+
+
+def check_size(path: Path, most: int, expected: str) -> int:
+    """Size of a file; refuse what is not a regular file of at most `most` bytes."""
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError.at(str(path), "Is a directory", expected)
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError.at(str(path), "a pipe or a device", expected)
+    if status.st_size > most:
+        raise _too_large(path, status.st_size, most)
+    return status.st_size
+
+
+def _too_large(path: Path, size: int, most: int) -> InputError:
+    return InputError.at(f"{path}: size", f"{size} bytes or more", f"at most {most} bytes")
+
+
+class Loader(yaml.SafeLoader):
+    """YAML as plain data, with the limits of this module."""
+
+    def __init__(self, text: str, name: str) -> None:
+        super().__init__(text)
+        self.name, self._left = name, MOST_VALUES
+
+    def get_single_node(self) -> yaml.Node | None:
+        """Build the tree of the document after checking its size with every alias written out."""
+        node = super().get_single_node()
+        self._count(node, DEEPEST)
+        return node
+
+    def _count(self, node: yaml.Node | None, levels: int) -> None:
+        self._left -= 1
+        if not levels and isinstance(node, yaml.CollectionNode):
+            raise self._refused(node.start_mark, *_TOO_DEEP)
+        if self._left < 0:
+            raise InputError.at(self.name, f"aliases that stand for more than {MOST_VALUES} values", "fewer")
+        if isinstance(node, yaml.CollectionNode):
+            for each in node.value:
+                for item in each if isinstance(each, tuple) else (each,):
+                    self._count(item, levels - 1)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Build a mapping after checking that its keys are text and differ."""
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
+                name = repr(key.value)[:60] if isinstance(key, yaml.ScalarNode) else "that is a list or a section"
+                raise self._refused(key.start_mark, f"the key {name}", "text as key")
+            if key.value in seen:
+                raise self._refused(key.start_mark, f"the key {key.value!r} twice", "each key once")
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Build an integer from decimal digits; YAML would read 1:30 as 90 and 010 as 8."""
+        if not _INTEGER.fullmatch(node.value):
+            raise self._refused(node.start_mark, repr(node.value[:40]), f"an integer of {_DIGITS}")
+        return int(node.value)
+
+    def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
+        """Build a number without a base of 60."""
+        if ":" in node.value:
+            raise self._refused(node.start_mark, repr(node.value[:40]), "a decimal number")
+        return super().construct_yaml_float(node)
+
+    def _refused(self, mark: Any, found: str, expected: str) -> InputError:  # noqa: ANN401
+        return InputError.at(f"{self.name}: line {mark.line + 1}", found, expected)
+
+
+for _tag, _construct in (("int", Loader.construct_yaml_int), ("float", Loader.construct_yaml_float)):
+    Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _construct)
+
+
+def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[str, Any]:
+    """Read sections of a YAML file; an empty file has none.
+
+    Parameters
+    ----------
+    path : Path
+        UTF-8 text.
+    expected : str
+        What the file should be, for messages.
+    loader : type of Loader
+        How scalars are read.
+
+    Returns
+    -------
+    dict
+        Plain data.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no YAML, exceeds a limit, has a key twice, or is not a mapping.
+    """
+    data = read_bytes(path, LARGEST_YAML, expected)
+    try:
+        # A subclass of SafeLoader makes no object but plain data.
+        content = loader(data.decode("utf-8-sig"), str(path)).get_single_data()
+    except InputError:
+        raise
+    except RecursionError as error:
+        raise InputError.at(str(path), *_TOO_DEEP) from error
+    except (yaml.YAMLError, ValueError) as error:
+        found = f"text that is not YAML ({' '.join(str(error).split())[:300]})"
+        raise InputError.at(str(path), found, f"{expected} in YAML, each key once") from error
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise InputError.at(str(path), repr(content)[:60], "keys with values, such as 'gravity: 9.81'")
+    return content
+
+
+def read_json(path: Path) -> object:
+    """Read a JSON file within the limits of this module; see `parse_json`."""
+    data = read_bytes(path, LARGEST_JSON, "a JSON file")
+    try:
+        return parse_json(data.decode("utf-8"), str(path))
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError.at(str(path), f"text that is not JSON ({error})", "a JSON file") from error
+
+
+def parse_json(text: str, place: str) -> object:
+    """Content of JSON text.
+
+    Parameters
+    ----------
+    text : str
+        JSON.
+    place : str
+        Where it comes from, for messages.
+
+    Returns
+    -------
+    object
+        Plain data.
+
+    Raises
+    ------
+    InputError
+        If a key comes twice, or an integer or the depth exceeds its limit.
+    ValueError
+        If it is not JSON.
+    """
+
+    def once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        content = dict(pairs)
+        if len(content) < len(pairs):
+            keys = [key for key, _ in pairs]
+            twice = next(key for key in content if keys.count(key) > 1)
+            raise InputError.at(place, f"the key {twice[:40]!r} twice", "each key once")
+        return content
+
+    def integer(digits: str) -> int:
+        if len(digits.lstrip("-")) > MOST_DIGITS:
+            raise InputError.at(place, f"an integer of {len(digits)} digits", _DIGITS)
+        return int(digits)
+
+    def constant(name: str) -> None:
+        raise ValueError(f"{name} is not a JSON number")
+
+    try:
+        content: object = json.loads(text, object_pairs_hook=once, parse_int=integer, parse_constant=constant)
+    except RecursionError:
+        raise InputError.at(place, *_TOO_DEEP) from None
+    if _depth(content) > DEEPEST:
+        raise InputError.at(place, *_TOO_DEEP)
+    return content
+
+
+def _depth(node: object) -> int:
+    """Levels of lists and objects within each other."""
+    level, depth = [node], 0
+    while level := [each for each in level if isinstance(each, (dict, list))]:
+        depth += 1
+        level = [item for each in level for item in (each.values() if isinstance(each, dict) else each)]
+    return depth

@@ -1,0 +1,132 @@
+"""Logs of any size and form: read a block at a time, refused beyond a limit, and never waited for."""
+
+import os
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from log_example import columns, recording, text
+
+from repro.errors import InputError
+from repro.logs import encoding, table
+from repro.logs.armfile import Arm, read_arm
+from repro.logs.reading import read_log
+
+GOOD = columns(recording(np.arange(600) / 200.0))
+
+
+def refusal(path, arm=None):
+    began = time.process_time()
+    with pytest.raises(InputError) as caught:
+        read_log(path, arm or Arm())
+    assert time.process_time() - began < 5.0
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(content):
+        path = tmp_path / "log.csv"
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("", ""),
+        ("\n", "\r\n"),
+        ("0.", "0,"),
+        ("0.005,", "0.005,é"),
+        ("0.5,", "0.5_,"),
+        ("1.5,", "1.5,,"),
+        ("2.5,", ","),
+    ],
+    ids=["good", "line ends", "commas", "text", "underscore", "cell too many", "cells missing"],
+)
+@pytest.mark.parametrize("size", [1, 7, 64])
+def test_blocks_change_nothing(file, monkeypatch, size, old, new):
+    content = text(GOOD).replace(",", ";" if new == "0," else ",").replace(old or "\0", new)
+    path = file(f"# a comment\n\n{content}")
+
+    def read():
+        try:
+            log = read_log(path, Arm())
+        except InputError as error:
+            return str(error)
+        return log.t.tobytes(), log.q.tobytes(), log.tau.tobytes(), log.notes
+
+    whole = read()
+    monkeypatch.setattr(table, "_BLOCK", size)
+    monkeypatch.setattr(encoding, "LONGEST_LINE", 100 * size)
+    assert read() == whole
+
+
+def test_too_many_rows_are_refused(file, monkeypatch):
+    monkeypatch.setattr(table, "MOST_ROWS", 599)
+    assert "found more than 599 rows, expected at most 599" in refusal(file(text(GOOD)))
+
+
+def test_a_hundred_thousand_columns_are_refused(file):
+    names = ",".join(f"c{k}" for k in range(100_000))
+    assert "header: found 100000 columns, expected at most 1000" in refusal(file(f"{names}\n{'0,' * 99_999}0\n"))
+
+
+def test_a_line_without_an_end_is_refused(file):
+    assert "line 2: found 1048576 bytes without a line end" in refusal(file("time,q1\n" + "1" * 3_000_000))
+
+
+def test_a_file_too_large_is_refused_unread(file):
+    path = file("time,q1\n")
+    os.truncate(path, encoding.LARGEST + 1)  # takes no room on the disk
+    assert f"size: found {encoding.LARGEST + 1} bytes" in refusal(path)
+
+
+def test_missing_columns_are_found_in_the_header(file):
+    path = file("time,q1,q2\n" + "0.1,0.2,0.3\n" * 2_000_000)
+    tracemalloc.start()
+    assert "expected a column for tau1, tau2" in refusal(path)
+    assert tracemalloc.get_traced_memory()[1] < 30e6
+    tracemalloc.stop()
+
+
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    capture = tmp_path / "pipe.bin"
+    os.mkfifo(capture)
+    for path in (pipe, capture, Path("/dev/zero"), Path("/dev/full")):
+        assert refusal(path).startswith(f"{path}: found a pipe or a device")
+        with pytest.raises(InputError, match="found a pipe or a device"):
+            read_arm(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"tau1": 1e-300 * GOOD["tau1"], "tau2": 1e-300 * GOOD["tau2"]}, "torque of joint 1: found "),
+        ({"tau2": 1e-200 * GOOD["tau2"]}, "torque of joint 2: found "),
+        ({"q1": [*GOOD["q1"][:-1], 1e308], "q2": [-1e308, *GOOD["q2"][1:]]}, "position: found 1e+308 rad"),
+        ({"q1": ["\u0661\u0662", *GOOD["q1"][1:]]}, "line 2, column q1: found '\u0661\u0662'"),
+    ],
+    ids=["tiny torques", "one tiny torque", "huge positions", "digits of another script"],
+)
+@pytest.mark.filterwarnings("error")
+def test_numbers_that_no_arm_gives_are_refused(file, changes, told):
+    assert told in refusal(file(text(GOOD | changes)))
+
+
+def test_utf32_is_named(file):
+    assert "found UTF-32 text" in refusal(file(text(GOOD).encode("utf-32")))
+
+
+def test_a_capture_says_that_columns_are_not_used():
+    path = Path(__file__).parents[2] / "data" / "captures" / "T1.bin"
+    (note,) = (n for n in read_log(path, Arm(columns={"q1": "a"}, file="arm.yaml")).notes if "arm.yaml" in n)
+    assert "not used" in note
+    assert not any("arm" in n for n in read_log(path, Arm()).notes)
