@@ -162,6 +162,7 @@ def test_the_sign_constraint_alone_gives_the_published_level_of_algorithm_1():
 
 
 CLAIMS = pd.read_csv(REFERENCE / "claims.csv", keep_default_na=False).set_index("id")
+CLAIMS[["ours", "tolerance"]] = CLAIMS[["ours", "tolerance"]].apply(pd.to_numeric)
 
 
 def test_asserted_claims_about_networks_keep_twice_the_spread_over_networks():
