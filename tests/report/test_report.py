@@ -206,7 +206,7 @@ def test_the_headline_counts_the_verdicts_by_basis(page, inputs):
     headline = " ".join(page.one("headline")["text"].split())
     for verdict, meaning, numbers in counts.rows:
         cells = "".join(str(number or "\N{EN DASH}") for number in numbers)
-        assert f"{verdict}{cells}{meaning}" in headline
+        assert f"{verdict}{cells} " in headline and f"{verdict}{meaning}" in headline
     assert "All 6 asserted claims have the asserted verdict" in headline
 
 

@@ -33,7 +33,8 @@ def table(frame: pd.DataFrame) -> Table:
         if name == TOGETHER:
             row += [EMPTY, EMPTY]
         else:
-            row += [number(last[column][name], 3) for column in ("width", "contraction")]
+            removed = last["contraction"][name]
+            row += [number(last["width"][name], 3), number(removed, 2) if removed > 0 else plain("none")]
         rows.append(row)
     warned = [100.0 * float(frame.loc[frame["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
     caption = plain(
