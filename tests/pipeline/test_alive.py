@@ -20,8 +20,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the bac
 begin_run(Path(sys.argv[1]), os.environ)
 job = subprocess.Popen([sys.executable, "-c", sys.argv[2]], stdout=subprocess.PIPE, start_new_session=True)
 job.stdout.readline()  # it has signed in
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     time.sleep(60)
 except KeyboardInterrupt:
     pass
@@ -32,8 +32,8 @@ LONG_JOB = """
 import os, sys, time
 from repro.pipeline.alive import join_run
 join_run(os.environ)
-print("in", flush=True)
 try:
+    print("in", flush=True)
     time.sleep(60)
 except KeyboardInterrupt:
     sys.exit(7)
