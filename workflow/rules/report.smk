@@ -1,3 +1,6 @@
+TEMPLATES = HERE.parent / "src/repro/report"
+
+
 rule report:
     input:
         claims=f"{R}/claims.csv",
@@ -6,6 +9,7 @@ rule report:
         numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
         captures="data/captures/SHA256SUMS",
         captions=sorted(str(caption) for caption in (HERE / "report").glob("*.rst")),
+        templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
         f"{R}/report/index.html",
     log:
