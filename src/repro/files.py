@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
+from repro.documents import check_size
 from repro.errors import InputError
 
 #: Significant digits of every number in a CSV: enough to redraw and to check, short enough to read.
@@ -67,9 +68,14 @@ def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
     write_text(path, text)
 
 
+#: Bytes of a table that is read whole.
+LARGEST_TABLE = 2**26
+
+
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     """Read a CSV table and check that it has the columns asked for."""
     try:
+        check_size(path, LARGEST_TABLE, "a CSV table")
         frame = pd.read_csv(path)
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error

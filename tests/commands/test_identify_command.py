@@ -67,6 +67,24 @@ def found(folder, method):
     return np.array([row["estimate"] for row in rows])
 
 
+@pytest.mark.parametrize(
+    ("role", "name"), [("log", "scores.csv"), ("--validate", "residuals.csv"), ("--arm", "no-links.txt")]
+)
+@pytest.mark.usefixtures("no_figures")
+def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, role, name):
+    out = tmp_path / "out"
+    out.mkdir()
+    own = out / name
+    own.write_bytes(b"gravity: 9.81\n" if role == "--arm" else log.read_bytes())
+    before = own.read_bytes()
+    given = [own] if role == "log" else [log, role, own]
+    assert identify(*given, "--method", "ordinary", "-o", out, "--overwrite") == 2
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert f"{own}: found an input of this command, expected" in last
+    assert [path.name for path in out.iterdir()] == [name]
+    assert own.read_bytes() == before
+
+
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
     assert identify(log, "--method", "ordinary", "--method", "consistent", "-o", out) == 0

@@ -1,5 +1,7 @@
 """Classes of numbers, and two runs side by side: what may differ, what may not, and where it is."""
 
+import os
+
 import pandas as pd
 import pytest
 
@@ -9,6 +11,7 @@ from repro.comparison.runs import compare_runs
 from repro.comparison.spread import measure
 from repro.comparison.tables import differences
 from repro.errors import InputError
+from repro.files import read_csv
 
 SPREAD = Spread({("tables/table10", "algorithm1", "total"): 0.05})
 ROWS = [
@@ -159,3 +162,18 @@ def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path):
     runs = [run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(1, "total", "0.96"))]
     with pytest.raises(InputError, match=r"line 3, total: found 0\.96, expected 0\.97"):
         measure(runs)
+
+
+def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder / "tables").mkdir(parents=True)
+        (tmp_path / folder / "tables" / "table01.csv").write_text("x\n1\n", encoding="utf-8")
+    os.mkfifo(tmp_path / "b" / "tables" / "table02.csv")
+    compared, _ = compare_runs(tmp_path / "a", tmp_path / "b", Spread({}))
+    assert [each.name for each in compared] == ["tables/table01.csv"]
+    with pytest.raises(InputError, match="a pipe or a device"):
+        read_csv(tmp_path / "b" / "tables" / "table02.csv")
+    with (tmp_path / "b" / "tables" / "table01.csv").open("ab") as file:
+        file.truncate(2**30)
+    with pytest.raises(InputError, match="size: found"):
+        compare_runs(tmp_path / "a", tmp_path / "b", Spread({}))

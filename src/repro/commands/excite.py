@@ -86,7 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
     }
     if not math.isfinite(content["optimised"]["condition"]):
         raise InputError.at(str(arguments.arm), "limits that let no motion tell the parameters apart", "wider ones")
-    files = put(arguments.out, lambda folder: _fill(folder, content, ours, limits))
+    given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]
+    files = put(arguments.out, lambda folder: _fill(folder, content, ours, limits), inputs=given)
     print(summary(content))
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0

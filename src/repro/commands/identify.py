@@ -136,7 +136,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.self_test:
         result = with_self_test(result, problem, arm, options, report)
     print(summary(result), flush=True)
-    files = [*write_all(arguments.out, result, curves, arm), write_sidecar(arguments.out)]
+    inputs = [Path(name) for name in (*arguments.logs, *arguments.validate, arguments.arm) if name]
+    files = [*write_all(arguments.out, result, curves, arm, inputs), write_sidecar(arguments.out)]
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 

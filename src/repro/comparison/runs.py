@@ -46,7 +46,7 @@ def _files(folder: Path) -> set[str]:
     if not folder.is_dir():
         raise InputError.at(str(folder), "no folder", "a results folder")
     found = (path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern))
-    names = (path.relative_to(folder) for path in found)
+    names = (path.relative_to(folder) for path in found if path.is_file())
     return {name.as_posix() for name in names if name.parts[0] not in LEFT_OUT}
 
 

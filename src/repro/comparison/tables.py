@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from repro.comparison.classes import Kind, Spread, kind_of, rounding
+from repro.documents import check_size
 from repro.errors import InputError
+from repro.files import LARGEST_TABLE
 
 Row = Mapping[str, str]
 
@@ -37,6 +39,7 @@ class Difference:
 def read_rows(path: Path) -> list[dict[str, str]]:
     """Rows of a CSV as text."""
     try:
+        check_size(path, LARGEST_TABLE, "a CSV table")
         with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file, strict=True))
     except (OSError, UnicodeDecodeError, csv.Error) as error:

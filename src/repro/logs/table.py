@@ -17,6 +17,8 @@ from repro.model.parameters import Array
 
 #: Most rows and columns of a log.
 MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000
+#: Lines of comments before the header.
+_HEAD = 1000
 #: Lines that are read at a time.
 _BLOCK = 20_000
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
@@ -80,7 +82,7 @@ class Table:
         lines: list[int] = []
         for rows in self.blocks():
             lines += [line for line, _ in rows]
-            if len(lines) > MOST_ROWS or self.size > 2 * MOST_ROWS:  # half of the lines may be blank
+            if len(lines) > MOST_ROWS:
                 expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
                 raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
             for column, index in zip(found, columns, strict=True):
@@ -160,6 +162,8 @@ def read_table(path: Path) -> Table:
         a column twice, or rows of different length, or two characters may be the separator.
     """
     size = check_text(path)
+    if size > 2 * MOST_ROWS + _HEAD:  # half of the lines may be blank
+        raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")
     comment, lines = "", _filled(path)
     first = next(lines, None)
     while first and first[1].startswith("#"):

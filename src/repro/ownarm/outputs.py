@@ -1,7 +1,7 @@
 """The files of a result: all of them or none."""
 
 import tempfile
-from collections.abc import Callable, Set
+from collections.abc import Callable, Iterable, Set
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,10 @@ SOLVERS = {
 }
 
 
+#: File next to a result that says which versions made it.
+SIDECAR = "provenance.json"
+
+
 def check_folder(out: Path, overwrite: bool) -> None:
     """Refuse a folder that holds anything, unless told to replace what we write."""
     with writing(out):
@@ -59,17 +63,23 @@ def _near(out: Path) -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
 
 
-def write_all(out: Path, result: Result, curves: Curves, arm: Arm) -> list[str]:
-    """Write every file of a result, then put them in place."""
-    return put(out, lambda made: _fill(made, result, curves, arm), EITHER)
+def write_all(out: Path, result: Result, curves: Curves, arm: Arm, inputs: Iterable[Path] = ()) -> list[str]:
+    """Write every file of a result, then put them in place; none of the inputs is replaced."""
+    return put(out, lambda made: _fill(made, result, curves, arm), EITHER, inputs)
 
 
-def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset()) -> list[str]:
+def put(
+    out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset(), inputs: Iterable[Path] = ()
+) -> list[str]:
     """Let `fill` write into a folder beside `out`, then put its files in place; of `either` no older one stays."""
+    given = {path.resolve() for path in inputs}
     with writing(out), _near(out) as folder:
         made = Path(folder)
         fill(made)
         names = sorted(path.name for path in made.iterdir())
+        for name in (*names, *either, SIDECAR):
+            if (out / name).resolve() in given:
+                raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
         out.mkdir(parents=True, exist_ok=True)
         for name in either - set(names):  # of an earlier run, which this one contradicts
             (out / name).unlink(missing_ok=True)
@@ -80,7 +90,7 @@ def put(out: Path, fill: Callable[[Path], None], either: Set[str] = frozenset())
 
 def write_sidecar(out: Path) -> str:
     """Write which versions made a result, and when, beside it."""
-    name = "provenance.json"
+    name = SIDECAR
     with writing(out):
         write_provenance(out / name, Path(__file__).parent, 1, fingerprint())
     return name

@@ -1,6 +1,7 @@
 """The ledger on disk against everything it was made from: what is not as it was is named."""
 
 import csv
+import errno
 import hashlib
 import io
 import logging
@@ -27,6 +28,8 @@ _WHOLE = "# every file in "
 
 
 def _digest(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "a pipe or a device")
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
