@@ -104,6 +104,7 @@ NINE = "0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1"
 BAD = {
     "unknown key": ("stepz: 1", "stepz", "unknown", "training"),
     "unknown key in a section": ("training: {stepz: 1}", "training.stepz", "unknown", "steps"),
+    "a long folder": (f"results: {'a' * 10_000}", "results", "aaa", "at most 200 characters"),
     "unknown key two deep": ("training: {paper: {stepz: 1}}", "training.paper.stepz", "unknown", "images"),
     "unknown network": ("networks: {third: {image: {scale: constant}}}", "networks.third", "unknown", "tracked"),
     "unknown section of a network": (

@@ -4,7 +4,9 @@ import argparse
 import logging
 import os
 import re
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -49,6 +51,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             )
             return 2
     arguments = parser().parse_args(argv)
+    if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
     try:

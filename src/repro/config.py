@@ -105,11 +105,17 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
         yield places, "at least one image to train with and one to test with"
 
 
+#: Characters of a folder's path.
+_LONGEST_FOLDER = 200
+
+
 def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
     """Folders that a run would spoil."""
     for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
         top = config[key].split("/")[0]
-        if top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
+        if len(config[key]) > _LONGEST_FOLDER:
+            yield ((key,),), f"at most {_LONGEST_FOLDER} characters"
+        elif top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
             yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
     if config["results"] == config["figures"]:
         yield (("results",), ("figures",)), "two folders"

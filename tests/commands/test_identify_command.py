@@ -85,6 +85,26 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     assert own.read_bytes() == before
 
 
+def test_a_link_to_nothing_is_refused_before_the_work(log, tmp_path, capsys):
+    out = tmp_path / "out"
+    out.symlink_to(tmp_path / "nowhere")
+    assert identify(log, "--method", "ordinary", "-o", out) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        f"{out}: found a link to nothing, expected a folder, or a name that is free"
+    ]
+
+
+def test_torques_beyond_any_arm_are_one_line(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "t [s],q1 [rad],q2 [rad],tau1 [N m],tau2 [N m]\n"
+        + "".join(f"{k / 100},{k % 7},{k % 5},1e308,1\n" for k in range(300))
+    )
+    assert identify(path, "--method", "ordinary", "-o", tmp_path / "out") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{path}: torque: found 1e+308 N m" in line
+
+
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
     assert identify(log, "--method", "ordinary", "--method", "consistent", "-o", out) == 0

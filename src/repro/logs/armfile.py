@@ -22,6 +22,8 @@ Pair = tuple[float, float]
 _EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
 #: Magnitudes beyond which no number of an arm is, and below which no limit is; their squares must not overflow.
 _LARGEST, _SMALLEST = 1e9, 1e-6
+#: Keys whose numbers divide.
+_POSITIVE = ("speed_limit", "torque_limit", "counts_per_turn", "torque_constant", "torque_scale")
 _FLOAT = "tag:yaml.org,2002:float"
 
 
@@ -131,7 +133,7 @@ def read_arm(path: Path | None) -> Arm:
         place, found, expected = wrong
         raise InputError.at(f"{path}: {spelled(place)}", found, expected)
     for key, value in content.items():
-        least = _SMALLEST if key in ("speed_limit", "torque_limit") else 0.0
+        least = _SMALLEST if key in _POSITIVE else 0.0
         if any(not least <= abs(number) <= _LARGEST for number in _numbers(value)):
             expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
             raise InputError.at(f"{path}: {key}", repr(value)[:60], expected)

@@ -106,7 +106,8 @@ def _full_rows(
         row = int(np.argmax(empty))
         raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {FEWEST} full rows")
     full = values[:, kept]
-    copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
+    with np.errstate(over="ignore"):  # the size of numbers is checked later
+        copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
     for rows, words in ((np.flatnonzero(empty), "with empty cells"), (kept[copies], "equal to the one before")):
         if rows.size:
             plural, where = "s" * (rows.size > 1), in_words(lines[rows])

@@ -49,6 +49,8 @@ def check_folder(out: Path, overwrite: bool) -> None:
     """Refuse a folder that holds anything, unless told to replace what we write."""
     with writing(out):
         there = out.exists()
+        if out.is_symlink() and not there:
+            raise InputError.at(str(out), "a link to nothing", "a folder, or a name that is free")
         if there and not out.is_dir():
             raise InputError.at(str(out), "a file", "a folder, or a name that is free")
         if there and not overwrite and any(out.iterdir()):
@@ -60,6 +62,8 @@ def check_folder(out: Path, overwrite: bool) -> None:
 def _near(out: Path) -> tempfile.TemporaryDirectory[str]:
     """New folder on the disk of `out`, which is filled before its files are put into `out`."""
     near = next(parent for parent in out.absolute().parents if parent.exists())
+    if out.exists() and out.stat().st_dev != near.stat().st_dev:  # a disk of its own, where files cannot be moved to
+        near = out
     return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
 
 
