@@ -268,3 +268,23 @@ def test_help_needs_nothing_heavy():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["identify", "data/captures/ID.bin", "-o", ""], "found '', expected a folder"),
+        (["excite", "-o", " "], "found ' ', expected a folder"),
+        (
+            ["decode", str(Path(__file__).resolve().parents[2] / "data/captures/ID.bin"), "-o", "table.xlsx"],
+            "--out: found 'table.xlsx', expected FILE.csv, or -",
+        ),
+    ],
+)
+def test_an_output_without_a_name_or_of_another_kind_is_refused(capsys, arguments, words):
+    try:
+        code = main(arguments)
+    except SystemExit as stop:
+        code = stop.code
+    assert code == 2
+    assert words in capsys.readouterr().err

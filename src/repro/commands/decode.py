@@ -30,6 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
             raise InputError.at(out, "a file", "a new name, or --overwrite")
         if any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
             raise InputError.at(out, "a file of the capture itself", "another name")
+    if out not in (None, "-") and not out.endswith(".csv"):
+        raise InputError.at("--out", repr(out), "FILE.csv, or -")
     capture = read_capture(arguments.file)
     if out == "-":
         print(summary(capture), file=sys.stderr)

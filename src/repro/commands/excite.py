@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import integer, number, seconds, seed
+from repro.commands.options import folder, integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro excite``."""
     parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
     parser.add_argument("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
-    parser.add_argument("-o", "--out", required=True, type=Path, help="folder for the motion and what it would tell")
+    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for the motion and what it would tell")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
     parser.add_argument(
         "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"

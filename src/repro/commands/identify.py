@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from repro.commands.options import add_config, integer, number, seed
+from repro.commands.options import add_config, folder, integer, number, seed
 from repro.errors import InputError
 from repro.identification.methods.names import NETWORKS, names
 
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
         help="may be given more than once (default: all; least-squares takes seconds, the CNN half a minute and more)",
     )
-    parser.add_argument("-o", "--out", required=True, type=Path, help="folder for parameters, report and exports")
+    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
     parser.add_argument("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
     parser.add_argument(

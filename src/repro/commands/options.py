@@ -15,6 +15,13 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def folder(text: str) -> Path:
+    """Type of an option that is a folder; an empty text would be the working folder."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a folder")
+    return Path(text)
+
+
 def integer(low: int, high: int) -> Callable[[str], int]:
     """Type of an option that is an integer within a range."""
 

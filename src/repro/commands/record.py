@@ -76,7 +76,10 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
     if not trajectory.endswith(".csv"):
         raise InputError.at("--trajectory", repr(trajectory), f"one of {', '.join(PROGRAMS)} or FILE.csv")
     program = read_program(Path(trajectory))
-    check_program(config, program)
+    try:
+        check_program(config, program)
+    except InputError as error:
+        raise InputError(f"{trajectory}: {error}") from error
     return program
 
 
