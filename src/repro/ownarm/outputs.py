@@ -62,7 +62,7 @@ def check_folder(out: Path, overwrite: bool) -> None:
 def _near(out: Path) -> tempfile.TemporaryDirectory[str]:
     """New folder on the disk of `out`, which is filled before its files are put into `out`."""
     near = next(parent for parent in out.absolute().parents if parent.exists())
-    if out.exists() and out.stat().st_dev != near.stat().st_dev:  # a disk of its own, where files cannot be moved to
+    if out.exists() and out.stat().st_dev != near.stat().st_dev:  # another file system: files cannot be moved there
         near = out
     return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
 

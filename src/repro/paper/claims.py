@@ -1,4 +1,4 @@
-"""The claims ledger: each published number beside ours, with a tolerance stated in advance, and a verdict.
+"""The claims ledger: each published number next to ours, with a tolerance stated in advance, and a verdict.
 
 A number that depends on chance is compared with a prediction interval: for n seeds with standard deviation s, another
 run lies within t s sqrt(1 + 1/n) of ours in 95 % of cases (Student's t, n - 1 degrees of freedom). The interval is a

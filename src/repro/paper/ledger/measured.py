@@ -11,13 +11,14 @@ from repro.model.parameters import NAMES
 from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, Ours, higher, lower
 from repro.paper.ledger.results import Results, Sample
 from repro.paper.published import NUMERIC_CASES
+from repro.pipeline.paired import EQUIVALENT
 
 ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
 EXPERIMENT_CASES = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION_CASES = EXPERIMENT_CASES[1:]
 QUANTITIES = ("time", "frequency", "total")
-#: Half a point of per cent does not matter; an interval wider than one point either way compares nothing.
-SIMILARITY = Margin(0.5, 1.0)
+#: An interval wider than one point of per cent either way compares nothing.
+SIMILARITY = Margin(100.0 * EQUIVALENT, 1.0)
 #: A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
 PARAMETER = Margin(0.05, 0.25, relative=True)
 REFINEMENT, TRACKED = f"{EXTENSION}refinement", f"{EXTENSION}tracked"

@@ -55,7 +55,7 @@ def by_basis(claims: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(counts).reindex(list(VERDICTS)).fillna(0).astype(int)
 
 
-def _told(counts: "pd.Series[int]") -> str:
+def _listed(counts: "pd.Series[int]") -> str:
     return ", ".join(f"{number} {verdict}" for verdict, number in counts.items() if number)
 
 
@@ -69,7 +69,7 @@ def summary(claims: pd.DataFrame) -> list[str]:
     """How many claims have each verdict, by what the comparison rests on, and every asserted claim that fails."""
     counted = by_basis(claims)
     width = max(map(len, counted.columns))
-    lines = [f"{name:<{width}}  {counted[name].sum():4d}  {_told(counted[name])}" for name in counted.columns]
+    lines = [f"{name:<{width}}  {counted[name].sum():4d}  {_listed(counted[name])}" for name in counted.columns]
     asserted, satisfied = _asserted(claims)
     lines.append(f"{satisfied} of {asserted} asserted claims are as asserted")
     lines += [
