@@ -44,15 +44,20 @@ class Tracked:
 
 def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
     """Physical arms that the motors can carry and the loop can hold."""
-    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
     arms = np.empty((0, 9))
     while len(arms) < n:
-        beta = sample_beta(rng, 4 * n, "links")
-        g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
-        load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
-        fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
-        arms = np.concatenate([arms, beta[fit]])
+        arms = np.concatenate([arms, _held(sample_beta(rng, 4 * n, "links"), config)])
     return arms[:n]
+
+
+def _held(beta: Array, config: Config) -> Array:
+    """Those of some arms that the motors can carry and the loop can hold."""
+    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
+    g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
+    load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
+    fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
+    held: Array = beta[fit]
+    return held
 
 
 def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
@@ -60,7 +65,6 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
 
     A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
     """
-    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
     arms = np.empty((0, 9))
     while len(arms) < n:
         l1, l2 = rng.uniform(0.1, 0.35, (2, 4 * n))
@@ -74,9 +78,7 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
         gravity = inertial[:, 3:5]
         viscous, coulomb = rng.uniform(0.02, 0.2, (2, 4 * n, 2)) * gravity[np.newaxis]
         beta = np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
-        holding = np.stack([gravity.sum(axis=1) + beta[:, 7], gravity[:, 1] + beta[:, 8]], axis=1)
-        fit = (holding <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
-        arms = np.concatenate([arms, beta[fit]])
+        arms = np.concatenate([arms, _held(beta, config)])
     return arms[:n]
 
 
