@@ -59,6 +59,7 @@ class Loader(yaml.SafeLoader):
     def __init__(self, text: str, name: str) -> None:
         super().__init__(text)
         self.name, self._left = name, MOST_VALUES
+        self._fields: dict[int, str] = {}  # by the identity of a scalar's node
 
     def get_single_node(self) -> yaml.Node | None:
         """Build the tree of the document after checking its size with every alias written out."""
@@ -66,16 +67,22 @@ class Loader(yaml.SafeLoader):
         self._count(node, DEEPEST)
         return node
 
-    def _count(self, node: yaml.Node | None, levels: int) -> None:
+    def _count(self, node: yaml.Node | None, levels: int, field: str = "") -> None:
         self._left -= 1
         if not levels and isinstance(node, yaml.CollectionNode):
-            raise self._refused(node.start_mark, *_TOO_DEEP)
+            raise self._refused(node, *_TOO_DEEP)
         if self._left < 0:
             raise InputError.at(self.name, f"aliases that stand for more than {MOST_VALUES} values", "fewer")
-        if isinstance(node, yaml.CollectionNode):
-            for each in node.value:
-                for item in each if isinstance(each, tuple) else (each,):
-                    self._count(item, levels - 1)
+        if isinstance(node, yaml.MappingNode):
+            for key, value in node.value:
+                self._count(key, levels - 1)
+                name = key.value[:60] if isinstance(key, yaml.ScalarNode) else "?"
+                self._count(value, levels - 1, f"{field}.{name}" if field else name)
+        elif isinstance(node, yaml.SequenceNode):
+            for number, item in enumerate(node.value):
+                self._count(item, levels - 1, f"{field}[{number}]")
+        else:
+            self._fields[id(node)] = field
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Build a mapping after checking that its keys are text and differ."""
@@ -83,26 +90,28 @@ class Loader(yaml.SafeLoader):
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
                 name = repr(key.value)[:60] if isinstance(key, yaml.ScalarNode) else "that is a list or a section"
-                raise self._refused(key.start_mark, f"the key {name}", "text as key")
+                raise self._refused(key, f"the key {name}", "text as key")
             if key.value in seen:
-                raise self._refused(key.start_mark, f"the key {key.value!r} twice", "each key once")
+                raise self._refused(key, f"the key {key.value!r} twice", "each key once")
             seen.add(key.value)
         return super().construct_mapping(node, deep)
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """Build an integer from decimal digits; YAML would read 1:30 as 90 and 010 as 8."""
         if not _INTEGER.fullmatch(node.value):
-            raise self._refused(node.start_mark, repr(node.value[:40]), f"an integer of {_DIGITS}")
+            raise self._refused(node, repr(node.value[:40]), f"an integer of {_DIGITS}")
         return int(node.value)
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
         """Build a number without a base of 60."""
         if ":" in node.value:
-            raise self._refused(node.start_mark, repr(node.value[:40]), "a decimal number")
+            raise self._refused(node, repr(node.value[:40]), "a decimal number")
         return super().construct_yaml_float(node)
 
-    def _refused(self, mark: Any, found: str, expected: str) -> InputError:  # noqa: ANN401
-        return InputError.at(f"{self.name}: line {mark.line + 1}", found, expected)
+    def _refused(self, node: yaml.Node, found: str, expected: str) -> InputError:
+        field = self._fields.get(id(node))
+        place = f"{self.name}: line {node.start_mark.line + 1}" + (f": {field}" if field else "")
+        return InputError.at(place, found, expected)
 
 
 for _tag, _construct in (("int", Loader.construct_yaml_int), ("float", Loader.construct_yaml_float)):

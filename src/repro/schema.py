@@ -56,7 +56,8 @@ def _words(error: jsonschema.ValidationError, schema: Mapping[str, Any]) -> tupl
         "pattern": f"text like {limit}",
         "not": "another key",
     }
-    return place, repr(instance)[:60], _described(schema, place) or words.get(rule, f"{rule} {limit}")
+    described = own.get("description") if isinstance(own, Mapping) else None
+    return place, repr(instance)[:60], described or _described(schema, place) or words.get(rule, f"{rule} {limit}")
 
 
 def _described(schema: Mapping[str, Any], place: Place) -> str:

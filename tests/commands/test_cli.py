@@ -95,7 +95,7 @@ def test_a_table_can_be_recorded(tmp_path):
         ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
         ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
         ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
-        ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "found 8193 samples, expected at most the memory's 8192"),
+        ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
     ],
 )
 def test_a_table_that_is_no_motion_is_refused(tmp_path, text, told):

@@ -123,7 +123,19 @@ def test_the_shortest_silence_is_accepted(tmp_path):
     assert record(PlayedBoard(FRAMES), tmp_path / "T4.bin", "--timeout", "0.1") == 0
 
 
-@pytest.mark.parametrize("port", ["loop://", "alt://", "spy://loop://", "hwgrep://x"])
+@pytest.mark.parametrize(
+    "port",
+    [
+        "loop://",
+        "alt://",
+        "spy://loop://",
+        "hwgrep://x",
+        "socket://127.0.0.1",
+        "socket://:80",
+        "socket://h:99999",
+        "socket://h:x",
+    ],
+)
 def test_a_url_behind_which_no_board_is_is_refused(tmp_path, capsys, port):
     assert main(["record", "--port", port, "--trajectory", "T4", "--out", str(tmp_path / "T4.bin")]) == 2
     assert line_about(port, capsys).startswith(f"--port: found '{port}', expected a device")

@@ -81,6 +81,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("friction_steepness: Auto\n", "friction_steepness: found 'Auto', expected a number"),
         ("delay: 5\n", "delay: found 5, expected a number from -1 to 1, s, or auto"),
         ("name: ''\n", "name: found '', expected text"),
+        ('name: "a\\u001b[31mb"\n', "name: found 'a\\x1b[31mb', expected text on one line"),
         ("name: 7\n", "name: found 7, expected text"),
         ("gravity: 9.8\ngravity: 9.9\n", "line 2: found the key 'gravity' twice, expected"),
         ("7: a\n", "line 1: found the key '7', expected text as key"),
@@ -90,7 +91,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("speed_limit: [1e-300, 6]\n", "speed_limit: found [1e-300, 6], expected magnitudes"),
         ("position_limit: [[0, 1e-300], [0, 1]]\n", "position_limit[0]: found [0, 1e-300], expected ends"),
         ("a: " + "[" * 5000, "found lists within lists"),
-        (f"gravity: 1{'0' * 400}\n", "line 1: found '1000"),
+        (f"gravity: 1{'0' * 400}\n", "line 1: gravity: found '1000"),
     ],
 )
 def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, told):

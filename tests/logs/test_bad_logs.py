@@ -110,7 +110,7 @@ REFUSED = [
         "counts_per_turn: found nothing, expected two numbers",
     ),
     ("current without a constant", renamed(tau1="current1", tau2="current2"), {}, "torque_constant: found nothing"),
-    ("PWM without a constant", renamed(tau1="tau1_Nm", tau2="pwm2"), {}, "because tau2 is in counts"),
+    ("PWM without a constant", renamed(tau1="tau1_Nm", tau2="pwm2"), {}, "log.csv is in counts"),
     (
         "one unit of two",
         renamed(q1="q1 [deg]"),

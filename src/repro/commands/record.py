@@ -5,6 +5,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from repro.commands.options import add_config, integer, seconds
 from repro.errors import InputError
@@ -51,8 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
     defaults = config["experiment"]
     port = defaults["port"] if arguments.port is None else arguments.port
     baud = defaults["baud"] if arguments.baud is None else arguments.baud
-    if "://" in port and not port.startswith(_URLS):
-        raise InputError.at("--port", repr(port), f"a device, or a URL that begins with {' or '.join(_URLS)}")
+    if "://" in port and not _is_address(port):
+        raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
     n = program.q.shape[1]
     with raw_file(arguments.out, n, len(load), arguments.overwrite) as raw:
         recording = record(port, load, start, n, LinkSettings(baud, arguments.timeout), raw.add)
@@ -64,6 +65,15 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     print(f"{arguments.out}: incomplete ({capture.reason}); what arrived is kept", file=sys.stderr)
     return 1
+
+
+def _is_address(url: str) -> bool:
+    """Whether a URL names a host and a port that pyserial can connect to."""
+    try:
+        parts = urlsplit(url)
+        return url.startswith(_URLS) and bool(parts.hostname) and bool(parts.port)
+    except ValueError:  # no number, or above 65535
+        return False
 
 
 def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
@@ -91,7 +101,7 @@ def read_program(path: Path) -> "Program":
     from repro.documents import read_bytes
     from repro.files import read_csv
     from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
-    from repro.signals.programs import Program
+    from repro.signals.programs import MEMORY_SAMPLES, Program
 
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
@@ -106,6 +116,7 @@ def read_program(path: Path) -> "Program":
             expected = f"at most {largest:.4g} rad, which the encoder counts up to"
             raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.4g} rad", expected)
         columns.append(column)
-    if len(table) < 2:
-        raise InputError.at(str(path), f"{len(table) or 'no'} rows", "a motion of at least two")
+    if not 2 <= len(table) <= MEMORY_SAMPLES:
+        expected = f"a motion of 2 to {MEMORY_SAMPLES}, as many as the board's memory has"
+        raise InputError.at(str(path), f"{len(table) or 'no'} rows", expected)
     return Program(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)

@@ -81,7 +81,8 @@ def _from_table(path: Path, arm: Arm) -> Log:
     kept, told = _full_rows(table.file, lines, list(columns), values)
     notes = (*table.notes, *more, *notes, *told)
     recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
-    si = {signal: si_factor(signal, str(columns[signal].unit), arm) * values for signal, values in recorded.items()}
+    factors = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) for signal in recorded}
+    si = {signal: factors[signal] * values for signal, values in recorded.items()}
     time = si["time"]
     check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
     if time[0] != 0.0:

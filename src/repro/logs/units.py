@@ -88,7 +88,7 @@ def si_unit(kind: Kind) -> str:
     return next(iter(SPELLINGS[kind]))
 
 
-def si_factor(signal: Signal, unit: str, arm: Arm) -> float:
+def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> float:
     """What a recorded number is multiplied by to be in SI.
 
     Parameters
@@ -99,6 +99,8 @@ def si_factor(signal: Signal, unit: str, arm: Arm) -> float:
         One of `SPELLINGS`.
     arm : Arm
         With what counts and amperes mean.
+    log : str
+        Name of the file, for messages.
 
     Returns
     -------
@@ -114,13 +116,15 @@ def si_factor(signal: Signal, unit: str, arm: Arm) -> float:
         return _FACTORS[unit]
     joint = int(signal[-1]) - 1
     if KINDS[signal] == "torque":
-        constant = _needed(arm, "torque_constant", arm.torque_constant, signal, unit)
+        constant = _needed(arm, "torque_constant", arm.torque_constant, f"{signal} of {log} is in {unit}")
         return constant[joint] * (1e-3 if unit == "mA" else 1.0)
-    return 2.0 * math.pi / _needed(arm, "counts_per_turn", arm.counts_per_turn, signal, unit)[joint]
+    return (
+        2.0 * math.pi / _needed(arm, "counts_per_turn", arm.counts_per_turn, f"{signal} of {log} is in {unit}")[joint]
+    )
 
 
-def _needed(arm: Arm, key: str, value: Pair | None, signal: str, unit: str) -> Pair:
+def _needed(arm: Arm, key: str, value: Pair | None, reason: str) -> Pair:
     """A value of the arm file that a unit cannot do without."""
     if value is None:
-        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {signal} is in {unit}")
+        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {reason}")
     return value

@@ -43,8 +43,9 @@ def write_sources(
     """
     whole = sorted(folder.as_posix() for folder in folders)
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
-    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *_files_in(whole, path, root)}):
-        file = _place(name, root, published)
+    inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
+    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *inside}):
+        file = published if name == PUBLISHED_NAME else root / name
         try:
             lines.append(f"{_digest(file)}  {name}\n")
         except OSError as error:
@@ -56,19 +57,15 @@ def _seal(lines: str) -> str:
     return f"# SHA-256 of the lines below: {hashlib.sha256(lines.encode()).hexdigest()}\n"
 
 
-def _files_in(folders: Iterable[str], path: Path, root: Path) -> set[str]:
-    """Every file in the folders except the list itself."""
-    inside = (file for folder in folders for file in (root / folder).rglob("*") if file.is_file())
-    return {_name(file, root) for file in inside if file.resolve() != path.resolve()}
+def _files_in(name: str, folder: Path, path: Path) -> set[str]:
+    """Names of every file in a folder of that name, except the list itself."""
+    inside = (file for file in folder.rglob("*") if file.is_file() and file.resolve() != path.resolve())
+    return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
 
 
 def _name(file: Path, root: Path) -> str:
     """Name of a file in the list: from the project's folder if it is in there."""
     return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
-
-
-def _place(name: str, root: Path, published: Path) -> Path:
-    return published if name == PUBLISHED_NAME else root / name
 
 
 def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
@@ -84,17 +81,28 @@ def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
 def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
     """Files of a list that are missing or changed, and files in its folders that it does not contain."""
     folders, listed = read_sources(path)
+    # Where the ledger was when the list was written: a copy of the results is checked itself, not its original.
+    own = next((Path(name).parent for name in listed if Path(name).name == CLAIMS), None)
+
+    def place(name: str) -> Path:
+        if own is not None and Path(name).is_relative_to(own):
+            return path.parent / Path(name).relative_to(own)
+        return published if name == PUBLISHED_NAME else root / name
+
+    inside = {name for folder in folders for name in _files_in(folder, place(folder), path)}
     said = []
-    for name in sorted(listed.keys() | _files_in(folders, path, root)):
+    for name in sorted(listed.keys() | inside):
+        file = place(name)
+        shown = name if file in (root / name, published) else file
         try:
-            found = _digest(_place(name, root, published))
+            found = _digest(file)
         except OSError as error:
-            said.append(f"{name}: found {error.strerror or 'an unreadable file'}, expected the file that {path} lists")
+            said.append(f"{shown}: found {error.strerror or 'an unreadable file'}, expected the file that {path} lists")
             continue
         if name not in listed:
-            said.append(f"{name}: found a file, expected only those that {path} lists")
+            said.append(f"{shown}: found a file, expected only those that {path} lists")
         elif found != listed[name]:
-            said.append(f"{name}: SHA-256: found {found}, expected the {listed[name]} of {path}")
+            said.append(f"{shown}: SHA-256: found {found}, expected the {listed[name]} of {path}")
     return said
 
 
