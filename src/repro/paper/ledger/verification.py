@@ -93,7 +93,7 @@ def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED
     said = []
     for name in sorted(listed.keys() | inside):
         file = place(name)
-        shown = name if file in (root / name, published) else file
+        shown = file if name != PUBLISHED_NAME and file.resolve() != (root / name).resolve() else name
         try:
             found = _digest(file)
         except OSError as error:
