@@ -87,7 +87,7 @@ def score_cell(
     plain = load_plain(weights, signals.samples, _plain_settings(c)) if cell.reader == "plain" else None
     network = None
     if plain is None:
-        network = load_network(weights, network_settings(c), configuration_digest(c), c["factorial"]["precision"])
+        network = load_network(weights, network_settings(c), configuration_digest(c), c["training"]["precision"])
     for k, block in enumerate(blocks):
         scorers, right = Scorers.of(block, c), block.true
         own = {**common, "block": block.name, "arm": block.arm, "back_emf": block.back_emf, "search_seed": search_seed}
