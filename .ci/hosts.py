@@ -19,12 +19,12 @@ NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
     *("compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint", "metric", "ordinary"),
-    *("programs", "reference", "spread", "stored_networks", "upgrade"),
+    *("programs", "reference", "spread", "stored_networks"),
 )
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")
 #: What a whole emulated processor can run in a minute.
-FEW = ("compare", "contract", "fingerprint", "upgrade")
+FEW = ("compare", "contract", "fingerprint")
 
 
 @dataclass(frozen=True)

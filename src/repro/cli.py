@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from repro import __version__, contract
-from repro.commands import check, compare, decode, excite, identify, record, simulate, upgrade, verify
+from repro.commands import check, compare, decode, excite, identify, record, simulate, verify
 from repro.errors import InputError
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
@@ -21,7 +21,6 @@ COMMANDS = {
     "simulate": simulate,
     "record": record,
     "decode": decode,
-    "upgrade": upgrade,
     "excite": excite,
     "identify": identify,
     "check": check,

@@ -14,8 +14,8 @@ from repro.fpga.downlink import parse_program
 from repro.fpga.stream import Counts
 from repro.schema import spelled, violation
 
-#: Version of the layout of the sidecar, and the one before, which held a hash of the desired positions alone.
-FORMAT, WITHOUT_PROGRAM = 2, 1
+#: Version of the layout of the sidecar.
+FORMAT = 2
 
 
 def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[str, object]:
@@ -95,12 +95,6 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
         another.
     """
     # Another version may have other keys.
-    if isinstance(content, dict) and content.get("format") == WITHOUT_PROGRAM and content["format"] is not True:
-        raise InputError.at(
-            f"{place}: format",
-            "1, a recording without what the board was sent",
-            f"{FORMAT}; `repro upgrade {Path(place).with_suffix('.bin')}` adds it",
-        )
     schema = json.loads(Path(__file__).with_name("sidecar.schema.json").read_text(encoding="utf-8"))
     of_format = {"format": content["format"]} if isinstance(content, dict) and "format" in content else {}
     wrong = violation(of_format, {"properties": {"format": schema["properties"]["format"]}}) or violation(
