@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 
 from repro.model.dynamics import LAMBDA
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array, check_beta
+from repro.model.parameters import FEASIBILITY, Array, check_beta
 
 #: Substeps of a sampling period, and while a joint is slower than `SLOW`, where friction bends most.
 STEPS, SLOW_STEPS = 1, 3
@@ -106,7 +105,7 @@ class Plant:
         refine: int = 1,
     ) -> None:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
-        if not CHECKS["positive-definite"](arms).all():
+        if not FEASIBILITY["positive-definite"](arms).all():
             raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
         if not 0 < h < np.inf or refine < 1:
             raise ValueError(f"h, refine: must be positive, got {h} and {refine}.")
