@@ -13,7 +13,7 @@ from render_examples import FIGURES, LAYOUTS
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import save_network
-from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.dataset import DataSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
@@ -28,6 +28,7 @@ from repro.pipeline.description import architecture, network_features, parameter
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.readings import READINGS
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from strategies import seeds
 
-from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
@@ -17,6 +16,7 @@ from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
 from repro.model.feasibility import CHECKS
 from repro.signals.metric import TorqueScorer
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
