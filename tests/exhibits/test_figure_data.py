@@ -17,7 +17,7 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue
+from repro.exhibits import catalogue, style
 from repro.exhibits.make import made_of
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
@@ -27,7 +27,6 @@ from repro.pipeline import figure_data
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.readings import READINGS
-from repro.render import style
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
