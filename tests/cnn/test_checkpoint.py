@@ -75,31 +75,13 @@ def test_same_network_gives_the_same_file(weights, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["again", "cnn.safetensors"]
 
 
-def test_missing_file_is_refused(tmp_path):
-    assert "safetensors" in refusal(tmp_path / "nothing.safetensors")
-
-
-def test_folder_is_refused(tmp_path):
-    refusal(tmp_path)
-
-
-@pytest.mark.parametrize("keep", [0, 4, 7, 100, -1])
-def test_truncated_file_is_refused(weights, keep):
-    weights.write_bytes(weights.read_bytes()[:keep])
-    refusal(weights)
-
-
-@pytest.mark.parametrize("content", [b"not weights at all\n" * 20, b"\xff" * 64, bytes(64), b'{"a": 1}\n{"b": 2}\n'])
-def test_file_of_something_else_is_refused(weights, content):
-    weights.write_bytes(content)
-    refusal(weights)
-
-
-def test_damaged_header_is_refused(weights):
-    content = bytearray(weights.read_bytes())
-    content[12] ^= 0xFF
-    weights.write_bytes(content)
-    refusal(weights)
+@pytest.mark.parametrize("content", [None, b"", b"not weights at all\n" * 20])
+def test_file_that_is_missing_or_damaged_is_refused(weights, content):
+    if content is None:
+        weights.unlink()
+    else:
+        weights.write_bytes(content)
+    assert "safetensors" in refusal(weights)
 
 
 def test_other_sizes_are_refused_by_name(weights):
@@ -165,14 +147,6 @@ def test_training_continues_from_a_checkpoint_to_the_same_bits(tmp_path, recipe)
         assert torch.equal(a, b)
 
 
-@EACH_RECIPE
-def test_no_checkpoint_means_a_fresh_start(tmp_path, recipe):
-    network, optimisers = stepped(0, recipe)
-    before = [p.clone() for p in network.parameters()]
-    assert load_checkpoint(tmp_path / "none.safetensors", network, optimisers, "run") == Progress(0, 0.0, 0.0, [])
-    assert all(torch.equal(a, b) for a, b in zip(before, network.parameters(), strict=True))
-
-
 @pytest.mark.parametrize("keep", [0, 100, -1])
 def test_truncated_checkpoint_is_refused(tmp_path, keep):
     path = tmp_path / "state.safetensors"
@@ -182,15 +156,6 @@ def test_truncated_checkpoint_is_refused(tmp_path, keep):
     with pytest.raises(InputError) as caught:
         load_checkpoint(path, network, optimisers, "run")
     assert "\n" not in str(caught.value)
-
-
-def test_checkpoint_replaces_the_one_before_and_leaves_nothing_else(tmp_path):
-    path = tmp_path / "deep" / "state.safetensors"
-    network, optimisers = stepped(0)
-    for step in (1, 2):
-        save_checkpoint(path, network, optimisers, Progress(step), "run")
-    assert load_checkpoint(path, network, optimisers, "run").step == 2
-    assert [p.name for p in path.parent.iterdir()] == ["state.safetensors"]
 
 
 @pytest.mark.parametrize("content", ["another run", "weights alone"])

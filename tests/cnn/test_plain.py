@@ -15,7 +15,6 @@ from repro.cnn.plain import (
     save_plain,
     train_plain,
 )
-from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -61,13 +60,6 @@ def test_every_output_is_a_distribution():
     assert (torch.triu(factor, 1) == 0).all()
     assert (torch.diagonal(factor, dim1=1, dim2=2) > 0).all()
     assert factor[:, 5, 2].std() > 0.1  # it depends on the torque
-
-
-def test_torques_are_those_of_eq_1_over_their_largest_magnitude():
-    alpha, beta_bar = drawn(5, 20)
-    assert alpha.shape == (20, 2, 30)
-    np.testing.assert_allclose(np.abs(alpha).max((1, 2)), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(np.einsum("jmp,np->njm", SAMPLED.torque, beta_bar), alpha, atol=1e-12)
 
 
 def test_the_image_cnn_learns_from_the_same_torques():
@@ -132,12 +124,6 @@ def test_the_seed_decides_the_network():
     assert any(not torch.equal(weight, other[name]) for name, weight in first.items())
 
 
-def test_progress_is_reported_every_fifty_steps():
-    told = []
-    train_plain(SAMPLED, DATA, PlainSettings(width=4, steps=100, batch=4), 1, lambda *step: told.append(step))
-    assert told == [(50, 100), (100, 100)]
-
-
 def test_weights_come_back_from_disk(tmp_path):
     brief = PlainSettings(width=8, steps=3, batch=16)
     network = train_plain(SAMPLED, DATA, brief, 1)
@@ -147,14 +133,3 @@ def test_weights_come_back_from_disk(tmp_path):
     for torque in alpha:
         np.testing.assert_array_equal(read_torque(again, torque), read_torque(network, torque))
     assert not any(weight.requires_grad for weight in again.parameters())
-
-
-@pytest.mark.parametrize("content", [None, b"", b"not weights at all" * 40], ids=["missing", "empty", "something else"])
-def test_weights_that_cannot_be_read_are_refused_in_one_line(tmp_path, content):
-    path = tmp_path / "plain.safetensors"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(InputError, match=r"weights of `save_plain`") as error:
-        load_plain(path, SIGNALS.samples, QUICK)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)

@@ -98,13 +98,6 @@ def test_same_seed_gives_the_same_bits(settings):
     assert_different(first, run(replace(settings, seed=2)))
 
 
-def test_seed_decides_the_weights_a_run_starts_from():
-    still = replace(STREAMED, steps=1, learning_rate=1e-12)
-    one, two = (dict(run(replace(still, seed=seed)).network.named_parameters()) for seed in (1, 2))
-    for name in ("conv1.weight", "fc4.weight", "fc5.weight", "fc6.weight"):
-        assert (one[name] - two[name]).abs().max() > 0.01
-
-
 def test_layers_2_and_3_of_the_streamed_recipe_begin_by_handing_on_their_maps():
     one = dict(run(replace(STREAMED, steps=1, learning_rate=1e-12)).network.named_parameters())
     for name in ("conv2.weight", "conv3.weight"):
@@ -198,21 +191,6 @@ def test_checkpoint_of_another_problem_is_left_aside(change, tmp_path):
     killed(STREAMED, tmp_path / "state.safetensors")
     other = {"motion": MOTION, "data": DATA, "network": literal.SMALL, "settings": STREAMED} | change
     assert_same(train(**other), train(**other, checkpoint=tmp_path / "state.safetensors"))
-
-
-def test_checkpoint_at_the_last_step_of_a_shorter_run(tmp_path):
-    checkpoint = tmp_path / "state.safetensors"
-    killed(replace(STREAMED, log_every=100), checkpoint)
-    try:
-        found = run(replace(STREAMED, log_every=100, steps=40), checkpoint)
-    except InputError as error:
-        assert "\n" not in str(error)
-    else:
-        assert_same(run(replace(STREAMED, log_every=100, steps=40)), found)
-
-
-def test_run_that_is_not_killed_ends_as_without_checkpoints(tmp_path):
-    assert_same(run(STREAMED), run(STREAMED, tmp_path / "state.safetensors"))
 
 
 def test_weights_do_not_depend_on_how_often_progress_is_kept(tmp_path):
@@ -311,15 +289,6 @@ def test_evaluation_is_the_mean_loss_whatever_the_batch(draws, dtype, tolerance)
     expected = float(sigmoid_loss(found, torch.from_numpy(samples.residual).double(), 1.0).detach())
     for batch in (1, 5, 64):
         assert evaluate(network, samples, batch) == pytest.approx(expected, rel=tolerance)
-
-
-def test_progress_is_reported_and_the_network_is_ready_for_use():
-    seen = []
-    trained = run(BFLOAT16, report=lambda *row: seen.append(row))
-    assert [(done, total) for done, total, _ in seen] == [(50, 60), (60, 60)]
-    assert all(0 < loss < 1 for _, _, loss in seen)
-    assert trained.network.dtype == torch.bfloat16
-    assert trained.history.shape == (4, 4)
 
 
 @pytest.mark.parametrize("name", ["steps", "batch", "test_samples", "log_every", "checkpoint_every"])

@@ -29,12 +29,6 @@ def test_identification_trajectory_is_eq10():
     np.testing.assert_allclose(motion.q[1], -np.cos(t) - 0.1 * np.sin(2.5 * t + 3.0), rtol=0, atol=1e-13)
 
 
-def test_identification_trajectory_has_3770_samples():
-    motion = identification_trajectory()
-    assert motion.time.shape == (3770,)
-    assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 3770)
-
-
 @pytest.mark.parametrize(("duration", "h"), [(3.0 * np.pi, H), (20.48, H), (5.0, 1e-3)])
 def test_derivatives_are_exact(duration, h):
     motion = identification_trajectory(duration, h)
@@ -51,13 +45,6 @@ def test_time_scaling_keeps_the_shape(stretch):
     np.testing.assert_allclose(slow.q, base.q, rtol=0, atol=1e-12)
     np.testing.assert_allclose(stretch * slow.dq, base.dq, rtol=0, atol=1e-12)
     np.testing.assert_allclose(stretch**2 * slow.ddq, base.ddq, rtol=0, atol=1e-12)
-
-
-def test_another_duration_at_the_same_sampling_period():
-    motion = identification_trajectory(20.48)
-    assert motion.time.size == 8192
-    phase = 3.0 * np.pi * motion.time / 20.48
-    np.testing.assert_allclose(motion.q[0], np.sin(phase) + 0.1 * np.cos(2.5 * phase + 3.0), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -112,12 +99,6 @@ def test_random_trajectory_repeats_with_its_seed():
     assert not np.allclose(one.q, other.q, atol=1e-3)
 
 
-def test_random_trajectory_moves_the_joints_independently():
-    motion = make_random(9)
-    assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 2000)
-    assert abs(np.corrcoef(motion.q)[0, 1]) < 0.5
-
-
 @pytest.mark.parametrize(
     ("reading", "c_f", "cut"),
     # omega = 4 / sqrt(c_f), where the Gaussian is exp(-16), as a band number k of N = 2000 samples.
@@ -144,12 +125,6 @@ def test_random_trajectory_stays_in_its_range_around_the_middle(seed, low, span)
     assert motion.q.max() <= low + span
     # Mean of 2000 uniform numbers: six standard errors.
     assert (abs(motion.q.mean(-1) - (low + 0.5 * span)) < 6.0 * span / np.sqrt(12.0 * 2000)).all()
-
-
-def test_random_trajectory_scales_with_its_range():
-    unit, wide = make_random(5), make_random(5, -1.2, 1.2)
-    np.testing.assert_allclose(wide.q, -1.2 + 2.4 * unit.q, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(wide.dq, 2.4 * unit.dq, rtol=0, atol=1e-9)
 
 
 def test_random_trajectory_derivatives_are_those_of_its_position():

@@ -1,36 +1,20 @@
 """Two links as URDF, which ROS, pinocchio and most simulators read, and as MJCF, which MuJoCo reads."""
 
 import re
-from xml.sax.saxutils import quoteattr
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 from repro.export.links import LinkSet, principal_inertia
 
 #: Characters that XML 1.0 allows and does not advise against, except tab and line ends.
 _RANGES = ((0x20, 0x7E), (0xA0, 0xD7FF), (0xE000, 0xFFFD), (0x10000, 0x10FFFF))
-
 #: Name of an arm that has none.
-UNNAMED = "arm"
+_UNNAMED = "arm"
+#: Placeholder limit of each joint, rad: beyond what an arm without slip rings turns.
+_TURNS = 100.0
+#: Axis of both joints: -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
+_AXIS = "0 -1 0"
 
-
-def name_attribute(name: str) -> str:
-    """Quoted and escaped attribute value of a name."""
-    text = " ".join(name.split())
-    clean = "".join(c if any(low <= ord(c) <= high for low, high in _RANGES) else "_" for c in text)
-    return quoteattr(clean or UNNAMED)
-
-
-def comment(lines: tuple[str, ...], indent: str) -> str:
-    """XML comment, one line of text to a line."""
-    body = re.sub("-(?=-)", "- ", "\n".join(f"{indent}  {line}" for line in lines))
-    return f"{indent}<!--\n{body}\n{indent}-->"
-
-
-def numbers(*values: float) -> str:
-    """Decimal numbers that read back as the same floats, parted by blanks."""
-    return " ".join(repr(float(value) + 0.0) for value in values)  # + 0.0: no negative zero
-
-
-_HEAD = (
+_URDF_HEAD = (
     "Two-joint arm from identified parameters. Lengths in m, masses in kg, angles in rad.",
     "At q = 0 the arm hangs along -z; joint2 is relative to link1; gravity must be set along -z, {gravity} m/s^2.",
     "Friction: damping is viscous (b). The value of friction is the Coulomb torque (k); a simulator applies its own",
@@ -38,92 +22,6 @@ _HEAD = (
     "Position, effort and velocity limits are placeholders: a log does not tell them.",
     "Planar motion shows the inertia about the joints' axis alone; ixx and izz are those of a slender rod.",
 )
-
-_LINK = """\
-  <link name="{link}">
-    <inertial>
-      <origin xyz="{centre}" rpy="0 0 0"/>
-      <mass value="{mass}"/>
-      <inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="{izz}"/>
-    </inertial>
-    <visual>
-      <origin xyz="{middle}" rpy="0 0 0"/>
-      <geometry>
-        <cylinder radius="{radius}" length="{length}"/>
-      </geometry>
-    </visual>
-  </link>"""
-
-_JOINT = """\
-  <joint name="{joint}" type="revolute">
-    <parent link="{parent}"/>
-    <child link="{child}"/>
-    <origin xyz="{origin}" rpy="0 0 0"/>
-    <axis xyz="0 -1 0"/>
-    <limit lower="{lower}" upper="{upper}" effort="1000.0" velocity="1000.0"/>
-    <dynamics damping="{damping}" friction="{friction}"/>
-  </joint>"""
-
-_TOOL = """\
-  <link name="tool"/>
-  <joint name="tool_joint" type="fixed">
-    <parent link="link2"/>
-    <child link="tool"/>
-    <origin xyz="{end}" rpy="0 0 0"/>
-  </joint>"""
-
-#: Placeholder limit of each joint, rad: beyond what an arm without slip rings turns.
-_TURNS = 100.0
-
-
-def urdf(links: LinkSet, name: str) -> str:
-    """Robot description of the arm.
-
-    The axis of both joints is -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
-    """
-    notes = tuple(f"Note: {note}." for note in links.notes)
-    head = tuple(line.format(gravity=numbers(links.gravity)) for line in _HEAD)
-    parts = [
-        '<?xml version="1.0" encoding="utf-8"?>',
-        f"<robot name={name_attribute(name)}>",
-        comment(head + notes, "  "),
-        '  <link name="base"/>',
-    ]
-    rows = (
-        (1, "base", 0.0, links.l1, links.lc1, links.m1, links.j1),
-        (2, "link1", links.l1, links.l2, links.lc2, links.m2, links.j2),
-    )
-    for number, parent, start, length, centre, mass, inertia in rows:
-        ixx, iyy, izz = principal_inertia(inertia)
-        parts.append(
-            _JOINT.format(
-                joint=f"joint{number}",
-                parent=parent,
-                child=f"link{number}",
-                origin=numbers(0.0, 0.0, -start),
-                lower=numbers(-_TURNS),
-                upper=numbers(_TURNS),
-                damping=numbers(links.b[number - 1]),
-                friction=numbers(links.k[number - 1]),
-            )
-        )
-        parts.append(
-            _LINK.format(
-                link=f"link{number}",
-                centre=numbers(0.0, 0.0, -centre),
-                mass=numbers(mass),
-                ixx=numbers(ixx),
-                iyy=numbers(iyy),
-                izz=numbers(izz),
-                middle=numbers(0.0, 0.0, -0.5 * length),
-                radius=numbers(0.04 * length),
-                length=numbers(length),
-            )
-        )
-    parts += [_TOOL.format(end=numbers(0.0, 0.0, -links.l2)), "</robot>"]
-    return "\n".join(parts) + "\n"
-
-
 _MJCF_HEAD = (
     "Two-joint arm from identified parameters. Lengths in m, masses in kg, angles in rad.",
     "At q = 0 the arm hangs along -z; joint2 is relative to link1. The motors take torques in N m, unlimited.",
@@ -132,61 +30,115 @@ _MJCF_HEAD = (
     "Planar motion shows the inertia about the joints' axis alone; the others are those of a slender rod.",
 )
 
-_MJCF = """\
-<?xml version="1.0" encoding="utf-8"?>
-<mujoco model={name}>
-{head}
-  <compiler angle="radian"/>
-  <option gravity="{gravity}" timestep="0.001" integrator="implicitfast"/>
-  <default>
-    <joint type="hinge" axis="0 -1 0"/>
-    <geom type="capsule" contype="0" conaffinity="0"/>
-  </default>
-  <worldbody>
-    <body name="link1">
-      <joint name="joint1" damping="{b1}" frictionloss="{k1}"/>
-      <inertial pos="{centre1}" mass="{m1}" diaginertia="{inertia1}"/>
-      <geom fromto="{span1}" size="{radius1}"/>
-      <body name="link2" pos="{end1}">
-        <joint name="joint2" damping="{b2}" frictionloss="{k2}"/>
-        <inertial pos="{centre2}" mass="{m2}" diaginertia="{inertia2}"/>
-        <geom fromto="{span2}" size="{radius2}"/>
-        <site name="tool" pos="{end2}"/>
-      </body>
-    </body>
-  </worldbody>
-  <actuator>
-    <motor name="motor1" joint="joint1"/>
-    <motor name="motor2" joint="joint2"/>
-  </actuator>
-</mujoco>
-"""
+
+def _clean(name: str) -> str:
+    """Replace characters that XML does not allow."""
+    text = " ".join(name.split())
+    return "".join(c if any(low <= ord(c) <= high for low, high in _RANGES) else "_" for c in text) or _UNNAMED
+
+
+def _numbers(*values: float) -> str:
+    """Print decimal numbers that read back as the same floats."""
+    return " ".join(repr(float(value) + 0.0) for value in values)  # + 0.0: no negative zero
+
+
+def _document(root: Element, head: tuple[str, ...], notes: tuple[str, ...]) -> str:
+    """Print an XML document with a comment at its head, one line of text to a line."""
+    lines = "\n".join(f"    {line}" for line in (*head, *(f"Note: {note}." for note in notes)))
+    root.insert(0, Comment("\n" + re.sub("-(?=-)", "- ", lines) + "\n  "))
+    indent(root)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'
+
+
+def urdf(links: LinkSet, name: str) -> str:
+    """Print the robot description of an arm; positive q moves a hanging arm towards +x, as in Fig. 1.
+
+    Parameters
+    ----------
+    links : LinkSet
+        Links from `repro.export.links.links_of`.
+    name : str
+        Name of the arm; characters that XML does not allow are replaced.
+
+    Returns
+    -------
+    str
+        URDF with a link ``tool`` at the tip. Its comment says what the friction means and what was chosen.
+    """
+    robot = Element("robot", name=_clean(name))
+    SubElement(robot, "link", name="base")
+    rows = (
+        (1, "base", 0.0, links.l1, links.lc1, links.m1, links.j1),
+        (2, "link1", links.l1, links.l2, links.lc2, links.m2, links.j2),
+    )
+    for number, parent, start, length, centre, mass, inertia in rows:
+        joint = SubElement(robot, "joint", name=f"joint{number}", type="revolute")
+        SubElement(joint, "parent", link=parent)
+        SubElement(joint, "child", link=f"link{number}")
+        SubElement(joint, "origin", xyz=_numbers(0.0, 0.0, -start), rpy="0 0 0")
+        SubElement(joint, "axis", xyz=_AXIS)
+        SubElement(joint, "limit", lower=_numbers(-_TURNS), upper=_numbers(_TURNS), effort="1000.0", velocity="1000.0")
+        damping, friction = links.b[number - 1], links.k[number - 1]
+        SubElement(joint, "dynamics", damping=_numbers(damping), friction=_numbers(friction))
+
+        link = SubElement(robot, "link", name=f"link{number}")
+        inertial = SubElement(link, "inertial")
+        SubElement(inertial, "origin", xyz=_numbers(0.0, 0.0, -centre), rpy="0 0 0")
+        SubElement(inertial, "mass", value=_numbers(mass))
+        ixx, iyy, izz = (_numbers(moment) for moment in principal_inertia(inertia))
+        SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
+        visual = SubElement(link, "visual")
+        SubElement(visual, "origin", xyz=_numbers(0.0, 0.0, -0.5 * length), rpy="0 0 0")
+        geometry = SubElement(visual, "geometry")
+        SubElement(geometry, "cylinder", radius=_numbers(0.04 * length), length=_numbers(length))
+    SubElement(robot, "link", name="tool")
+    tool = SubElement(robot, "joint", name="tool_joint", type="fixed")
+    SubElement(tool, "parent", link="link2")
+    SubElement(tool, "child", link="tool")
+    SubElement(tool, "origin", xyz=_numbers(0.0, 0.0, -links.l2), rpy="0 0 0")
+    head = tuple(line.format(gravity=_numbers(links.gravity)) for line in _URDF_HEAD)
+    return _document(robot, head, links.notes)
 
 
 def mjcf(links: LinkSet, name: str) -> str:
-    """MuJoCo model of the arm.
+    """Print the MuJoCo model of an arm, with torque motors; positive q moves a hanging arm towards +x, as in Fig. 1.
 
-    The axis of both joints is -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
+    Parameters
+    ----------
+    links : LinkSet
+        Links from `repro.export.links.links_of`.
+    name : str
+        Name of the arm; characters that XML does not allow are replaced.
+
+    Returns
+    -------
+    str
+        MJCF with a site ``tool`` at the tip. Its comment says what the friction means and what was chosen.
     """
-    notes = tuple(f"Note: {note}." for note in links.notes)
-    return _MJCF.format(
-        name=name_attribute(name),
-        head=comment(_MJCF_HEAD + notes, "  "),
-        gravity=numbers(0.0, 0.0, -links.gravity),
-        b1=numbers(links.b[0]),
-        b2=numbers(links.b[1]),
-        k1=numbers(links.k[0]),
-        k2=numbers(links.k[1]),
-        m1=numbers(links.m1),
-        m2=numbers(links.m2),
-        centre1=numbers(0.0, 0.0, -links.lc1),
-        centre2=numbers(0.0, 0.0, -links.lc2),
-        inertia1=numbers(*principal_inertia(links.j1)),
-        inertia2=numbers(*principal_inertia(links.j2)),
-        span1=numbers(0.0, 0.0, 0.0, 0.0, 0.0, -links.l1),
-        span2=numbers(0.0, 0.0, 0.0, 0.0, 0.0, -links.l2),
-        end1=numbers(0.0, 0.0, -links.l1),
-        end2=numbers(0.0, 0.0, -links.l2),
-        radius1=numbers(0.04 * links.l1),
-        radius2=numbers(0.04 * links.l2),
-    )
+    model = Element("mujoco", model=_clean(name))
+    SubElement(model, "compiler", angle="radian")
+    gravity = _numbers(0.0, 0.0, -links.gravity)
+    SubElement(model, "option", gravity=gravity, timestep="0.001", integrator="implicitfast")
+    default = SubElement(model, "default")
+    SubElement(default, "joint", type="hinge", axis=_AXIS)
+    SubElement(default, "geom", type="capsule", contype="0", conaffinity="0")
+    body = SubElement(SubElement(model, "worldbody"), "body", name="link1")
+    _mjcf_link(body, 1, links.b[0], links.k[0], links.lc1, links.m1, links.j1, links.l1)
+    body = SubElement(body, "body", name="link2", pos=_numbers(0.0, 0.0, -links.l1))
+    _mjcf_link(body, 2, links.b[1], links.k[1], links.lc2, links.m2, links.j2, links.l2)
+    SubElement(body, "site", name="tool", pos=_numbers(0.0, 0.0, -links.l2))
+    actuator = SubElement(model, "actuator")
+    for number in (1, 2):
+        SubElement(actuator, "motor", name=f"motor{number}", joint=f"joint{number}")
+    return _document(model, _MJCF_HEAD, links.notes)
+
+
+def _mjcf_link(
+    body: Element, number: int, b: float, k: float, centre: float, mass: float, inertia: float, length: float
+) -> None:
+    """Add joint, inertia and shape of a link to its body."""
+    SubElement(body, "joint", name=f"joint{number}", damping=_numbers(b), frictionloss=_numbers(k))
+    moments = _numbers(*principal_inertia(inertia))
+    SubElement(body, "inertial", pos=_numbers(0.0, 0.0, -centre), mass=_numbers(mass), diaginertia=moments)
+    span = _numbers(0.0, 0.0, 0.0, 0.0, 0.0, -length)
+    SubElement(body, "geom", fromto=span, size=_numbers(0.04 * length))
