@@ -16,59 +16,27 @@ Reason = Literal["", "silent", "disconnected", "interrupted", "overrun"]
 
 @dataclass(frozen=True)
 class Host:
-    """The host's end of the link while it recorded.
+    """The host's end of the link while it recorded."""
 
-    Attributes
-    ----------
-    port : str
-        Name or URL that was opened.
-    baud : int
-        Bits per second asked for.
-    began : str
-        When the arm was started, ISO 8601 with the offset from UTC.
-    chunks : tuple of (int, float)
-        Bytes received so far and the time since the start (s), about every 50 ms.
-    """
-
-    port: str
-    baud: int
-    began: str
-    chunks: tuple[tuple[int, float], ...]
+    port: str  # name or URL that was opened
+    baud: int  # bits per second asked for
+    began: str  # when the arm was started, ISO 8601 with the offset from UTC
+    chunks: tuple[tuple[int, float], ...]  # bytes received so far and the time since the start (s), about every 50 ms
 
 
 @dataclass(frozen=True)
 class About:
-    """What was recorded, and with what.
+    """What was recorded, and with what."""
 
-    Attributes
-    ----------
-    motion : str
-        Name of the motion.
-    samples : int
-        Number of samples expected.
-    n1, n2 : int
-        The trajectory proper is samples n1 to n2 - 1.
-    h : float
-        Sampling period, s.
-    program : bytes
-        Gains and desired positions as the board was sent them.
-    control : ControlConstants
-        Gains, PWM frequencies and motor torques.
-    board : mapping or None
-        How a simulated board described itself and its arm; None for real hardware.
-    host : Host or None
-        The host's end; None for a recording simulated in process.
-    """
-
-    motion: str
-    samples: int
-    n1: int
+    motion: str  # name of the motion
+    samples: int  # number of samples expected
+    n1: int  # the trajectory proper is samples n1 to n2 - 1
     n2: int
-    h: float
-    program: bytes
-    control: ControlConstants
-    board: Mapping[str, object] | None
-    host: Host | None = None
+    h: float  # sampling period, s
+    program: bytes  # gains and desired positions as the board was sent them
+    control: ControlConstants  # gains, PWM frequencies and motor torques
+    board: Mapping[str, object] | None  # how a simulated board described itself and its arm; None for real hardware
+    host: Host | None = None  # the host's end; None for a recording simulated in process
 
     @property
     def source(self) -> str:

@@ -49,24 +49,7 @@ def moved(a: Position, b: Position) -> int:
 
 
 def count_run(data: bytes, o: int, rows: int, last: Position, max_step: int) -> int:
-    """Count the candidates from `o` on, each near the one before it, the first near `last`.
-
-    Parameters
-    ----------
-    data : bytes
-        Part of a stream.
-    o, rows : int
-        At most the `rows` frames from `o` on are looked at; they must be there.
-    last : tuple of int
-        Position in the frame before.
-    max_step : int
-        Most counts a joint moves between two frames.
-
-    Returns
-    -------
-    int
-        Length of the unbroken run.
-    """
+    """Count the candidates from `o` on, each near the one before it, the first near `last`."""
     if rows < _FEW:  # one by one is faster then, with the same result
         q1, q2 = last
         for n in range(rows):
@@ -84,22 +67,7 @@ def count_run(data: bytes, o: int, rows: int, last: Position, max_step: int) -> 
 
 
 def find_pair(data: bytes, start: int, stop: int, max_step: int) -> int:
-    """First place at which a candidate stands with another one right behind it that is near.
-
-    Parameters
-    ----------
-    data : bytes
-        Part of a stream.
-    start, stop : int
-        The pair begins in ``start ... stop - 1``.
-    max_step : int
-        Most counts a joint moves between two frames.
-
-    Returns
-    -------
-    int
-        The place, -1 if there is none.
-    """
+    """First place at which a candidate stands with another one right behind it that is near."""
     stop = min(stop, len(data) - 2 * FRAME_BYTES + 1)
     o = data.find(MARK, start, max(start, stop))
     while o >= 0:
@@ -112,26 +80,7 @@ def find_pair(data: bytes, start: int, stop: int, max_step: int) -> int:
 
 
 def settle(data: bytes, pair: int, grid: int, max_step: int, final: bool) -> int | None:
-    """Choose between the alignment of a pair and its rivals.
-
-    Parameters
-    ----------
-    data : bytes
-        Part of a stream.
-    pair : int
-        Place of the first pair.
-    grid : int
-        Place, modulo 8, at which frames stand in the alignment the search began with.
-    max_step : int
-        Most counts a joint moves between two frames.
-    final : bool
-        Whether the stream ends with `data`.
-
-    Returns
-    -------
-    int or None
-        Place of the first pair of the alignment chosen; None if more bytes are needed to choose.
-    """
+    """Choose between the alignment of a pair and its rivals."""
     if not final and len(data) < pair + RIVAL_SPAN + 2 * FRAME_BYTES:
         return None
     rivals = {pair % FRAME_BYTES: pair}

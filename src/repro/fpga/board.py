@@ -20,20 +20,6 @@ class Board:
 
     Blocks of Fig. 2: **Write Ram** and **Ram-FPGA** are `receive` and the memory it fills, **Read Ram**,
     **Decoder**, **PD**, **PWM gen** and **Aq uart** are `tick`.
-
-    Parameters
-    ----------
-    make_plant : callable
-        Gives the arm at rest; called at every start, so that equal programs give equal frames.
-    torque_per_count : array of shape (2,)
-        Torque of one PWM count, N m.
-    identity : mapping
-        What the board answers when asked who it is.
-
-    Attributes
-    ----------
-    refusals : list of str
-        Why messages were refused, oldest first.
     """
 
     def __init__(
@@ -61,19 +47,7 @@ class Board:
         return self._loop is not None
 
     def receive(self, data: bytes) -> bytes:
-        """Take bytes from the host.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them, cut anywhere.
-
-        Returns
-        -------
-        bytes
-            The board's description of itself if it was asked for, else nothing. While the arm moves the line
-            belongs to the frames and only a stop is obeyed.
-        """
+        """Take bytes from the host."""
         answer = b""
         for message in self._decoder.feed(data):
             try:
@@ -112,14 +86,7 @@ class Board:
         self._sample, self._samples = 0, samples
 
     def tick(self) -> bytes:
-        """One sampling period.
-
-        Returns
-        -------
-        bytes
-            The frame of this sample; nothing unless the arm is under way. After the last sample the motors
-            are off and the trajectory is forgotten, so that the next start needs a whole program again.
-        """
+        """One sampling period."""
         if self._loop is None:
             return b""
         i = self._sample

@@ -29,37 +29,17 @@ LARGEST = 4 << 20
 
 @dataclass(frozen=True)
 class Capture:
-    """A recording and what its bytes decode to.
+    """A recording and what its bytes decode to."""
 
-    Attributes
-    ----------
-    place : str
-        Name of the file, for messages.
-    about : About
-        What was recorded, and with what.
-    data : bytes
-        As received.
-    position, pwm : int16 arrays of shape (2, n)
-        Encoder and PWM counts of the frames that arrived.
-    index : int array of shape (n,)
-        Sample that each frame is; a gap counts with its estimate of the frames lost.
-    gaps : tuple of Gap
-        Interruptions.
-    counts : Counts
-        What became of every byte.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why the recording ended early.
-    """
-
-    place: str
-    about: About
-    data: bytes
-    position: Int16Array
+    place: str  # name of the file, for messages
+    about: About  # what was recorded, and with what
+    data: bytes  # as received
+    position: Int16Array  # (2, n), encoder and PWM counts of the frames that arrived
     pwm: Int16Array
-    index: NDArray[np.int64]
-    gaps: tuple[Gap, ...]
-    counts: Counts
-    reason: Reason
+    index: NDArray[np.int64]  # (n,), sample that each frame is; a gap counts with its estimate of the frames lost
+    gaps: tuple[Gap, ...]  # interruptions
+    counts: Counts  # what became of every byte
+    reason: Reason  # why the recording ended early
 
     @property
     def complete(self) -> bool:
@@ -83,24 +63,7 @@ class Capture:
 
 
 def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = "recording") -> Capture:
-    """Read the bytes of a recording.
-
-    Parameters
-    ----------
-    data : bytes
-        As received.
-    about : About
-        What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why it ended early.
-    place : str
-        Name for messages.
-
-    Returns
-    -------
-    Capture
-        With its frames.
-    """
+    """Read the bytes of a recording."""
     parser = StreamParser()
     parts = (parser.feed(data), parser.finish())
     position = np.concatenate([part.position for part in parts], axis=1)
@@ -113,31 +76,7 @@ def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = 
 
 
 def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", overwrite: bool = False) -> Capture:
-    """Write a recording, what was sent and the sidecar; all are there afterwards, or none.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.bin``; what was sent is ``NAME.program`` and the sidecar ``NAME.json`` beside it.
-    data : bytes
-        As received.
-    about : About
-        What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why it ended early.
-    overwrite : bool
-        Whether a capture that is there may be replaced.
-
-    Returns
-    -------
-    Capture
-        What was written, decoded.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in ``.bin``, or a file is there and may not be replaced.
-    """
+    """Write a recording, what was sent and the sidecar; all are there afterwards, or none."""
     check_target(path, overwrite)
     capture = decode_capture(data, about, reason, str(path))
     write_bytes(path, data)
@@ -168,20 +107,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def check_target(path: Path, overwrite: bool) -> None:
-    """Refuse a name that a capture cannot be written to.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.bin``.
-    overwrite : bool
-        Whether a capture that is there may be replaced.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in ``.bin``, its folder cannot be written, or a file is there and may not be replaced.
-    """
+    """Refuse a name that a capture cannot be written to."""
     if path.suffix != ".bin":
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
     folder = next(parent for parent in path.absolute().parents if parent.exists())

@@ -17,34 +17,12 @@ def _sums(folder: Path) -> dict[str, str]:
 
 
 def write_sums(folder: Path) -> None:
-    """Write the check sums of all captures of a folder and their sidecars to ``SHA256SUMS``.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder with captures.
-    """
+    """Write the check sums of all captures of a folder and their sidecars to ``SHA256SUMS``."""
     write_text(folder / SUMS, "".join(f"{digest}  {name}\n" for name, digest in _sums(folder).items()))
 
 
 def verify_folder(folder: Path) -> tuple[str, ...]:
-    """Check a folder against its ``SHA256SUMS``.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder with captures.
-
-    Returns
-    -------
-    tuple of str
-        Names of the files that were checked, all of the folder's captures and sidecars.
-
-    Raises
-    ------
-    InputError
-        If the list is missing or unreadable, a file is missing, differs, or is not listed.
-    """
+    """Check a folder against its ``SHA256SUMS``."""
     list_file = folder / SUMS
     try:
         lines = list_file.read_text(encoding="utf-8").splitlines()

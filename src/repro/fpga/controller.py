@@ -16,24 +16,13 @@ RESOLUTION = np.float32(RADIANS_PER_COUNT)
 
 @dataclass(frozen=True)
 class ControlConstants:
-    """Constants of Table 8 for both joints.
+    """Constants of Table 8 for both joints."""
 
-    Attributes
-    ----------
-    kp : tuple of float
-        Proportional gains K_p, N m/rad.
-    kv : tuple of float
-        Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A).
-    pwm_hz : tuple of float
-        PWM frequencies, Hz.
-    full_torque : tuple of float
-        Torque at a PWM of 1023 counts, N m.
-    """
-
-    kp: tuple[float, float]
+    kp: tuple[float, float]  # proportional gains K_p, N m/rad
+    # Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A)
     kv: tuple[float, float]
-    pwm_hz: tuple[float, float]
-    full_torque: tuple[float, float]
+    pwm_hz: tuple[float, float]  # PWM frequencies, Hz
+    full_torque: tuple[float, float]  # torque at a PWM of 1023 counts, N m
 
     def __post_init__(self) -> None:
         """Refuse constants that are not positive and finite."""
@@ -63,11 +52,6 @@ class PDController:
 
     Each operation is rounded to single precision, in the order conversion, scaling, differences, products,
     difference, rounding to the nearest integer (ties to even), saturation.
-
-    Parameters
-    ----------
-    kp, kv : array of shape (2,)
-        Gains in PWM counts per rad and PWM counts per rad between two samples.
     """
 
     def __init__(self, kp: ArrayLike, kv: ArrayLike) -> None:
@@ -78,20 +62,7 @@ class PDController:
         self._previous: Single | None = None
 
     def __call__(self, desired: Single, position: Counts) -> Counts:
-        """PWM of one sample.
-
-        Parameters
-        ----------
-        desired : float32 array of shape (2, 1) or (2, B)
-            q_d, rad.
-        position : int array of shape (2, B)
-            Encoder counts.
-
-        Returns
-        -------
-        int32 array of shape (2, B)
-            PWM, -1023 to 1023.
-        """
+        """PWM of one sample."""
         q = position.astype(np.float32) * RESOLUTION
         before = q if self._previous is None else self._previous  # q_0 - q_-1 = 0: the arm starts at rest
         self._previous = q

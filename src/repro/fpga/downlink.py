@@ -24,26 +24,11 @@ _SAMPLE = struct.Struct(">H")
 
 @dataclass(frozen=True)
 class Gains:
-    """Constants of the controller, as the board is sent them.
+    """Constants of the controller, as the board is sent them."""
 
-    Attributes
-    ----------
-    kp : tuple of 2 floats
-        Proportional gains, PWM counts per rad.
-    kv : tuple of 2 floats
-        Derivative gains, PWM counts per rad between two samples.
-    pwm_hz : tuple of 2 floats
-        PWM frequencies, Hz.
-
-    Raises
-    ------
-    ValueError
-        If one is not a pair, not finite in single precision, negative, or a frequency is zero.
-    """
-
-    kp: Pair
-    kv: Pair
-    pwm_hz: Pair
+    kp: Pair  # proportional gains, PWM counts per rad
+    kv: Pair  # derivative gains, PWM counts per rad between two samples
+    pwm_hz: Pair  # PWM frequencies, Hz
 
     def __post_init__(self) -> None:
         for name in ("kp", "kv", "pwm_hz"):
@@ -59,18 +44,10 @@ class Gains:
 
 @dataclass(frozen=True)
 class TrajectoryBlock:
-    """Part of the desired trajectory.
+    """Part of the desired trajectory."""
 
-    Attributes
-    ----------
-    start : int
-        Sample at which it begins.
-    desired : float32 array of shape (2, n)
-        q_d, rad.
-    """
-
-    start: int
-    desired: SingleArray
+    start: int  # sample at which it begins
+    desired: SingleArray  # (2, n), q_d, rad
 
 
 def encode_gains(gains: Gains) -> bytes:
@@ -79,23 +56,7 @@ def encode_gains(gains: Gains) -> bytes:
 
 
 def encode_trajectory(desired: ArrayLike) -> bytes:
-    """Messages that fill the board's RAM, blocks of at most 256 samples.
-
-    Parameters
-    ----------
-    desired : array of shape (2, N)
-        q_d, rad; 1 <= N <= 8192.
-
-    Returns
-    -------
-    bytes
-        Trajectory messages, first sample first.
-
-    Raises
-    ------
-    ValueError
-        If the shape is not (2, N), the RAM does not hold N samples, or one is not finite in single precision.
-    """
+    """Messages that fill the board's RAM, blocks of at most 256 samples."""
     wanted = np.asarray(desired, dtype=np.float64)
     if wanted.ndim != 2 or wanted.shape[0] != 2:
         raise ValueError(f"desired: must have the shape (2, N), got {wanted.shape}.")
@@ -116,25 +77,7 @@ def encode_program(gains: Gains, desired: ArrayLike) -> bytes:
 
 
 def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
-    """Read what `encode_program` wrote.
-
-    Parameters
-    ----------
-    data : bytes
-        One message with gains, then the trajectory in order.
-
-    Returns
-    -------
-    gains : Gains
-        Constants of the controller.
-    desired : float32 array of shape (2, N)
-        q_d, rad.
-
-    Raises
-    ------
-    ValueError
-        If a byte belongs to no intact message, a message is of another kind, or samples are missing or sent twice.
-    """
+    """Read what `encode_program` wrote."""
     decoder = MessageDecoder()
     messages = decoder.feed(data)
     read = sum(len(encode_message(message.kind, message.payload)) for message in messages)
@@ -152,13 +95,7 @@ def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
 
 
 def encode_start(samples: int) -> bytes:
-    """Message that starts the arm for a number of samples.
-
-    Raises
-    ------
-    ValueError
-        If `samples` is not in 1 ... 8192.
-    """
+    """Message that starts the arm for a number of samples."""
     _check_samples(samples)
     return encode_message(MessageKind.START, _SAMPLE.pack(samples))
 
@@ -174,13 +111,7 @@ def encode_identify() -> bytes:
 
 
 def encode_identity(identity: dict[str, Any]) -> bytes:
-    """Board's answer to `encode_identify`: one JSON object.
-
-    Raises
-    ------
-    ValueError
-        If it holds a number that is not finite or is longer than a message can be.
-    """
+    """Board's answer to `encode_identify`: one JSON object."""
     text = json.dumps(identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return encode_message(MessageKind.IDENTITY, text.encode())
 

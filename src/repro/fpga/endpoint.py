@@ -35,18 +35,7 @@ class Endpoint(Protocol):
 
 
 class PtyEndpoint:
-    """A pseudo-terminal.
-
-    Parameters
-    ----------
-    link : Path, optional
-        Symbolic link to make to it, a name that stays the same.
-
-    Raises
-    ------
-    InputError
-        If `link` is there and is not such a link, or cannot be made.
-    """
+    """A pseudo-terminal."""
 
     def __init__(self, link: Path | None = None) -> None:
         self._link = link
@@ -121,20 +110,7 @@ def _is_terminal_link(link: Path) -> bool:
 
 
 class SocketEndpoint:
-    """A listening TCP socket.
-
-    Parameters
-    ----------
-    address : str
-        Name or address to listen on.
-    number : int
-        Port number; 0 takes a free one.
-
-    Raises
-    ------
-    InputError
-        If it cannot listen there.
-    """
+    """A listening TCP socket."""
 
     def __init__(self, address: str, number: int) -> None:
         try:

@@ -10,35 +10,17 @@ FaultKind = Literal["drop", "flip", "insert", "stall", "disconnect"]
 
 @dataclass(frozen=True)
 class FaultSettings:
-    """How often what goes wrong.
+    """How often what goes wrong."""
 
-    Attributes
-    ----------
-    drop, flip, insert : float
-        Probability per byte that it is lost, that one of its bits is flipped, or that a random byte comes before it;
-        at most one of the three befalls a byte.
-    stall : float
-        Probability per byte that the line falls silent before it.
-    stall_s : float
-        How long it is silent, s.
-    stall_bytes : int
-        Bytes lost because of it; 0 for a line that only waits.
-    disconnect_after : int or None
-        Bytes after which nothing arrives any more; None for never.
-
-    Raises
-    ------
-    ValueError
-        If a probability is not in 0 ... 1, the first three exceed 1 together, or a time or number is negative.
-    """
-
+    # Probability per byte that it is lost, that one of its bits is flipped, or that a random byte comes before
+    # it; at most one of the three befalls a byte
     drop: float = 0.0
     flip: float = 0.0
     insert: float = 0.0
-    stall: float = 0.0
-    stall_s: float = 0.0
-    stall_bytes: int = 0
-    disconnect_after: int | None = None
+    stall: float = 0.0  # probability per byte that the line falls silent before it
+    stall_s: float = 0.0  # how long it is silent, s
+    stall_bytes: int = 0  # bytes lost because of it; 0 for a line that only waits
+    disconnect_after: int | None = None  # bytes after which nothing arrives any more; None for never
 
     def __post_init__(self) -> None:
         for name in ("drop", "flip", "insert", "stall"):
@@ -57,39 +39,14 @@ class FaultSettings:
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault that was injected.
+    """One fault that was injected."""
 
-    Attributes
-    ----------
-    kind : {"drop", "flip", "insert", "stall", "disconnect"}
-        What happened.
-    offset : int
-        Byte of the undamaged stream that it befell, or before which it happened.
-    """
-
-    kind: FaultKind
-    offset: int
+    kind: FaultKind  # what happened
+    offset: int  # byte of the undamaged stream that it befell, or before which it happened
 
 
 class FaultInjector:
-    """Damages a byte stream; the same seed does the same damage however the stream is cut.
-
-    Parameters
-    ----------
-    settings : FaultSettings
-        How often what goes wrong.
-    rng : Generator
-        Four numbers are drawn for each byte.
-
-    Attributes
-    ----------
-    log : list of Fault
-        What was done so far, in the order of the stream.
-    stall_s : float
-        Silence due by now, s; whoever keeps it subtracts it (`take_stall`).
-    disconnected : bool
-        Whether the line is dead.
-    """
+    """Damages a byte stream; the same seed does the same damage however the stream is cut."""
 
     def __init__(self, settings: FaultSettings, rng: np.random.Generator) -> None:
         self.log: list[Fault] = []
@@ -113,18 +70,7 @@ class FaultInjector:
         return due
 
     def apply(self, data: bytes) -> bytes:
-        """Damage the next bytes.
-
-        Parameters
-        ----------
-        data : bytes
-            Next part of the undamaged stream.
-
-        Returns
-        -------
-        bytes
-            What arrives of it.
-        """
+        """Damage the next bytes."""
         settings, offset = self._settings, self._offset
         if self.disconnected:
             return b""

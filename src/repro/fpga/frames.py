@@ -46,25 +46,7 @@ _SHIFTS: Final = np.array([[43], [27], [11], [0]], dtype=np.uint64)
 
 
 def encode(position: ArrayLike, pwm: ArrayLike) -> bytes:
-    """Frames of a motion.
-
-    Parameters
-    ----------
-    position : integers of shape (2, N)
-        Encoder counts, -32768 ... 32767.
-    pwm : integers of shape (2, N)
-        Torque in PWM counts, -1023 ... 1023.
-
-    Returns
-    -------
-    bytes
-        N frames of 8 bytes, oldest first.
-
-    Raises
-    ------
-    ValueError
-        If an array does not hold integers, is not of shape (2, N), differs in N, or leaves its range.
-    """
+    """Frames of a motion."""
     q = _integers("position", position, -(2**15), 2**15 - 1)
     tau = _integers("pwm", pwm, -PWM_LIMIT, PWM_LIMIT)
     if q.shape != tau.shape:
@@ -75,23 +57,7 @@ def encode(position: ArrayLike, pwm: ArrayLike) -> bytes:
 
 
 def decode(data: bytes) -> tuple[Int16Array, Int16Array]:
-    """Positions and torques of whole, undamaged frames; `repro.fpga.parser` reads a stream that may be damaged.
-
-    Parameters
-    ----------
-    data : bytes
-        N frames of 8 bytes.
-
-    Returns
-    -------
-    position, pwm : int16 arrays of shape (2, N)
-        Encoder counts and PWM counts.
-
-    Raises
-    ------
-    ValueError
-        If the length is not a multiple of 8, or a frame breaks the rule named: identifier, zero bits, torque.
-    """
+    """Positions and torques of whole, undamaged frames; `repro.fpga.parser` reads a stream that may be damaged."""
     if len(data) % FRAME_BYTES:
         raise ValueError(f"data: must be whole frames of {FRAME_BYTES} bytes, got {len(data)} bytes.")
     words = np.frombuffer(data, dtype=">u8").astype(np.uint64)
@@ -109,18 +75,7 @@ def decode(data: bytes) -> tuple[Int16Array, Int16Array]:
 
 
 def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
-    """Positions and torques held by frames, unchecked.
-
-    Parameters
-    ----------
-    words : uint64 array of shape (N,)
-        Frames as numbers.
-
-    Returns
-    -------
-    position, pwm : int16 arrays of shape (2, N)
-        Encoder counts and PWM counts.
-    """
+    """Positions and torques held by frames, unchecked."""
     # Each field is shifted to the low 16 bits, a torque to the top of those so that its sign is kept, and cut out.
     fields = (words << 3 >> _SHIFTS).astype(np.int16)
     fields[2:] >>= 5
@@ -128,18 +83,7 @@ def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
 
 
 def valid_words(words: WordArray) -> NDArray[np.bool_]:
-    """Whether each word keeps the rules a frame can be checked by on its own.
-
-    Parameters
-    ----------
-    words : uint64 array of shape (N,)
-        Frames as numbers.
-
-    Returns
-    -------
-    bool array of shape (N,)
-        True where identifier and zero bits are right and no torque is -1024.
-    """
+    """Whether each word keeps the rules a frame can be checked by on its own."""
     return np.asarray((words & FIXED_BITS == FIXED_VALUE) & _torque_possible(words))
 
 

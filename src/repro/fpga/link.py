@@ -32,18 +32,10 @@ _WRITE: Final = 1024
 
 @dataclass(frozen=True)
 class LinkSettings:
-    """How a port is used.
+    """How a port is used."""
 
-    Attributes
-    ----------
-    baud : int
-        Bits per second; what is not a real port ignores it.
-    silence : float
-        Seconds without a byte after which a recording ends.
-    """
-
-    baud: int = BAUD
-    silence: float = 2.0
+    baud: int = BAUD  # bits per second; what is not a real port ignores it
+    silence: float = 2.0  # seconds without a byte after which a recording ends
 
     def __post_init__(self) -> None:
         """Refuse settings that cannot work."""
@@ -55,24 +47,13 @@ class LinkSettings:
 
 @dataclass(frozen=True)
 class Recording:
-    """What a port gave.
+    """What a port gave."""
 
-    Attributes
-    ----------
-    data : bytes
-        As received since the start.
-    board : mapping or None
-        How a simulated board described itself; None for real hardware, which is silent.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why the recording ended before all samples had come.
-    host : Host
-        The host's end of the link.
-    """
-
-    data: bytes
+    data: bytes  # as received since the start
+    # How a simulated board described itself; None for real hardware, which is silent
     board: Mapping[str, object] | None
-    reason: Reason
-    host: Host
+    reason: Reason  # why the recording ended before all samples had come
+    host: Host  # the host's end of the link
 
 
 def record(
@@ -87,31 +68,6 @@ def record(
 
     Unplugging, silence, Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the arm is
     sent the command to stop, and what arrived is kept.
-
-    Parameters
-    ----------
-    port : str
-        Name or URL that pyserial opens.
-    download : bytes
-        Gains and trajectory, as the board takes them.
-    start : bytes
-        The command that starts the arm.
-    samples : int
-        Number of samples expected.
-    settings : LinkSettings, optional
-        How the port is used.
-    keep : callable
-        Called with each piece of bytes as it arrives.
-
-    Returns
-    -------
-    Recording
-        With at least one frame.
-
-    Raises
-    ------
-    InputError
-        If the port cannot be opened, is busy, goes before the arm is started, or sends no frame.
     """
     s = LinkSettings() if settings is None else settings
     line = _open(port, s.baud)

@@ -12,35 +12,14 @@ from repro.model.parameters import Array
 
 
 class ControlLoop:
-    """A plant behind its encoders, its PD controller and its PWM.
-
-    Parameters
-    ----------
-    plant : Plant
-        One arm or a batch.
-    controller : PDController
-        Controller with its gains.
-    torque_per_count : array of shape (2,)
-        N m.
-    """
+    """A plant behind its encoders, its PD controller and its PWM."""
 
     def __init__(self, plant: Plant, controller: PDController, torque_per_count: ArrayLike) -> None:
         self._plant, self._controller = plant, controller
         self._torque = np.asarray(torque_per_count, dtype=np.float64)
 
     def step(self, desired: Single) -> tuple[Counts, Counts]:
-        """One sampling period: read the encoders, set the PWM, let the arm move.
-
-        Parameters
-        ----------
-        desired : float32 array of shape (2, 1) or (2, B)
-            q_d, rad.
-
-        Returns
-        -------
-        position, pwm : int32 arrays of shape (2, B)
-            Encoder counts at the sampling instant and the PWM that follows from them.
-        """
+        """One sampling period: read the encoders, set the PWM, let the arm move."""
         position = np.rint(self._plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32)
         pwm = self._controller(desired, position)
         self._plant.advance(pwm, self._torque)
@@ -53,29 +32,7 @@ def simulate(
     desired: Array,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
-    """Run the closed loop along a desired motion.
-
-    Parameters
-    ----------
-    plant : Plant
-        Batch of B arms at their initial states.
-    constants : ControlConstants
-        Gains and torque of the motors.
-    desired : array of shape (2, N) or (B, 2, N)
-        q_d, rad; rounded to single precision as in the board's RAM.
-    progress : callable, optional
-        Called with the samples done and in all.
-
-    Returns
-    -------
-    position, pwm : int16 arrays of shape (B, 2, N)
-        Encoder and PWM counts.
-
-    Raises
-    ------
-    ValueError
-        If `desired` has another shape.
-    """
+    """Run the closed loop along a desired motion."""
     batch = plant.state.shape[1]
     q_d = np.moveaxis(np.atleast_3d(desired.T).T, 0, -1).astype(np.float32)  # (2, N, 1 or B)
     if q_d.shape[0] != 2 or q_d.shape[2] not in (1, batch):

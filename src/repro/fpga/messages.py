@@ -45,40 +45,14 @@ _LENGTHS: Final = {
 
 @dataclass(frozen=True)
 class Message:
-    """A message that arrived whole.
+    """A message that arrived whole."""
 
-    Attributes
-    ----------
-    kind : MessageKind
-        What it is.
-    payload : bytes
-        Its content.
-    """
-
-    kind: MessageKind
-    payload: bytes
+    kind: MessageKind  # what it is
+    payload: bytes  # its content
 
 
 def encode_message(kind: MessageKind, payload: bytes = b"") -> bytes:
-    """Bytes of a message.
-
-    Parameters
-    ----------
-    kind : MessageKind
-        What it is.
-    payload : bytes
-        Its content.
-
-    Returns
-    -------
-    bytes
-        Sync byte, type, length, payload, CRC-32.
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind or its payload cannot have this length.
-    """
+    """Bytes of a message."""
     if len(payload) not in _LENGTHS[MessageKind(kind)]:
         raise ValueError(f"payload: {MessageKind(kind).name} cannot have {len(payload)} bytes.")
     head = _HEADER.pack(SYNC, kind, len(payload))
@@ -90,13 +64,6 @@ class MessageDecoder:
 
     Of messages that overlap the one that ends first counts, so a message after one that lost bytes is understood at
     once instead of being taken for the rest of it.
-
-    Attributes
-    ----------
-    crc_failures : int
-        Messages refused because their checksum was wrong.
-    skipped : int
-        Bytes that belonged to no message.
     """
 
     def __init__(self) -> None:
@@ -105,18 +72,7 @@ class MessageDecoder:
         self._data = b""
 
     def feed(self, data: bytes) -> list[Message]:
-        """Take the next bytes.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them.
-
-        Returns
-        -------
-        list of Message
-            Those complete by now, oldest first.
-        """
+        """Take the next bytes."""
         self._data += data
         messages: list[Message] = []
         place = 0

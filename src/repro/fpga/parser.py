@@ -32,23 +32,7 @@ _SMALLEST_BLOCK, _LARGEST_BLOCK = 16, 65536
 
 
 class StreamParser:
-    """Frames of a byte stream, fed in pieces of any size.
-
-    Parameters
-    ----------
-    max_step : int
-        Most counts a joint moves between two frames.
-
-    Attributes
-    ----------
-    gaps : list of Gap
-        Interruptions so far, oldest first.
-
-    Raises
-    ------
-    ValueError
-        If `max_step` is not in 1 ... 65535.
-    """
+    """Frames of a byte stream, fed in pieces of any size."""
 
     def __init__(self, max_step: int = MAX_STEP) -> None:
         if not 1 <= max_step <= 65535:
@@ -84,23 +68,7 @@ class StreamParser:
         )
 
     def feed(self, data: bytes) -> Frames:
-        """Take the next bytes of the stream.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them.
-
-        Returns
-        -------
-        Frames
-            Those decided by now. The last frame of a stream waits for the byte after it, or for `finish`.
-
-        Raises
-        ------
-        ValueError
-            After `finish`.
-        """
+        """Take the next bytes of the stream."""
         if self._finished:
             raise ValueError("data: the stream was finished.")
         self._received += len(data)
@@ -111,13 +79,7 @@ class StreamParser:
         return self._runs.take()
 
     def finish(self) -> Frames:
-        """End the stream and decide on what was held back.
-
-        Returns
-        -------
-        Frames
-            The last ones; none if the stream was finished before.
-        """
+        """End the stream and decide on what was held back."""
         self._finished = True
         self._advance()
         if self._place < len(self._data):

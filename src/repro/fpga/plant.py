@@ -22,27 +22,14 @@ SLOW = 0.2
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """Effects that Eq. 1 does not model.
+    """Effects that Eq. 1 does not model."""
 
-    Attributes
-    ----------
-    stribeck : pair of float
-        Share by which the Coulomb friction of each joint is higher near standstill.
-    stribeck_velocity : float
-        Velocity over which that share fades, rad/s.
-    ripple : pair of float
-        Amplitude of the torque ripple of each joint, N m.
-    ripple_cycles : float
-        Ripple cycles in one turn of the joint.
-    dead_band : int
-        PWM counts that do not move the motor.
-    """
-
+    # Share by which the Coulomb friction of each joint is higher near standstill
     stribeck: tuple[float, float] = (0.0, 0.0)
-    stribeck_velocity: float = 0.2
-    ripple: tuple[float, float] = (0.0, 0.0)
-    ripple_cycles: float = 17.0
-    dead_band: int = 0
+    stribeck_velocity: float = 0.2  # velocity over which that share fades, rad/s
+    ripple: tuple[float, float] = (0.0, 0.0)  # amplitude of the torque ripple of each joint, N m
+    ripple_cycles: float = 17.0  # ripple cycles in one turn of the joint
+    dead_band: int = 0  # PWM counts that do not move the motor
 
     def __post_init__(self) -> None:
         """Refuse levels that are negative or not finite."""
@@ -71,27 +58,7 @@ class Plant:
 
     with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi. With s = a = 0 it is Eq. 1.
 
-    Parameters
-    ----------
-    beta : array of shape (9,) or (B, 9)
-        Parameters of each arm; the inertia matrix must be positive definite.
-    h : float
-        Sampling period, s.
-    unmodelled : Unmodelled, or B of them
-        Effects beyond Eq. 1. Arms of one batch may differ in their levels `stribeck` and `ripple` alone.
-    ripple_phase : array of shape (2,) or (B, 2)
-        Phase of the ripple of each joint, rad.
-    refine : int
-        Factor on the number of substeps, to check that they are enough.
 
-    Raises
-    ------
-    ValueError
-        If an arm's inertia matrix is not positive definite, shapes do not fit, or effects of one batch differ in
-        more than their levels.
-
-    Notes
-    -----
     Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
     them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
     loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
@@ -156,17 +123,7 @@ class Plant:
         self._product = np.dot if batch == 1 else _einsum
 
     def derivative(self, x: Array, tau: Array, out: Array) -> None:
-        """Time derivative of the state.
-
-        Parameters
-        ----------
-        x : array of shape (4, B)
-            ``(q1, q2, dq1, dq2)``.
-        tau : array of shape (2, B)
-            Motor torque over I3, rad/s^2.
-        out : array of shape (4, B)
-            Filled with ``(dq1, dq2, ddq1, ddq2)``.
-        """
+        """Time derivative of the state."""
         f, sines, tanhs, weighed, sin_q2, left, right = self._features
         r, r1, r2 = self._torque
         self._product(self._linear, x, f)
@@ -195,15 +152,7 @@ class Plant:
         return np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
 
     def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
-        """Move on by one sampling period.
-
-        Parameters
-        ----------
-        pwm : int array of shape (2, B)
-            PWM counts.
-        torque_per_count : array of shape (2,)
-            N m.
-        """
+        """Move on by one sampling period."""
         tau = self.effective(pwm) * torque_per_count[:, np.newaxis] * self._per_i3
         steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]

@@ -16,15 +16,7 @@ _SIDECAR = 128 << 10
 
 
 class RawFile:
-    """File that received bytes are appended to.
-
-    Parameters
-    ----------
-    path : Path
-        File to make.
-    room : int
-        Bytes of the disk to reserve until `close`.
-    """
+    """File that received bytes are appended to."""
 
     def __init__(self, path: Path, room: int) -> None:
         self._path, self._pieces = path, list[bytes]()
@@ -77,30 +69,7 @@ _ZEROS = bytes(1 << 16)
 
 @contextmanager
 def raw_file(capture: Path, samples: int, program: int, overwrite: bool) -> Iterator[RawFile]:
-    """Keep the bytes of a recording next to its capture until that is written.
-
-    Parameters
-    ----------
-    capture : Path
-        ``NAME.bin``, which need not be there; the bytes are in ``NAME.bin.part`` meanwhile.
-    samples : int
-        Number of samples expected.
-    program : int
-        Bytes that the board is sent.
-    overwrite : bool
-        Whether the bytes that an earlier recording left may be replaced.
-
-    Yields
-    ------
-    RawFile
-        With room on the disk for the whole capture; to be closed before the capture is written.
-
-    Raises
-    ------
-    InputError
-        If there is no room, an earlier recording left its bytes, or the capture is not written. Its line names the
-        file with the bytes received, if there are any.
-    """
+    """Keep the bytes of a recording next to its capture until that is written."""
     folder = next(parent for parent in capture.absolute().parents if parent.exists())
     path = folder / f"{capture.name}.part"
     if path.exists() and not overwrite:

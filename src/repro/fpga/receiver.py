@@ -32,28 +32,7 @@ def take(line: serial.SerialBase) -> bytes:
 
 
 class Receiver:
-    """Takes bytes until all samples have come or no more do.
-
-    Parameters
-    ----------
-    samples : int
-        Number of samples expected.
-    silence : float
-        Seconds without a byte after which it gives up.
-    clock : callable
-        Seconds since any fixed moment.
-    keep : callable
-        Called with each piece of bytes as it arrives.
-
-    Attributes
-    ----------
-    data : bytearray
-        What has arrived.
-    stamps : list of (int, float)
-        Bytes so far and the time since `run` began (s), about every 50 ms.
-    good : int
-        Frames so far.
-    """
+    """Takes bytes until all samples have come or no more do."""
 
     def __init__(
         self,
@@ -70,20 +49,7 @@ class Receiver:
         self._ended: Reason = ""
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> None:
-        """Receive until there is a reason to end.
-
-        Parameters
-        ----------
-        line : serial.SerialBase
-            Port, opened with a timeout of 0.
-        progress : callable
-            Called with the samples received and expected.
-
-        Raises
-        ------
-        KeyboardInterrupt
-            If nothing has arrived yet; later it ends the recording.
-        """
+        """Receive until there is a reason to end."""
         began = last = self._clock()
         longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
         try:
@@ -114,13 +80,7 @@ class Receiver:
         progress(self.good, self._samples)
 
     def close(self) -> Reason:
-        """Decide on the last frames.
-
-        Returns
-        -------
-        {"", "silent", "disconnected", "interrupted", "overrun"}
-            Why the recording ended before its last sample; empty if it did not.
-        """
+        """Decide on the last frames."""
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
         return "" if self.good + within >= self._samples else self._ended

@@ -14,44 +14,15 @@ from repro.model.parameters import Array
 
 @dataclass(frozen=True)
 class Samples:
-    """One sample for every sampling instant of a motion.
+    """One sample for every sampling instant of a motion."""
 
-    Attributes
-    ----------
-    q : array of shape (2, N)
-        Joint positions, rad.
-    tau : array of shape (2, N)
-        Joint torques, N m.
-    filled : int
-        Samples that were lost and are interpolated.
-    """
-
-    q: Array
-    tau: Array
-    filled: int
+    q: Array  # (2, N), joint positions, rad
+    tau: Array  # (2, N), joint torques, N m
+    filled: int  # samples that were lost and are interpolated
 
 
 def samples(capture: Capture, longest_gap: int = 4) -> Samples:
-    """Evenly spaced samples; short gaps are bridged by straight lines.
-
-    Parameters
-    ----------
-    capture : Capture
-        Recording.
-    longest_gap : int
-        Most samples in a row that may be interpolated.
-
-    Returns
-    -------
-    Samples
-        As many as the motion has.
-
-    Raises
-    ------
-    InputError
-        If the recording is incomplete, a gap is too long or at an end, or the frames that arrived and those
-        estimated lost do not add up to the motion.
-    """
+    """Evenly spaced samples; short gaps are bridged by straight lines."""
     n, good = capture.about.samples, len(capture.index)
     if not capture.complete:
         raise InputError.at(capture.place, f"an incomplete recording ({capture.reason})", "a complete one")
@@ -73,17 +44,10 @@ def samples(capture: Capture, longest_gap: int = 4) -> Samples:
 
 @dataclass(frozen=True)
 class ControlCheck:
-    """How many frames the control law confirms.
+    """How many frames the control law confirms."""
 
-    Attributes
-    ----------
-    checked : int
-        Frames whose torque can be recomputed: not those right after a gap.
-    disagree : int array
-        Those of them, by their place among the frames, whose torque is not what the law gives.
-    """
-
-    checked: int
+    checked: int  # frames whose torque can be recomputed: not those right after a gap
+    # Those of them, by their place among the frames, whose torque is not what the law gives
     disagree: NDArray[np.int64]
 
     @property
@@ -121,19 +85,7 @@ def verify_control(capture: Capture) -> ControlCheck:
 
 
 def to_table(capture: Capture) -> pd.DataFrame:
-    """Frames that arrived, one a row.
-
-    Parameters
-    ----------
-    capture : Capture
-        Recording.
-
-    Returns
-    -------
-    DataFrame
-        ``time_s, q1_rad, q2_rad, tau1_Nm, tau2_Nm, q1_counts, q2_counts, pwm1, pwm2, gap, simulated``; `gap` is 1
-        where samples are missing before this one, `simulated` is 1 throughout for a recording of the simulated board.
-    """
+    """Frames that arrived, one a row."""
     gap = np.zeros(len(capture.index) + 1, dtype=np.int64)
     gap[[each.next_frame for each in capture.gaps if each.lost]] = 1
     columns: dict[str, NDArray[np.generic]] = {"time_s": capture.time}

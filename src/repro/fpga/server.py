@@ -44,19 +44,6 @@ class BoardServer:
 
     A board does not know whether anybody listens: without a host it goes on to the end of its motion, and what it
     sends is lost. With a host nothing is lost, however slowly it reads.
-
-    Parameters
-    ----------
-    board : SimulatedBoard
-        Board.
-    endpoint : Endpoint
-        Where hosts connect.
-    real_time : bool
-        One sample every 2.5 ms; otherwise as fast as possible.
-    faults : callable, optional
-        Makes the fault injector of a motion; it damages the frames, not the board's answers.
-    clock : callable
-        Seconds since any fixed moment.
     """
 
     def __init__(
@@ -78,15 +65,7 @@ class BoardServer:
         self._motions = 0
 
     def serve(self, stopped: Callable[[], bool], once: bool = False) -> None:
-        """Serve one host after another.
-
-        Parameters
-        ----------
-        stopped : callable
-            Asked every 50 ms at least; True ends it.
-        once : bool
-            End after the first motion, as soon as its host has gone.
-        """
+        """Serve one host after another."""
         while not stopped():
             descriptor = self._endpoint.host(self._pause())
             if descriptor is None:
@@ -176,25 +155,7 @@ def serve(
     ready: Callable[[str], None] | None = None,
     stopped: Callable[[], bool] | None = None,
 ) -> None:
-    """Serve a board until a signal or `stopped` ends it, then close its endpoint.
-
-    Parameters
-    ----------
-    board : SimulatedBoard
-        Board.
-    endpoint : Endpoint
-        Where hosts connect: `PtyEndpoint` or `SocketEndpoint`.
-    real_time : bool
-        One sample every 2.5 ms; otherwise as fast as possible.
-    faults : callable, optional
-        Makes the fault injector of a motion.
-    once : bool
-        End after the first motion, as soon as its host has gone.
-    ready : callable, optional
-        Called with what pyserial opens, once it can be opened.
-    stopped : callable, optional
-        Asked every 50 ms at least; True ends it. By default SIGINT and SIGTERM do, in the main thread only.
-    """
+    """Serve a board until a signal or `stopped` ends it, then close its endpoint."""
     try:
         with _signals() if stopped is None else nullcontext(stopped) as ended:
             _LOG.info("listening on %s", endpoint.port)

@@ -19,24 +19,7 @@ FORMAT = 2
 
 
 def sidecar(about: About, data: bytes, counts: Counts, reason: Reason) -> dict[str, object]:
-    """Content of the JSON file.
-
-    Parameters
-    ----------
-    about : About
-        What was recorded.
-    data : bytes
-        The recording.
-    counts : Counts
-        What the parser made of it.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why it ended early.
-
-    Returns
-    -------
-    dict
-        Ready for JSON.
-    """
+    """Content of the JSON file."""
     control = about.control
     content: dict[str, object] = {
         "format": FORMAT,
@@ -74,26 +57,7 @@ def _own_sum(content: Mapping[str, object]) -> str:
 
 
 def check_sidecar(place: str, content: object) -> dict[str, Any]:
-    """Check what was read from a JSON file.
-
-    Parameters
-    ----------
-    place : str
-        Name of the file, for messages.
-    content : object
-        What it holds.
-
-    Returns
-    -------
-    dict
-        The same content, checked.
-
-    Raises
-    ------
-    InputError
-        If the version is another, a key is missing or unknown, or a value is of the wrong type or contradicts
-        another.
-    """
+    """Check what was read from a JSON file."""
     # Another version may have other keys.
     schema = json.loads(Path(__file__).with_name("sidecar.schema.json").read_text(encoding="utf-8"))
     of_format = {"format": content["format"]} if isinstance(content, dict) and "format" in content else {}
@@ -141,13 +105,7 @@ def _control(c: Mapping[str, Any]) -> ControlConstants:
 
 
 def about_of(content: Mapping[str, Any], program: bytes) -> About:
-    """What was recorded, from a checked sidecar and what the board was sent.
-
-    Raises
-    ------
-    ValueError
-        If `program` is not one, has another number of samples, or sets other gains than the sidecar says.
-    """
+    """What was recorded, from a checked sidecar and what the board was sent."""
     host, control = content.get("host"), _control(content)
     about = About(
         motion=content["motion"],

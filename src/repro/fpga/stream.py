@@ -25,21 +25,11 @@ UNVERIFIABLE: Final = (
 
 @dataclass(frozen=True)
 class Frames:
-    """Good frames, oldest first.
+    """Good frames, oldest first."""
 
-    Attributes
-    ----------
-    position : int16 array of shape (2, n)
-        Encoder counts.
-    pwm : int16 array of shape (2, n)
-        Torque in PWM counts.
-    offset : int64 array of shape (n,)
-        Byte of the whole stream at which each frame begins.
-    """
-
-    position: Int16Array
-    pwm: Int16Array
-    offset: NDArray[np.int64]
+    position: Int16Array  # (2, n), encoder counts
+    pwm: Int16Array  # (2, n), torque in PWM counts
+    offset: NDArray[np.int64]  # (n,), byte of the whole stream at which each frame begins
 
     def __len__(self) -> int:
         return self.offset.size
@@ -47,28 +37,15 @@ class Frames:
 
 @dataclass(frozen=True)
 class Gap:
-    """An interruption of the run of frames.
+    """An interruption of the run of frames."""
 
-    Attributes
-    ----------
-    offset : int
-        Byte of the stream at which the next frame should have begun.
-    skipped : int
-        Bytes passed over; 0 if the positions jump from one frame to the next.
-    next_frame : int
-        Index of the first good frame after the gap; the number of frames if none follows.
-    lost : int
-        Estimate of the frames missing: the bytes skipped in frames, rounded, but not less than the speed limit
-        demands for the way the joints moved meanwhile, and not less than 1 between two good frames.
-    reason : str
-        Why no frame was accepted at `offset`, by the names of `Counts`.
-    """
-
-    offset: int
-    skipped: int
-    next_frame: int
+    offset: int  # byte of the stream at which the next frame should have begun
+    skipped: int  # bytes passed over; 0 if the positions jump from one frame to the next
+    next_frame: int  # index of the first good frame after the gap; the number of frames if none follows
+    # Estimate of the frames missing: the bytes skipped in frames, rounded, but not less than the speed limit
+    # demands for the way the joints moved meanwhile, and not less than 1 between two good frames
     lost: int
-    reason: str
+    reason: str  # why no frame was accepted at `offset`, by the names of `Counts`
 
 
 @dataclass(frozen=True)
@@ -76,44 +53,19 @@ class Counts:
     """What became of every byte so far: ``received = 8 good + skipped + held back``.
 
     Each byte skipped is a place where a frame might have begun and was refused; the six reasons add up to `skipped`.
-
-    Attributes
-    ----------
-    received : int
-        Bytes fed.
-    good : int
-        Frames accepted.
-    skipped : int
-        Bytes passed over.
-    identifier : int
-        Skipped, not an identifier.
-    zero_bits : int
-        Skipped, an identifier whose last two bits are not zero.
-    torque : int
-        Skipped, a torque of -1024.
-    step : int
-        Skipped, further from the last good frame than a joint can have moved.
-    unconfirmed : int
-        Skipped, a possible frame without the neighbours that would confirm it.
-    incomplete : int
-        Skipped, an identifier less than a frame before the end of the stream.
-    gaps : int
-        Interruptions.
-    lost : int
-        Sum of the gaps' estimates of frames missing.
     """
 
-    received: int = 0
-    good: int = 0
-    skipped: int = 0
-    identifier: int = 0
-    zero_bits: int = 0
-    torque: int = 0
-    step: int = 0
-    unconfirmed: int = 0
-    incomplete: int = 0
-    gaps: int = 0
-    lost: int = 0
+    received: int = 0  # bytes fed
+    good: int = 0  # frames accepted
+    skipped: int = 0  # bytes passed over
+    identifier: int = 0  # skipped, not an identifier
+    zero_bits: int = 0  # skipped, an identifier whose last two bits are not zero
+    torque: int = 0  # skipped, a torque of -1024
+    step: int = 0  # skipped, further from the last good frame than a joint can have moved
+    unconfirmed: int = 0  # skipped, a possible frame without the neighbours that would confirm it
+    incomplete: int = 0  # skipped, an identifier less than a frame before the end of the stream
+    gaps: int = 0  # interruptions
+    lost: int = 0  # sum of the gaps' estimates of frames missing
 
 
 class FrameRuns:
