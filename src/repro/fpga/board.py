@@ -1,4 +1,4 @@
-"""The simulated FPGA board: what stands between the serial line and the arm (Section III, Fig. 2)."""
+"""The simulated FPGA board between the serial line and the arm (Section III, Fig. 2)."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from repro.fpga import downlink
-from repro.fpga.controller import PDController
-from repro.fpga.downlink import RAM_SAMPLES, Gains
+from repro.fpga import messages
+from repro.fpga.controller import ControlLoop, PDController
 from repro.fpga.frames import encode
-from repro.fpga.loop import ControlLoop
-from repro.fpga.messages import Message, MessageDecoder, MessageKind
+from repro.fpga.messages import RAM_SAMPLES, Gains, Message, MessageDecoder, MessageKind
 from repro.fpga.plant import Plant
 
 
@@ -38,7 +36,7 @@ class Board:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What the board says of itself."""
+        """Description that the board answers to IDENTIFY."""
         return dict(self._identity)
 
     @property
@@ -47,7 +45,7 @@ class Board:
         return self._loop is not None
 
     def receive(self, data: bytes) -> bytes:
-        """Take bytes from the host."""
+        """Take bytes of the downlink; while the arm moves only a stop is obeyed. Gives the answer, if any."""
         answer = b""
         for message in self._decoder.feed(data):
             try:
@@ -62,15 +60,15 @@ class Board:
         elif self.running:
             raise ValueError("the arm is moving.")
         elif message.kind is MessageKind.GAINS:
-            self._gains = downlink.parse_gains(message)
+            self._gains = messages.parse_gains(message)
         elif message.kind is MessageKind.TRAJECTORY:
-            block = downlink.parse_trajectory(message)
+            block = messages.parse_trajectory(message)
             place = slice(block.start, block.start + block.desired.shape[1])
             self._ram[:, place], self._written[place] = block.desired, True
         elif message.kind is MessageKind.START:
-            self._start(downlink.parse_start(message))
+            self._start(messages.parse_start(message))
         elif message.kind is MessageKind.IDENTIFY:
-            return downlink.encode_identity(self._identity)
+            return messages.encode_identity(self._identity)
         else:
             raise ValueError("only a board sends it.")
         return b""

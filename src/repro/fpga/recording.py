@@ -1,4 +1,4 @@
-"""What a capture is used for: evenly spaced samples, a check by the control law, a table."""
+"""Captures in use: the recording at even instants, a check by the control law, a table."""
 
 from dataclasses import dataclass
 
@@ -11,25 +11,28 @@ from repro.fpga.capture import Capture
 from repro.fpga.controller import PDController
 from repro.model.parameters import Array
 
+#: Most samples in a row that are interpolated.
+LONGEST_GAP = 4
+
 
 @dataclass(frozen=True)
-class Samples:
-    """One sample for every sampling instant of a motion."""
+class Recording:
+    """Positions and torques of a motion, one sample for every sampling instant."""
 
     q: Array  # (2, N), joint positions, rad
     tau: Array  # (2, N), joint torques, N m
-    filled: int  # samples that were lost and are interpolated
+    n_interpolated: int  # samples that were lost
 
 
-def samples(capture: Capture, longest_gap: int = 4) -> Samples:
-    """Evenly spaced samples; short gaps are bridged by straight lines."""
-    n, good = capture.about.samples, len(capture.index)
+def recording_of(capture: Capture) -> Recording:
+    """Resample a complete capture to even instants; gaps of few samples are interpolated linearly."""
+    n, good = capture.metadata.samples, len(capture.index)
     if not capture.complete:
-        raise InputError.at(capture.place, f"an incomplete recording ({capture.reason})", "a complete one")
+        raise InputError.at(capture.place, f"an incomplete recording ({capture.metadata.end_reason})", "a complete one")
     for gap in capture.gaps:
         where = f"{capture.place}: byte {gap.offset}"
-        if gap.lost > longest_gap:
-            raise InputError.at(where, f"a gap of about {gap.lost} samples", f"at most {longest_gap}")
+        if gap.lost > LONGEST_GAP:
+            raise InputError.at(where, f"a gap of about {gap.lost} samples", f"at most {LONGEST_GAP}")
         if gap.lost and gap.next_frame in (0, good):
             raise InputError.at(where, f"a gap of about {gap.lost} samples", "gaps between samples only")
     if good + capture.counts.lost != n:
@@ -39,16 +42,15 @@ def samples(capture: Capture, longest_gap: int = 4) -> Samples:
     q, tau = (
         np.stack([np.interp(instants, capture.index, joint) for joint in rows]) for rows in (capture.q, capture.tau)
     )
-    return Samples(q, tau, n - good)
+    return Recording(q, tau, n - good)
 
 
 @dataclass(frozen=True)
 class ControlCheck:
-    """How many frames the control law confirms."""
+    """Number of frames that the control law confirms."""
 
     checked: int  # frames whose torque can be recomputed: not those right after a gap
-    # Those of them, by their place among the frames, whose torque is not what the law gives
-    disagree: NDArray[np.int64]
+    disagree: NDArray[np.int64]  # indices of those whose torque is another
 
     @property
     def agree(self) -> int:
@@ -61,22 +63,12 @@ def verify_control(capture: Capture) -> ControlCheck:
 
     The protocol has no checksum, but the torque follows from this position, the one before and the desired one. So
     a flipped bit that the parser cannot see is found here, in its own frame or in the one after it.
-
-    Parameters
-    ----------
-    capture : Capture
-        Recording.
-
-    Returns
-    -------
-    ControlCheck
-        Frames checked and those that disagree.
     """
-    q_d = capture.about.desired
+    q_d = capture.metadata.desired
     index = capture.index
     before = np.concatenate([[-1], index[:-1]])
     checked = np.flatnonzero((index - before == 1) & (index < q_d.shape[1]))
-    control = PDController(capture.about.control.kp_counts, capture.about.control.kv_counts)
+    control = PDController(capture.metadata.control.kp_counts, capture.metadata.control.kv_counts)
     # Every frame as an arm of its own: one call with the position before, one with the position.
     position = capture.position.astype(np.int32)
     control(q_d[:, index[checked]], position[:, np.maximum(checked - 1, 0)])
@@ -85,9 +77,9 @@ def verify_control(capture: Capture) -> ControlCheck:
 
 
 def to_table(capture: Capture) -> pd.DataFrame:
-    """Frames that arrived, one a row."""
-    gap = np.zeros(len(capture.index) + 1, dtype=np.int64)
-    gap[[each.next_frame for each in capture.gaps if each.lost]] = 1
+    """Tabulate the frames that arrived; `gap` is 1 where samples are missing before the frame."""
+    gaps = np.zeros(len(capture.index) + 1, dtype=np.int64)
+    gaps[[gap.next_frame for gap in capture.gaps if gap.lost]] = 1
     columns: dict[str, NDArray[np.generic]] = {"time_s": capture.time}
     for names, rows in (
         (("q1_rad", "q2_rad"), capture.q),
@@ -96,4 +88,4 @@ def to_table(capture: Capture) -> pd.DataFrame:
         (("pwm1", "pwm2"), capture.pwm),
     ):
         columns |= dict(zip(names, rows, strict=True))
-    return pd.DataFrame(columns | {"gap": gap[:-1], "simulated": int(capture.about.source == "simulated")})
+    return pd.DataFrame(columns | {"gap": gaps[:-1], "simulated": int(capture.metadata.source == "simulated")})
