@@ -19,12 +19,13 @@ import numpy as np
 import torch
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion
+from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.factored import DTYPES, FactoredCNN
 from repro.cnn.image import assemble
 from repro.cnn.network import SignalCNN, sigmoid_loss
 from repro.cnn.optimisers import make_optimisers
 from repro.cnn.schedule import TrainingSettings, learning_rate
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from repro.errors import InputError
-from repro.exhibits import catalogue
+from repro.exhibits import catalogue, style
 from repro.exhibits.make import draw, lay_out, made_of
 from repro.exhibits.study import COVERAGE, RANKS, why_table
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
@@ -26,7 +26,6 @@ from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.paired import COLUMNS as PAIRED
 from repro.pipeline.readings import READINGS, ablation_figure
-from repro.render import style
 
 CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")

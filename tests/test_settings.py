@@ -10,7 +10,7 @@ import yaml
 
 from repro import settings
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
@@ -22,6 +22,7 @@ from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.experiment import program_settings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import ProgramSettings
+from repro.signals.sampling import SignalSettings
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
@@ -21,6 +21,7 @@ from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import Array
 from repro.signals.dct import FrequencyReading
 from repro.signals.metric import MetricSettings
+from repro.signals.sampling import SignalSettings
 
 Config = Mapping[str, Any]
 

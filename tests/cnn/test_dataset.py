@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from strategies import seeds
 
 from repro.cnn import dataset
-from repro.cnn.dataset import DataSettings, SampledMotion, SignalSettings, draw_samples, image_regressor, sample_motion
+from repro.cnn.dataset import DataSettings, SampledMotion, draw_samples, sample_motion
 from repro.cnn.image import ImageSettings, assemble
 from repro.cnn.priors import PRIORS, GuessSettings
 from repro.model.dynamics import inverse_dynamics
+from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 
 # 471 samples over the published 3 pi s.

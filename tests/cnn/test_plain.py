@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.stats import multivariate_normal
 
-from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, draw_torques, sample_motion
+from repro.cnn.dataset import DataSettings, draw_samples, draw_torques, sample_motion
 from repro.cnn.plain import (
     PlainNetwork,
     PlainSettings,
@@ -18,6 +18,7 @@ from repro.cnn.plain import (
 from repro.cnn.unmodelled import UnmodelledSettings
 from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=30)

@@ -11,13 +11,14 @@ import pytest
 import torch
 
 from repro.cnn import train as training
-from repro.cnn.dataset import DataSettings, Samples, SignalSettings, draw_samples, sample_motion
+from repro.cnn.dataset import DataSettings, Samples, draw_samples, sample_motion
 from repro.cnn.factored import FactoredCNN, on_this_processor
 from repro.cnn.image import assemble
 from repro.cnn.network import sigmoid_loss
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.train import evaluate, train
 from repro.errors import InputError
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

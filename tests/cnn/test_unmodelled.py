@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from repro.cnn.dataset import DataSettings, SignalSettings, draw_samples, sample_motion, stack_motions
+from repro.cnn.dataset import DataSettings, draw_samples, sample_motion, stack_motions
 from repro.cnn.unmodelled import STRIBECK_VELOCITY, UnmodelledSettings, draw_unmodelled
 from repro.model.dynamics import LAMBDA, inverse_dynamics
 from repro.signals.dct import dct2low, dct2sub
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings()

@@ -13,11 +13,11 @@ from render_examples import FIGURES, LAYOUTS
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.checkpoint import save_network
-from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.dataset import DataSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue
+from repro.exhibits import catalogue, style
 from repro.exhibits.make import made_of
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
@@ -27,8 +27,8 @@ from repro.pipeline import figure_data
 from repro.pipeline.description import architecture, network_features, parameter_description
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.readings import READINGS
-from repro.render import style
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

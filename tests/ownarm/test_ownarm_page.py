@@ -17,6 +17,7 @@ from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example
 from PIL import Image
 
 from repro.commands.identify import summary
+from repro.exhibits import style
 from repro.identification.alternatives import BEYOND
 from repro.identification.friction import Term
 from repro.model.parameters import NAMES, UNITS
@@ -29,7 +30,6 @@ from repro.ownarm.parameters import parameters as parameters_figure
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
 from repro.ownarm.words import ALLOWED
-from repro.render import style
 
 pytestmark = pytest.mark.slow
 

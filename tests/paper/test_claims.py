@@ -573,3 +573,12 @@ def test_better_is_the_right_way_round():
     for a, b in pairwise((1.0, 2.0, 3.0)):
         assert higher(a, b) and lower(b, a) and not higher(b, a) and not lower(a, b)
     assert judge(printed(), ours(98.0, better=lower))["verdict"] == DIFFERS
+
+
+@pytest.mark.parametrize(
+    ("other", "verdict"),
+    [(98.2, REPRODUCED), (97.55, INCONCLUSIVE), (96.75, INCONCLUSIVE), (97.95, INCONCLUSIVE), (96.5, REPRODUCED)],
+)
+def test_a_match_that_another_case_would_pass_is_inconclusive(other, verdict):
+    """97.45 matches the published 97.10 to 0.505; another case within that of either number would pass as well."""
+    assert judge(printed(), ours(97.45, margin=HALF), [other])["verdict"] == verdict

@@ -12,7 +12,6 @@ from experiment_example import MOTIONS, short_config
 from safetensors.numpy import load_file, save_file
 
 from repro.cnn.checkpoint import load_network
-from repro.cnn.dataset import SignalSettings
 from repro.cnn.plain import PlainSettings, load_plain, read_torque
 from repro.errors import InputError
 from repro.fpga.controller import simulate
@@ -41,6 +40,7 @@ from repro.pipeline.specimen import disturbance
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

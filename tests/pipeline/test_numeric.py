@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings, SignalSettings, image_regressor
+from repro.cnn.dataset import DataSettings
 from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import sample_beta
@@ -29,6 +29,7 @@ from repro.pipeline.numeric import (
 )
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

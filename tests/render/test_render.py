@@ -33,8 +33,8 @@ from render_examples import (
 )
 
 from repro.errors import InputError
+from repro.exhibits import style
 from repro.exhibits.make import draw, lay_out
-from repro.render import style
 
 pytestmark = pytest.mark.slow
 

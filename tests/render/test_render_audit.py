@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from render_examples import TABLES, laid_out
 
-from repro.render import style
+from repro.exhibits import style
+from repro.exhibits.markup import plain
 from repro.render.audit_table import LongTable
-from repro.render.markup import plain
 
 
 def one_finding(**fields: object) -> pd.DataFrame:

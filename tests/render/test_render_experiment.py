@@ -20,7 +20,8 @@ from render_examples import (
     similarity_frame,
 )
 
-from repro.render import result_tables, style
+from repro.exhibits import style
+from repro.identification import registry
 
 LAYOUTS = ("table08", "table09", "table10", "stability", "verdict")
 COMPARED = ("fig19", "fig20", "fig23", "fig24")
@@ -46,7 +47,7 @@ def test_tables_say_that_they_are_simulated(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_methods_look_the_same_everywhere_and_are_told_apart() -> None:
-    assert tuple(result_tables.METHODS) == style.METHODS
+    assert tuple(style.METHODS) == registry.METHODS
     assert style.STROKES.keys() == style.SERIES_LABELS.keys()
     assert set(style.METHODS) <= style.MARKS.keys()
     figures = {name: made(name, FRAMES[name]()) for name in (*COMPARED, "spread")}

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from render_examples import FIGURES, FRAMES, candidates_frame, case_panels, drawn, kernels_frame, long_table
 
-from repro.render import style
+from repro.exhibits import style
 
 
 def test_pairs_that_meet_differ_in_greyscale() -> None:

@@ -10,7 +10,7 @@ from factorial_example import MAIN, PAIRS, READER, READER_PAIRS
 from matplotlib.figure import Figure
 from render_examples import FIGURES, FRAMES, TABLES, laid_out
 
-from repro.render import style
+from repro.exhibits import style
 from repro.render.factorial import FACTORS
 
 pytestmark = pytest.mark.slow

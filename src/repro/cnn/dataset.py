@@ -13,41 +13,13 @@ from numpy.typing import NDArray
 from repro.cnn.image import ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
 from repro.cnn.unmodelled import UnmodelledColumns, UnmodelledSettings, draw_unmodelled, unmodelled_columns
-from repro.model.dynamics import LAMBDA, regressor
+from repro.model.dynamics import regressor
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading, dct2low, dct2sub
+from repro.signals.dct import dct2low, dct2sub
+from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import Motion
 
 Floats32 = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class SignalSettings:
-    """Sampling and filtering shared by training and identification.
-
-    Attributes
-    ----------
-    h : float
-        Sampling period, s (2.5 ms).
-    c_f : float
-        Filter coefficient of Eq. 6 and 14.
-    reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in the filter.
-    samples : int
-        Length M of the subsampled signals, and so the side of the image.
-    duration : float
-        Length of the identification trajectory, s.
-    normalise_motion : bool
-        True: divide each motion signal inside f by its own maximum, as Eq. 8 prints. False (default):
-        leave the motion as it is, which keeps Eq. 1 exact.
-    """
-
-    h: float = 2.5e-3
-    c_f: float = 1e-4
-    reading: FrequencyReading = "rad_per_s"
-    samples: int = 100
-    duration: float = 3.0 * np.pi
-    normalise_motion: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,31 +40,6 @@ class SampledMotion:
     torque: Array
     model: Array
     beyond: UnmodelledColumns | None = None
-
-
-def image_regressor(
-    q: Array, dq: Array, ddq: Array, settings: SignalSettings, friction_steepness: float = LAMBDA
-) -> Array:
-    """Regressor of the subsampled motion, as f of Eq. 9 uses it.
-
-    Parameters
-    ----------
-    q, dq, ddq : arrays of shape (2, N)
-        Motion at full rate.
-    settings : SignalSettings
-        Length of the subsampled signals and reading of Eq. 8.
-    friction_steepness : float
-        lambda of Eq. 1, s/rad.
-
-    Returns
-    -------
-    array of shape (2, M, 9)
-        Regressor.
-    """
-    motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
-    if settings.normalise_motion:
-        motion = motion / np.abs(motion).max(-1, keepdims=True)
-    return regressor(motion[0], motion[1], motion[2], friction_steepness)
 
 
 def sample_motion(

@@ -145,8 +145,9 @@ def _fill(folder: Path, content: dict[str, Any], motion: "Motion", limits: "Enve
     import numpy as np
     import pandas as pd
 
+    from repro.exhibits import style
     from repro.files import write_csv, write_json
-    from repro.render import lines, style
+    from repro.render import lines
 
     arm, series, columns = limits.arm, [], {"time_s": motion.time}
     own = np.array([[1.0, 0.0], [float(arm.second_joint_absolute), 1.0]]) * np.array(arm.sign)[:, None]

@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.exhibits.markup import Table
 from repro.pipeline.identified import read_scores
 from repro.pipeline.job import Config
-from repro.render.markup import Table
 
 #: Files by the name of the input.
 Inputs = Mapping[str, Sequence[Path]]

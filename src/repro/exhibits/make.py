@@ -8,12 +8,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.errors import InputError
+from repro.exhibits import style
 from repro.exhibits.catalogue import Exhibit
 from repro.exhibits.inputs import Family, Inputs, Made
+from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
 from repro.pipeline.job import Config, Named, paths
-from repro.render import style
-from repro.render.markup import Table
 
 
 def made_of(exhibit: Exhibit) -> Made:

@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 
 from repro.model.dynamics import LAMBDA
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array, check_beta
+from repro.model.parameters import FEASIBILITY, Array, check_beta
 
 #: Substeps of a sampling period, and while a joint is slower than `SLOW`, where friction bends most.
 STEPS, SLOW_STEPS = 1, 3
@@ -56,7 +55,7 @@ class Plant:
         ripple_phase: ArrayLike = (0.0, 0.0),
     ) -> None:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
-        if not CHECKS["positive-definite"](arms).all():
+        if not FEASIBILITY["positive-definite"](arms).all():
             raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
         phase = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (len(arms), 2)).T
         batch = len(arms)

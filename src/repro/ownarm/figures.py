@@ -7,10 +7,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from repro.exhibits import style
 from repro.ownarm import overlays
 from repro.ownarm.parameters import parameters
 from repro.ownarm.result import Curves, Result
-from repro.render import style
 
 #: Dots per inch: 1432 pixels for the width of a page.
 DPI = 200

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
+from repro.exhibits import style
 from repro.identification.cutoff import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Result, Signals
-from repro.render import style
 from repro.render.lines import JOINTS, TIME, TORQUE
 
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,

@@ -11,6 +11,7 @@ from urllib.parse import quote
 from jinja2 import Environment
 from markupsafe import Markup, escape
 
+from repro.exhibits.markup import unit
 from repro.logs.describe import Description
 from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
@@ -18,7 +19,6 @@ from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.setup import friction, not_shown
 from repro.ownarm.words import ALLOWED
-from repro.render.markup import unit
 from repro.report.embed import Picture, environment, policy
 
 #: Pixels on the screen for one of the picture: drawn at 200 dpi, shown at 1.25 times the printed size.

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from repro.exhibits import style
+from repro.exhibits.markup import unit
 from repro.ownarm.overlays import MARKS, label, ordered_titles, stroke
 from repro.ownarm.result import Parameter, Result
-from repro.render import style
-from repro.render.markup import unit
 
 #: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
 PANELS: Final = (("I1", "I2", "I3"), ("g1", "b1", "k1"), ("g2", "b2", "k2"))

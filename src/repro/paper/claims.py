@@ -133,7 +133,7 @@ def _compared(printed: PublishedValue, ours: Ours, value: float, tolerance: floa
     difference = value - printed.value
     stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
     if abs(difference) <= slack or stated:
-        blind = any(abs(other - printed.value) <= slack for other in others)
+        blind = any(min(abs(other - printed.value), abs(other - value)) <= slack for other in others)
         return INCONCLUSIVE if wide or blind else REPRODUCED
     if ours.better is not None and ours.better(printed.value, value):
         return INCONCLUSIVE if wide else BETTER

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from repro.cnn.dataset import SignalSettings
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT
 from repro.identification.regression import Regression
@@ -20,6 +19,7 @@ from repro.pipeline.summary import median_seeds
 from repro.signals.dct import spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import MEMORY_SAMPLES
+from repro.signals.sampling import SignalSettings
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from repro.cnn.dataset import SignalSettings
 from repro.identification.algorithm1.listing import Prepared, derivatives, prepare
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.methods.every import METHODS
@@ -16,6 +15,7 @@ from repro.identification.scores import score
 from repro.model.parameters import Array
 from repro.pipeline.recordings import Recording
 from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:

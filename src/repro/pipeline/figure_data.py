@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.cnn.dataset import DataSettings, SignalSettings, sample_motion
+from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
@@ -16,6 +16,7 @@ from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import median_seeds
 from repro.settings import NumericSettings
 from repro.signals.dct import dct2sub, spectrum
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 

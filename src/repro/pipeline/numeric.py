@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from repro.cnn.dataset import DataSettings, SignalSettings
+from repro.cnn.dataset import DataSettings
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_csv
@@ -23,6 +23,7 @@ from repro.model.parameters import Array
 from repro.progress import Progress
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
 from repro.streams import Stream, stream
 

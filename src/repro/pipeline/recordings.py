@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from repro.cnn.dataset import SignalSettings
 from repro.errors import InputError
 from repro.fpga.capture import Capture, read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -17,6 +16,7 @@ from repro.model.parameters import Array
 from repro.pipeline.experiment import program_from_config
 from repro.pipeline.job import Config
 from repro.signals.programs import Program
+from repro.signals.sampling import SignalSettings
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.cnn.dataset import SampledMotion, SignalSettings, image_regressor, sample_motion, stack_motions
+from repro.cnn.dataset import SampledMotion, sample_motion, stack_motions
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
@@ -25,6 +25,7 @@ from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.programs import Program, identification_program
+from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 

@@ -6,8 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from repro.render import style
-from repro.render.markup import Table, Text, number, plain
+from repro.exhibits import style
+from repro.exhibits.markup import Table, Text, number, plain
 from repro.signals.programs import SPAN
 
 #: Question under which the reading stands that every other one is compared with.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from repro.exhibits.markup import EMPTY, PAGE, Table, Text, formula, plain, scientific, tex_row, unit
 from repro.paper.checks.finding import CONSISTENT, VERDICTS
-from repro.render.markup import EMPTY, PAGE, Table, Text, formula, plain, scientific, tex_row, unit
 
 #: Between two columns, and of an inch, pt.
 _GAP = 9.0

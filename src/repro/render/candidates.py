@@ -5,9 +5,9 @@ import math
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.render import style
-from repro.render.markup import EMPTY, Table, Text, number, plain, scientific
-from repro.render.markup import formula as typeset
+from repro.exhibits import style
+from repro.exhibits.markup import EMPTY, Table, Text, number, plain, scientific
+from repro.exhibits.markup import formula as typeset
 
 #: Candidates of each factor in the figure; the chosen one is added if it is not among them.
 _SHOWN = 12

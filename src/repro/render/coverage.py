@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.exhibits import style
+from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain
 from repro.model.parameters import NAMES, UNITS
-from repro.render import style
 from repro.render.experiment_tables import with_unit
-from repro.render.markup import EMPTY, Table, Text, formula, number, plain
 
 #: Sets of arms: those that follow Eq. 1, those that have more, and those of a generator that calibrated nothing.
 ARMS = ("Eq. 1", "unmodelled", "other generator")

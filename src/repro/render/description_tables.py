@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from repro.render.markup import EMPTY, Table, Text, formula, number, plain, unit
+from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain, unit
 
 #: Candidates listed of each factor; the chosen one is added if it is not among them.
 _LISTED = 10

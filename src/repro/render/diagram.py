@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from repro.errors import InputError
-from repro.render import style
+from repro.exhibits import style
+from repro.exhibits.markup import formula, plain
 from repro.render.layout import INSET, Box, Layout, Route
-from repro.render.markup import formula, plain
 
 _FILLS: Mapping[str, str] = {
     "block": style.FILL_LIGHT,

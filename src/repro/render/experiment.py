@@ -6,7 +6,7 @@ from functools import partial
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.render import style
+from repro.exhibits import style
 from repro.render.lines import JOINTS, MOTION, TIME, curves_of, plot_panel
 from repro.render.torques import page, spectrum_panels, torque_panels
 from repro.signals.programs import VALIDATION

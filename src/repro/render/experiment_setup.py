@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyBboxPatch, Rectangle
 
 from repro.errors import InputError
-from repro.render import style
+from repro.exhibits import style
 
 # Measures of the drawing, in.
 _HEIGHT = 3.12

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from repro.render.markup import EMPTY, Table, Text, formula, number, plain, scientific, unit
+from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain, scientific, unit
 from repro.render.result_tables import heading_of, methods_of, one_row
 from repro.signals.programs import SPAN
 

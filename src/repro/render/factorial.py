@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.render import style
-from repro.render.markup import EMPTY, Table, Text, number, plain
+from repro.exhibits import style
+from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 
 FACTORS = {
     "image_motion": "f on the desired motion",

@@ -3,7 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.render import style
+from repro.exhibits import style
 from repro.render.diagram import draw_diagram
 from repro.render.layout import Box, Layout, Route
 

@@ -9,8 +9,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from repro.exhibits import style
 from repro.model.parameters import Array
-from repro.render import style
 
 _KINDS = {"Mp": "$M_p$: the parameters match the torque", "Mn": "$M_n$: they do not match"}
 _IMAGES = tuple(string.ascii_lowercase[:9])

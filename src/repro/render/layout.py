@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from repro.render import style
+from repro.exhibits import style
 
 Point = tuple[float, float]
 Shape = Literal["block", "outside", "step", "decision", "end", "frame"]

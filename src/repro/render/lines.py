@@ -9,8 +9,8 @@ from matplotlib.patches import ConnectionPatch
 from matplotlib.text import Annotation
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
+from repro.exhibits import style
 from repro.model.parameters import Array
-from repro.render import style
 
 #: Points (x, y) of one curve, arrays of shape (n,).
 Curve = tuple[Array, Array]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from repro.render import style
+from repro.exhibits import style
 
 KINDS = ("input", "convolution", "max pool", "fully connected", "output")
 

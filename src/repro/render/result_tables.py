@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import pandas as pd
 
 from repro.errors import InputError
-from repro.identification.registry import METHODS
-from repro.render.markup import Table, Text, formula, number, plain, unit
+from repro.exhibits.markup import Table, Text, formula, number, plain, unit
+from repro.exhibits.style import METHODS
 from repro.signals.programs import PROGRAMS, SPAN
 
 

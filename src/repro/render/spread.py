@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from repro.render import style
+from repro.exhibits import style
 from repro.render.experiment import CASES
 
 _CASES = ("ID", *CASES)

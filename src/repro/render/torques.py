@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 
-from repro.render import style
+from repro.exhibits import style
 from repro.render.lines import COEFFICIENT, JOINTS, TIME, TORQUE, Curve, curves_of, plot_panel
 
 _PAIR = ("actual", "rebuilt")

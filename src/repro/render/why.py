@@ -3,8 +3,8 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from repro.render import style
-from repro.render.markup import Table, number, plain
+from repro.exhibits import style
+from repro.exhibits.markup import Table, number, plain
 
 #: Levels of the two factors in words.
 TRAINING = {"ideal": "Eq. 10", "tracked": "closed-loop motions"}

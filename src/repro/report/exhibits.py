@@ -6,7 +6,7 @@ from pathlib import Path
 
 from repro.exhibits.catalogue import Exhibit
 from repro.exhibits.make import laid_out, made_of
-from repro.render.markup import Table
+from repro.exhibits.markup import Table
 from repro.report.embed import Link, Picture, link, pictures
 from repro.report.inputs import ReportInputs, read_rows, read_text
 

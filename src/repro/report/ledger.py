@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from repro.errors import InputError
+from repro.exhibits.markup import unit as unit_text
 from repro.paper.claims import (
     BETTER,
     CONTRADICTS,
@@ -21,7 +22,6 @@ from repro.paper.claims import (
 )
 from repro.paper.ledger.causes import CAUSES, Cause
 from repro.paper.ledger.text import EXTENSIONS
-from repro.render.markup import unit as unit_text
 from repro.report.inputs import ReportInputs, read_rows
 
 COLUMNS = (

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from repro.errors import InputError
+from repro.exhibits.style import METHODS
 from repro.files import read_csv
-from repro.identification.registry import METHODS
 from repro.pipeline.paired import ALL, BETTER, COLUMNS, OPEN, SAME, WORSE
 from repro.report.inputs import ReportInputs
 from repro.signals.programs import SPAN

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.cnn.dataset import SignalSettings
 from repro.identification.algorithm1.listing import derivatives, filtered, fit2trt, prepare
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
@@ -17,6 +16,7 @@ from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.recordings import Recording
 from repro.signals.dct import dct2dev
 from repro.signals.programs import identification_program
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=60)

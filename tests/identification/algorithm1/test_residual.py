@@ -6,11 +6,11 @@ import literal
 import numpy as np
 import pytest
 
-from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import SCALES, ImageSettings
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.model.dynamics import inverse_dynamics
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)

@@ -6,13 +6,13 @@ import literal
 import numpy as np
 import pytest
 
-from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)

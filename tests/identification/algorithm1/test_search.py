@@ -6,7 +6,6 @@ import literal
 import numpy as np
 import pytest
 
-from repro.cnn.dataset import SignalSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.residual import ResidualReader
@@ -14,6 +13,7 @@ from repro.identification.algorithm1.search import SearchSettings, search, selec
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.dct import dct2dev
 from repro.signals.metric import MetricSettings
+from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)

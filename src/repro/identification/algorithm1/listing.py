@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from repro.cnn.dataset import SignalSettings, image_regressor
 from repro.identification.regression import Regression
 from repro.model.dynamics import LAMBDA, check_motion, regressor
 from repro.model.parameters import Array
 from repro.signals.dct import dct2dev, dct2low, dct2sub
+from repro.signals.sampling import SignalSettings, image_regressor
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from repro.fpga.frames import (
     TORQUE_BITS,
 )
 from repro.model.dynamics import LAMBDA
-from repro.model.lyapunov import LyapunovSettings
 from repro.model.parameters import NAMES, Array
+from repro.model.stability import LyapunovSettings
 from repro.paper.claims import Ours
 from repro.signals.programs import VALIDATION
 from repro.signals.trajectories import identification_trajectory, random_trajectory
@@ -166,8 +166,8 @@ def _others() -> dict[str, Ours]:
         "section4a/time-low": fixed(identification_trajectory().time[0], "signals.trajectories"),
         "section6/window/start": fixed(start, "signals.validation_motions"),
         "section6/window/end": fixed(end, "signals.validation_motions"),
-        "appendix/rho": fixed(proof.rho, "model.lyapunov"),
-        "appendix/epsilon": fixed(proof.epsilon, "model.lyapunov"),
-        "appendix/gamma": fixed(proof.gamma, "model.lyapunov"),
+        "appendix/rho": fixed(proof.rho, "model.stability"),
+        "appendix/epsilon": fixed(proof.epsilon, "model.stability"),
+        "appendix/gamma": fixed(proof.gamma, "model.stability"),
         "section1a/random-trajectories": fixed(drawn, "signals.programs", "T1"),
     }

@@ -1,7 +1,8 @@
 """The one look of every figure: sizes, type, colours, strokes, and saving to the same bytes every time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,9 +12,8 @@ from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
+from repro.exhibits import markup
 from repro.files import write_whole
-from repro.identification import registry
-from repro.render import markup
 
 #: Widths of one IEEE column and of the full page, inches.
 COLUMN: Final = 3.5
@@ -72,6 +72,96 @@ RC: Final[dict[RcKeyType, Any]] = {
     "savefig.dpi": PNG_DPI,
 }
 
+
+@dataclass(frozen=True)
+class Appearance:
+    """How a method appears."""
+
+    title: str  # in tables
+    label: str  # in legends
+    stroke: Mapping[str, Any]  # of its curves, as Matplotlib names it
+    mark: Mapping[str, Any]  # of its points
+
+
+def _look(
+    color: str, dashes: tuple[float, ...], width: float, marker: str, size: float, *, hollow: bool = False
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Stroke and mark of one colour."""
+    mark: dict[str, Any] = {
+        "marker": marker,
+        "markersize": size,
+        "markeredgewidth": {"x": 0.9, "+": 0.8}.get(marker, 0.0),
+    }
+    if hollow:
+        mark |= {"fillstyle": "none", "markeredgewidth": 0.7}
+    return {"color": color, "linestyle": (0, dashes) if dashes else "-", "linewidth": width}, mark
+
+
+_DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
+
+#: Appearance of each method of `repro.identification.registry`, in the order of tables and legends.
+METHODS: Final[dict[str, Appearance]] = {
+    "algorithm1": Appearance("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
+    "algorithm1/one-run": Appearance(
+        "Algorithm 1, one run", "Algorithm 1, one run", *_look("#5ab8ea", _SHORT, 1.1, "d", 3.4)
+    ),
+    "algorithm1+desired": Appearance(
+        "Algorithm 1, f of line 18 on the desired motion (extension)",
+        "Algorithm 1, desired motion",
+        *_look("#3b7dbd", _SHORT, 1.0, "*", 4.2),
+    ),
+    "algorithm1+tracked-measured": Appearance(
+        "Algorithm 1, trained on closed-loop motions, f on the measured motion (extension)",
+        "Algorithm 1, closed-loop training",
+        *_look("#c080c4", _SHORT, 1.0, "P", 3.6),
+    ),
+    "algorithm1+tracked": Appearance(
+        "Algorithm 1, trained on closed-loop motions, f on the desired motion (extension)",
+        "Algorithm 1, both",
+        *_look("#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
+    ),
+    "algorithm1+tracked/one-run": Appearance(
+        "Algorithm 1, trained on closed-loop motions, f on the desired motion, one run (extension)",
+        "Algorithm 1, both, one run",
+        *_look("#8a3a8f", _SHORT, 1.1, "8", 3.4),
+    ),
+    "algorithm1+refinement": Appearance(
+        "Algorithm 1 + refinement (extension)",
+        "Algorithm 1 + refinement",
+        *_look("#004a78", (), 0.9, "D", 3.2, hollow=True),
+    ),
+    "algorithm1+local-search": Appearance(
+        "Algorithm 1 + the refinement's selection without the network (control)",
+        "Algorithm 1 + selection alone",
+        *_look("#a6761d", _SHORT, 1.0, "v", 3.4),
+    ),
+    "differential-evolution": Appearance(
+        "Differential evolution from uniform guesses, no network (control)",
+        "Differential evolution, no network",
+        *_look("#44aa99", (3.5, 2.5), 1.0, "X", 3.4),
+    ),
+    "algorithm1+paper-recipe": Appearance(
+        "Algorithm 1, the paper's own training",
+        "Algorithm 1, the paper's training",
+        *_look("#666666", _DASH_DOT, 1.1, "h", 3.4),
+    ),
+    "least-squares": Appearance("Least squares", "Least squares", *_look("#d1490a", (3.5, 2.5), 1.1, "x", 3.4)),
+    "bounded": Appearance(
+        "Least squares, no parameter below zero (line 22's constraint)",
+        "Least squares, bounded",
+        *_look("#e7a03c", (3.5, 2.5), 1.1, "<", 3.4),
+    ),
+    "consistent": Appearance(
+        "Least squares, positive-definite inertia",
+        "Least squares, consistent",
+        *_look("#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
+    ),
+    "true": Appearance("True parameters", "True parameters", *_look("0.0", (1.0, 2.0), 1.1, "+", 4.0)),
+    "appendix": Appearance(
+        "True parameters without back-EMF", "Without back-EMF", *_look("0.45", (1.0, 2.0), 1.1, "1", 4.0)
+    ),
+}
+
 #: How each series is drawn wherever it appears. Every pair that meets in one panel also differs in
 #: lightness and in width or dash, so it reads in greyscale.
 STROKES: Final[dict[str, dict[str, Any]]] = {
@@ -87,13 +177,13 @@ STROKES: Final[dict[str, dict[str, Any]]] = {
     "desired1": {"color": "#9fcbe6", "linestyle": "-", "linewidth": 2.6},
     "desired2": {"color": "#f8dcae", "linestyle": "-", "linewidth": 2.6},
     "measured": {"color": "0.80", "linestyle": "-", "linewidth": 2.6},
-    **{name: dict(entry.stroke) for name, entry in registry.METHODS.items()},
+    **{name: dict(entry.stroke) for name, entry in METHODS.items()},
 }
 
 #: Marks of the series that are also drawn point by point; the colour is that of the stroke.
 MARKS: Final[dict[str, dict[str, Any]]] = {
     "rebuilt": {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.0},
-    **{name: dict(entry.mark) for name, entry in registry.METHODS.items()},
+    **{name: dict(entry.mark) for name, entry in METHODS.items()},
 }
 
 #: What the legend calls each series.
@@ -110,11 +200,8 @@ SERIES_LABELS: Final[dict[str, str]] = {
     "desired1": "Desired, joint 1",
     "desired2": "Desired, joint 2",
     "measured": "Measured",
-    **{name: entry.label for name, entry in registry.METHODS.items()},
+    **{name: entry.label for name, entry in METHODS.items()},
 }
-
-#: Methods of identification in the order in which they are drawn.
-METHODS: Final = tuple(registry.METHODS)
 
 #: Heads the legend of every figure whose signals come from the simulated arm.
 SIMULATED: Final = "Simulated experiment"
