@@ -14,6 +14,7 @@ from repro.model.parameters import Array
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
 from repro.signals.validation_motions import (
+    SAMPLES,
     T1_BANDS,
     RangeOf,
     circle_motion,
@@ -22,8 +23,8 @@ from repro.signals.validation_motions import (
     sinusoidal_motion,
 )
 
-#: Samples that the board's memory holds.
-MEMORY_SAMPLES = 8192
+#: Samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms.
+MEMORY_SAMPLES = SAMPLES
 #: What the arm can do (Section III, V-C): torque at full PWM of each joint, N m, and joint speed, rad/s.
 TORQUE_LIMIT = (2.7192, 2.7314)
 SPEED_LIMIT = 8.0
@@ -92,7 +93,7 @@ Make = Callable[[ProgramSettings, np.random.Generator], Motion]
 
 
 @dataclass(frozen=True)
-class Entry:
+class ValidationMotion:
     """A validation motion: the function that samples it, whether it is drawn at random, whether the paper has it."""
 
     make: Make
@@ -101,13 +102,13 @@ class Entry:
 
 
 #: Motions that only validate, in the order of tables and figures.
-VALIDATION: dict[str, Entry] = {
-    "T1": Entry(
+VALIDATION: dict[str, ValidationMotion] = {
+    "T1": ValidationMotion(
         lambda s, rng: random_motion(rng, s.t1_bands, s.t1_limit, s.t1_range_of, s.validation_samples, s.h), random=True
     ),
-    "T2": Entry(lambda s, _: circle_motion(s.geometry, s.validation_samples, s.h)),
-    "T3": Entry(lambda s, _: profile_motion(s.validation_samples, s.h)),
-    "T4": Entry(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
+    "T2": ValidationMotion(lambda s, _: circle_motion(s.geometry, s.validation_samples, s.h)),
+    "T3": ValidationMotion(lambda s, _: profile_motion(s.validation_samples, s.h)),
+    "T4": ValidationMotion(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
 }
 #: The motion of Eq. 10, which parameters are identified from, then those.
 PROGRAMS = ("ID", *VALIDATION)

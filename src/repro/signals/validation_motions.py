@@ -14,7 +14,7 @@ from repro.signals.dct import dct2dev
 from repro.signals.kinematics import ArmGeometry, inverse_kinematics
 from repro.signals.trajectories import Motion, quintic, random_trajectory, sample_times
 
-#: Samples of T1-T4: the board's whole memory, 20.48 s at 2.5 ms.
+#: Samples of T1-T4, as many as the board's memory holds: 20.48 s at 2.5 ms.
 SAMPLES = 8192
 
 # T1: with the range of the motion and 12 bands, least squares scores on T1 what the paper prints for it, to 1 point.
@@ -22,7 +22,7 @@ T1_BANDS = 12.0
 RangeOf = Literal["motion", "numbers"]
 RANGES_OF: tuple[RangeOf, ...] = get_args(RangeOf)
 
-# T2: turns, and distance of the centre as a share of the reach. At 0.8 straight below joint 1 the circle stays
+# T2: turns, and distance of the centre over the reach. At 0.8 straight below joint 1 the circle stays
 # between 0.7 and 0.9 of the reach: joint 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity
 # is not at its largest.
 CIRCLE_TURNS = 5
@@ -30,7 +30,7 @@ CIRCLE_CENTRE = 0.8
 CIRCLE_RADIUS = 0.1  # 3.15 cm of 31.5 cm
 
 # T3: levels that the moves end at (rad), over the range of T1 and Eq. 10: both joints, each alone, both again.
-# A move takes 12 % and a hold 5 % of the time, 2.46 s and 1.02 s; what is left is rest at either end.
+# A move takes 12 % and a hold 5 % of the time, 2.46 s and 1.02 s; the remaining time is rest at either end.
 PROFILE_LEVELS = np.array([[1.2, 1.2, -0.6, -1.2, 0.6, 0.0], [-0.8, 1.2, 1.2, -0.4, -1.2, 0.0]])
 PROFILE_MOVE = 0.12
 PROFILE_HOLD = 0.05
