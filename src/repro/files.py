@@ -21,8 +21,8 @@ from repro.errors import InputError
 CSV_FLOAT_FORMAT = "%.10g"
 
 
-def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`."""
+def atomic_write(path: Path | str, write: Callable[[Path], object]) -> None:
+    """Let `write` fill a temporary file next to `path`, then rename it to `path`."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -54,7 +54,7 @@ def write_text(path: Path | str, text: str) -> None:
     def fill(temporary: Path) -> None:
         temporary.write_bytes(text.encode())
 
-    write_whole(path, fill)
+    atomic_write(path, fill)
 
 
 def write_json(path: Path | str, content: object) -> None:
@@ -73,7 +73,7 @@ LARGEST_TABLE = 2**26
 
 
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
-    """Read a CSV table and check that it has the columns asked for."""
+    """Read a CSV table and check that it has these columns."""
     try:
         check_size(path, LARGEST_TABLE, "a CSV table")
         frame = pd.read_csv(path)
@@ -90,9 +90,9 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
 
 
 def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:
-    """Write arrays as safetensors; of several facts in the header the order is any."""
-    laid = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # written as memory lies
-    write_whole(path, lambda temporary: save_file(laid, temporary, header))
+    """Write arrays as safetensors; the header has no fixed order."""
+    contiguous = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # memory is written as it is
+    atomic_write(path, lambda temporary: save_file(contiguous, temporary, header))
 
 
 def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:

@@ -107,7 +107,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "found"),
     [
         ({"tau1": 1e-300 * GOOD["tau1"], "tau2": 1e-300 * GOOD["tau2"]}, "torque of joint 1: found "),
         ({"tau2": 1e-200 * GOOD["tau2"]}, "torque of joint 2: found "),
@@ -117,8 +117,8 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     ids=["tiny torques", "one tiny torque", "huge positions", "digits of another script"],
 )
 @pytest.mark.filterwarnings("error")
-def test_numbers_that_no_arm_gives_are_refused(file, changes, told):
-    assert told in refusal(file(text(GOOD | changes)))
+def test_numbers_that_no_arm_gives_are_refused(file, changes, found):
+    assert found in refusal(file(text(GOOD | changes)))
 
 
 def test_utf32_is_named(file):

@@ -41,7 +41,7 @@ def read_log(path: Path, arm: Arm) -> Log:
     path : Path
         Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table.
     arm : Arm
-        What the recording means where it does not say so itself. Columns and units are not for captures.
+        Conventions that the recording does not state itself. Columns and units are not for captures.
 
     Returns
     -------
