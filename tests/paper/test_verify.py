@@ -16,7 +16,7 @@ from repro.cli import main
 from repro.errors import InputError
 from repro.exhibits import paper
 from repro.paper.ledger import verification
-from repro.paper.ledger.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
+from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
 from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow

@@ -17,6 +17,8 @@ SCALES: tuple[Scale, ...] = ("shared-max", "channel-max", "constant")
 
 #: Added before the logarithms of Eq. 9.
 LOG_OFFSET = 1e-3
+#: Weights of both channels in red, green and blue (Eq. 16).
+COLOUR_WEIGHTS = ((2 / 3, 0.7 / 3), (2 / 3, 0.0), (2 / 3, 1.0))
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,7 @@ def colours(image: Floats) -> Floats:
         Red, green and blue from 0 to 1.
     """
     z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
-    rgb = np.stack([(2 / 3) * z1 + (0.7 / 3) * z2, (2 / 3) * z1, (2 / 3) * z1 + z2], -1)
+    (red1, red2), (green1, _), (blue1, _) = COLOUR_WEIGHTS
+    rgb = np.stack([red1 * z1 + red2 * z2, green1 * z1, blue1 * z1 + z2], -1)
     shown: Floats = np.clip(rgb, 0.0, 1.0)
     return shown
