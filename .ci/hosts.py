@@ -18,7 +18,7 @@ PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
-    *("compare", "contract", "dct", "downlink", "dynamics", "experiment", "fingerprint", "metric", "ordinary"),
+    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "messages", "metric", "ordinary"),
     *("programs", "reference", "spread", "stored_networks"),
 )
 #: The same with those of tampering, for two hosts.

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from repro.config import merged
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.identification.methods.every import METHODS
 from repro.model.dynamics import rebuild_torque

@@ -11,8 +11,8 @@ contract.hold(os.environ)
 
 import numpy as np
 
+from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import (
     control_constants,

@@ -20,7 +20,7 @@ from identify_speed import made_up, silent
 
 from repro.cnn.train import train
 from repro.commands.identify import LEAST_SQUARES
-from repro.fpga.loop import simulate
+from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
 from repro.ownarm.job import assemble, resolve, solve_all

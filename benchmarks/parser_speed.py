@@ -11,7 +11,7 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.fpga.faults import FaultInjector, FaultSettings
+from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD, encode
 from repro.fpga.parser import StreamParser
 
@@ -47,7 +47,7 @@ def main() -> None:
     streams = {"clean": clean}
     for rate in (1e-4, 1e-3, 1e-2):
         third = rate / 3
-        injector = FaultInjector(FaultSettings(drop=third, flip=third, insert=third), rng)
+        injector = ErrorInjector(ErrorRates(drop=third, flip=third, insert=third), rng)
         streams[f"{rate:g} faults a byte"] = injector.apply(clean)
     streams["random"] = rng.bytes(n)
     sent = Counter(clean[i : i + FRAME_BYTES] for i in range(0, len(clean), FRAME_BYTES))

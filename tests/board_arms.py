@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import NOTHING, Plant, Unmodelled
 from repro.logs.log import Log
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import control_constants, load_config, true_parameters
 
 ROOT = Path(__file__).resolve().parent.parent

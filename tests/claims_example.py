@@ -1,5 +1,6 @@
 """A small project with made-up results: everything that a ledger is made from, in a folder of its own."""
 
+import hashlib
 import shutil
 from pathlib import Path
 
@@ -7,7 +8,6 @@ import pandas as pd
 import yaml
 
 from repro.files import write_csv
-from repro.fpga.checksums import write_sums
 from repro.model.parameters import NAMES
 from repro.paper.published import PUBLISHED_FILE
 from repro.paper.verification import write_ledger
@@ -115,7 +115,8 @@ def make_project(root):
     captures.mkdir(parents=True)
     (captures / "ID.bin").write_bytes(bytes(range(64)))
     (captures / "ID.json").write_text('{"motion": "ID"}', encoding="utf-8")
-    write_sums(captures)
+    sums = (f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(captures.iterdir()))
+    (captures / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
     published = root / "published.csv"
     shutil.copy(PUBLISHED_FILE, published)
     results = root / "results"

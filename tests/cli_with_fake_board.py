@@ -2,12 +2,9 @@
 
 import sys
 import types
-from dataclasses import replace
 
-from fake_board import CONTROL, PlayedBoard, download, frames_of
-from fake_board import about as about_motion
+from fake_board import PlayedBoard, frames_of, metadata
 
-from repro.fpga.downlink import encode_start
 from repro.signals.programs import Program
 
 SAMPLES = 200
@@ -22,13 +19,11 @@ def stub():
     """Stands for `repro.pipeline.experiment` and `repro.pipeline.specimen`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.load_config = lambda path: {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
-    module.control_constants = lambda config: CONTROL
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: Program(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
-    module.download = lambda program, control: (download(program.q), encode_start(program.q.shape[1]))
-    module.describe = lambda program, control, board, host: replace(
-        about_motion(program.q, board, host), motion=program.name, n1=program.n1, n2=program.n2
+    module.metadata_for = lambda program, config: metadata(
+        program.q, motion=program.name, n1=program.n1, n2=program.n2, board=None
     )
     return module
 

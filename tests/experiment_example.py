@@ -1,6 +1,7 @@
 """A short experiment without a simulation: recordings of an arm that follows its program perfectly."""
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from repro.files import write_csv, write_json
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.experiment import control_constants, describe, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, metadata_for, program_from_config, true_parameters
 from repro.pipeline.identified import every_seed
 from repro.pipeline.recordings import Recording
 
@@ -69,9 +70,9 @@ def recording(motion, config):
 def capture(folder, motion, config):
     """Capture of a perfect run, written to a folder."""
     program = program_from_config(config, motion)
-    about = describe(program, control_constants(config), {"board": "simulated"})
+    metadata = replace(metadata_for(program, config), board={"board": "simulated"})
     path = folder / f"{motion}.bin"
-    write_capture(path, encode(*followed(program, config)), about)
+    write_capture(path, encode(*followed(program, config)), metadata)
     return path
 
 

@@ -2,15 +2,15 @@
 
 import threading
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
-from repro.fpga.about import About
 from repro.fpga.controller import ControlConstants, PDController
-from repro.fpga.downlink import Gains, encode_identity, encode_program, parse_start
 from repro.fpga.frames import encode
-from repro.fpga.messages import MessageDecoder, MessageKind
+from repro.fpga.messages import MessageDecoder, MessageKind, encode_identity, encode_program, parse_start
 from repro.fpga.server import serve
+from repro.fpga.sidecar import CaptureMetadata
 
 CONTROL = ControlConstants(kp=(50.0, 40.0), kv=(100.0, 80.0), pwm_hz=(1e4, 1e4), full_torque=(2.7192, 2.7314))
 IDENTITY = {"board": "played back", "plant": {"ripple": 0.05}}
@@ -27,16 +27,12 @@ def motion(samples=200):
     return desired, position, np.concatenate(pwm, axis=1)
 
 
-def download(desired):
-    """Gains and trajectory as messages."""
-    gains = Gains(tuple(map(float, CONTROL.kp_counts)), tuple(map(float, CONTROL.kv_counts)), CONTROL.pwm_hz)
-    return encode_program(gains, desired)
-
-
-def about(desired, board=IDENTITY, host=None):
-    """What a capture of this motion says of itself."""
+def metadata(desired, **changes):
+    """Metadata of a capture of this motion."""
     n = desired.shape[1]
-    return About("T4", n, 0, n, 0.0025, download(desired), CONTROL, board, host)
+    return replace(
+        CaptureMetadata("T4", n, 0, n, 0.0025, encode_program(CONTROL, desired), CONTROL, IDENTITY), **changes
+    )
 
 
 class PlayedBoard:

@@ -10,7 +10,7 @@ import yaml
 from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 from repro.schema import Place, spelled, violation
 from repro.signals.programs import MEMORY_SAMPLES
 

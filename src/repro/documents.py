@@ -119,27 +119,7 @@ for _tag, _construct in (("int", Loader.construct_yaml_int), ("float", Loader.co
 
 
 def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[str, Any]:
-    """Read sections of a YAML file; an empty file has none.
-
-    Parameters
-    ----------
-    path : Path
-        UTF-8 text.
-    expected : str
-        What the file should be, for messages.
-    loader : type of Loader
-        How scalars are read.
-
-    Returns
-    -------
-    dict
-        Plain data.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no YAML, exceeds a limit, has a key twice, or is not a mapping.
-    """
+    """Read sections of a YAML file; an empty file has none."""
     data = read_bytes(path, LARGEST_YAML, expected)
     try:
         # A subclass of SafeLoader makes no object but plain data.
@@ -170,27 +150,7 @@ def read_json(path: Path) -> object:
 
 
 def parse_json(text: str, place: str) -> object:
-    """Content of JSON text.
-
-    Parameters
-    ----------
-    text : str
-        JSON.
-    place : str
-        Where it comes from, for messages.
-
-    Returns
-    -------
-    object
-        Plain data.
-
-    Raises
-    ------
-    InputError
-        If a key comes twice, or an integer or the depth exceeds its limit.
-    ValueError
-        If it is not JSON.
-    """
+    """Content of JSON text."""
 
     def once(pairs: list[tuple[str, object]]) -> dict[str, object]:
         content = dict(pairs)

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from strategies import seeds
 
 from repro.cnn.priors import PRIORS, GuessSettings, sample_beta, training_guess
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import STANDARD_GRAVITY
+from repro.model.parameters import STANDARD_GRAVITY, is_positive_definite
 
 I1, I2, I3, G1, G2 = range(5)
 FRICTION = slice(5, 9)

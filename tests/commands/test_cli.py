@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 import pytest
 from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
-from fake_board import PlayedBoard, about, served
+from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
 from repro.commands.record import read_program
 from repro.commands.simulate import parse_faults
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
-from repro.fpga.endpoint import PtyEndpoint
-from repro.fpga.faults import FaultInjector, FaultSettings
+from repro.fpga.channel_errors import ErrorInjector, ErrorRates
+from repro.fpga.server import PtyEndpoint
 
 SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 
@@ -31,7 +31,7 @@ def experiment(monkeypatch):
 
 @pytest.fixture
 def stored(tmp_path):
-    write_capture(tmp_path / "T4.bin", FRAMES, about(DESIRED))
+    write_capture(tmp_path / "T4.bin", FRAMES, metadata(DESIRED))
     return tmp_path / "T4.bin"
 
 
@@ -60,9 +60,9 @@ def test_simulate_in_one_shell_and_record_in_another(tmp_path, capsys, listen, s
     assert f"listening on {port}" in log
     assert "motion finished: 200 samples" in log
     capture = read_capture(out)
-    assert (capture.data, capture.reason, capture.about.source) == (FRAMES, "", "simulated")
-    assert (capture.about.motion, capture.about.n1, capture.about.n2) == ("T1", 10, 190)
-    assert (capture.about.host.port, capture.about.host.baud) == (port, 115200)
+    assert (capture.data, capture.metadata.end_reason, capture.metadata.source) == (FRAMES, "", "simulated")
+    assert (capture.metadata.motion, capture.metadata.n1, capture.metadata.n2) == ("T1", 10, 190)
+    assert (capture.metadata.host.port, capture.metadata.host.baud) == (port, 115200)
     assert f"{out}: T1, source simulated, complete" in capsys.readouterr().out
 
 
@@ -73,7 +73,7 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     assert main(["record", "--port", port, "--trajectory", "ID", "--out", str(out)]) == 1
     board.communicate(timeout=10)
     assert board.returncode == 0
-    assert read_capture(out).reason == "disconnected"
+    assert read_capture(out).metadata.end_reason == "disconnected"
     assert read_capture(out).data == FRAMES[:1000]
     assert f"{out}: incomplete (disconnected); what arrived is kept" in capsys.readouterr().err
 
@@ -83,8 +83,8 @@ def test_a_table_can_be_recorded(tmp_path):
     pd.DataFrame({"q1_rad": DESIRED[0], "q2_rad": DESIRED[1]}).to_csv(table, index=False)
     with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
         assert main(["record", "--port", port, "--trajectory", str(table), "--out", str(tmp_path / "wave.bin")]) == 0
-    told = read_capture(tmp_path / "wave.bin").about
-    assert (told.motion, told.samples, told.n1, told.n2) == ("wave", 200, 0, 200)
+    wave = read_capture(tmp_path / "wave.bin").metadata
+    assert (wave.motion, wave.samples, wave.n1, wave.n2) == ("wave", 200, 0, 200)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_nothing_is_overwritten(stored, capsys):
     with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
         options = ["--port", port, "--trajectory", "ID", "--out", str(stored), "--overwrite"]
         assert main(["record", *options]) == 0
-    assert read_capture(stored).about.motion == "ID"
+    assert read_capture(stored).metadata.motion == "ID"
 
 
 def test_what_is_wrong_is_told_and_writes_nothing(tmp_path, stored, capsys):
@@ -193,7 +193,7 @@ def test_no_board_writes_nothing(tmp_path, capsys):
         ("drop", "--faults: drop: found '', expected a number"),
         ("drop=x", "--faults: drop: found 'x', expected a number"),
         ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
-        ("drop=2", "--faults: found drop=2, expected drop: a probability"),
+        ("drop=2", "--faults: found drop=2, expected drop"),
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
     ],
 )
@@ -204,11 +204,11 @@ def test_faults_that_make_no_sense_are_refused(text, told):
 
 
 def test_faults_are_read():
-    assert parse_faults("") == FaultSettings()
-    assert parse_faults("drop=1e-4,flip=0.5,stall_s=2,disconnect_after=7") == FaultSettings(
+    assert parse_faults("") == ErrorRates()
+    assert parse_faults("drop=1e-4,flip=0.5,stall_s=2,disconnect_after=7") == ErrorRates(
         drop=1e-4, flip=0.5, stall_s=2.0, disconnect_after=7
     )
-    damaged = FaultInjector(parse_faults("drop=1"), np.random.default_rng(0)).apply(FRAMES)
+    damaged = ErrorInjector(parse_faults("drop=1"), np.random.default_rng(0)).apply(FRAMES)
     assert damaged == b""
 
 

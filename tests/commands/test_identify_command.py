@@ -23,8 +23,7 @@ from repro.commands import identify as commands
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.identification.filters.interface import FILTERS
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import NAMES
+from repro.model.parameters import NAMES, is_positive_definite
 
 pytestmark = pytest.mark.slow
 

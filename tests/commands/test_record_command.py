@@ -11,9 +11,9 @@ from repro.cli import main
 from repro.commands.record import read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
-from repro.fpga.endpoint import PtyEndpoint
+from repro.fpga.link import most_bytes
 from repro.fpga.messages import MessageKind
-from repro.fpga.receiver import most_bytes
+from repro.fpga.server import PtyEndpoint
 
 
 @pytest.fixture(autouse=True)
@@ -82,7 +82,7 @@ def test_a_device_that_sends_no_frame_for_ever(tmp_path, capsys, forever):
 def test_garbage_after_half_of_the_frames_is_an_incomplete_recording(tmp_path, capsys):
     assert record(Endless(FRAMES[:800], bytes(512)), tmp_path / "T4.bin") == 1
     capture = read_capture(tmp_path / "T4.bin")
-    assert (capture.reason, capture.counts.good) == ("overrun", 99)  # nothing closes the last one
+    assert (capture.metadata.end_reason, capture.counts.good) == ("overrun", 99)  # nothing closes the last one
     assert capture.data[:800] == FRAMES[:800]
     assert not (tmp_path / "T4.bin.part").exists()
 

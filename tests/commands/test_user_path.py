@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from repro.fpga.capture import read_capture
-from repro.fpga.recorded import samples, verify_control
+from repro.fpga.recording import recording_of, verify_control
 from repro.pipeline.acquire import simulate_capture
 from repro.pipeline.experiment import load_config, program_from_config
 
@@ -32,7 +32,7 @@ def test_the_identification_run_over_a_pseudo_terminal(tmp_path):
     program = program_from_config(config, "ID")
     simulated = simulate_capture(tmp_path / "simulated" / "ID.bin", program, config)
     assert capture.data == simulated.data
-    assert capture.about.board == simulated.about.board
-    assert samples(capture).filled == 0
+    assert capture.metadata.board == simulated.metadata.board
+    assert recording_of(capture).n_interpolated == 0
     check = verify_control(capture)
     assert check.agree == check.checked == program.q.shape[1]

@@ -1,5 +1,6 @@
 """The captures in the repository: whole, simulated and said so, followed closely, and read well when damaged."""
 
+import hashlib
 import json
 from dataclasses import asdict
 
@@ -9,10 +10,9 @@ from experiment_example import CAPTURES, MOTIONS, full_config
 from scipy.stats import binom
 
 from repro.fpga.capture import read_capture
-from repro.fpga.checksums import verify_folder
 from repro.fpga.frames import FRAME_BYTES
 from repro.fpga.parser import StreamParser
-from repro.fpga.recorded import samples, verify_control
+from repro.fpga.recording import recording_of, verify_control
 from repro.identification.methods.every import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants
@@ -32,7 +32,9 @@ CONFIG = full_config()
 
 
 def test_every_file_is_the_one_that_the_list_vouches_for():
-    assert verify_folder(CAPTURES) == tuple(sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "program", "json")))
+    listed = dict(line.split("  ")[::-1] for line in (CAPTURES / "SHA256SUMS").read_text().splitlines())
+    assert sorted(listed) == sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "program", "json"))
+    assert listed == {name: hashlib.sha256((CAPTURES / name).read_bytes()).hexdigest() for name in listed}
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -51,13 +53,13 @@ def test_a_capture_says_that_it_is_simulated_and_came_over_a_port(motion):
 def test_a_capture_is_of_this_configuration_and_its_every_torque_follows_from_its_positions(motion):
     capture, program = read_capture(CAPTURES / f"{motion}.bin"), program_from_config(CONFIG, motion)
     assert (capture.complete, capture.gaps, capture.counts.skipped) == (True, (), 0)
-    assert samples(capture).filled == 0
-    assert capture.about.control == control_constants(CONFIG)
+    assert recording_of(capture).n_interpolated == 0
+    assert capture.metadata.control == control_constants(CONFIG)
     levels, phase = disturbance(CONFIG, CONFIG["experiment"]["seed"])
     stated = {name: CONFIG["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
     levels = {name: list(level) if isinstance(level, tuple) else level for name, level in asdict(levels).items()}
     arm = {**stated, **levels, "ripple_phase": phase.tolist(), "seed": CONFIG["experiment"]["seed"]}
-    assert capture.about.board["arm"] == arm
+    assert capture.metadata.board["arm"] == arm
     check = verify_control(capture)
     assert check.agree == check.checked == len(capture.index) == program.q.shape[1]
 

@@ -8,17 +8,15 @@ import time
 import numpy as np
 import pytest
 import serial
-from fake_board import IDENTITY, PlayedBoard, download, frames_of, served
+from fake_board import IDENTITY, PlayedBoard, frames_of, metadata, served
 
 from repro.errors import InputError
-from repro.fpga.downlink import encode_start
-from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
-from repro.fpga.faults import FaultInjector, FaultSettings
-from repro.fpga.link import LinkSettings, record
-from repro.fpga.messages import MessageKind
+from repro.fpga.channel_errors import ErrorInjector, ErrorRates
+from repro.fpga.link import record
+from repro.fpga.messages import MessageKind, encode_start
+from repro.fpga.server import PtyEndpoint, SocketEndpoint
 
 DESIRED, FRAMES = frames_of(200)
-QUICK = LinkSettings(silence=0.2)
 
 
 def pty():
@@ -29,8 +27,8 @@ def tcp():
     return SocketEndpoint("127.0.0.1", 0)
 
 
-def recorded(port, settings=QUICK):
-    return record(port, download(DESIRED), encode_start(200), 200, settings)
+def recorded(port, silence=0.2):
+    return record(port, metadata(DESIRED, board=None), silence=silence)
 
 
 @pytest.mark.slow
@@ -38,11 +36,11 @@ def recorded(port, settings=QUICK):
 def test_a_recording_has_the_very_bytes(make, real_time):
     board = PlayedBoard(FRAMES)
     with served(board, make(), real_time=real_time) as port:
-        recording = recorded(port)
-    assert (recording.data, recording.board, recording.reason) == (FRAMES, IDENTITY, "")
+        data, received = recorded(port)
+    assert (data, received.board, received.end_reason) == (FRAMES, IDENTITY, "")
     kinds = [message.kind for message in board.messages]
     assert kinds == [MessageKind.IDENTIFY, MessageKind.GAINS, MessageKind.TRAJECTORY, MessageKind.START]
-    host = recording.host
+    host = received.host
     assert (host.port, host.baud) == (port, 115200)
     offsets, seconds = np.array(host.chunks).T
     assert offsets[-1] == 1600
@@ -55,14 +53,8 @@ def test_a_recording_has_the_very_bytes(make, real_time):
 
 def test_hardware_does_not_answer():
     with served(PlayedBoard(FRAMES, silent=True), PtyEndpoint(), real_time=False) as port:
-        recording = recorded(port)
-    assert (recording.data, recording.board, recording.reason) == (FRAMES, None, "")
-
-
-def test_loop():
-    # What is sent comes back, so the frames are sent as the start.
-    recording = record("loop://", b"", FRAMES, 200, QUICK)
-    assert (recording.data, recording.board, recording.reason) == (FRAMES, None, "")
+        data, received = recorded(port)
+    assert (data, received.board, received.end_reason) == (FRAMES, None, "")
 
 
 @pytest.mark.slow
@@ -72,39 +64,39 @@ def test_what_an_earlier_recording_left_is_dropped():
         with serial.Serial(port) as line:
             line.write(encode_start(200))
             line.read(16)
-        recording = recorded(port)  # while the board is still running
-    assert (recording.data, recording.reason) == (FRAMES, "")
+        data, received = recorded(port)  # while the board is still running
+    assert (data, received.end_reason) == (FRAMES, "")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("make", "after"), [(pty, 8), (pty, 805), (pty, 1599), (tcp, 805)])
 def test_an_unplugged_cable(make, after):
-    faults = lambda: FaultInjector(FaultSettings(disconnect_after=after), np.random.default_rng(0))  # noqa: E731
-    with served(PlayedBoard(FRAMES), make(), real_time=False, faults=faults) as port:
+    injector = lambda: ErrorInjector(ErrorRates(disconnect_after=after), np.random.default_rng(0))  # noqa: E731
+    with served(PlayedBoard(FRAMES), make(), real_time=False, injector=injector) as port:
         if after == 8:  # one frame is not enough to be sure of it
             with pytest.raises(InputError, match="found 8 bytes without a frame"):
                 recorded(port)
             return
-        recording = recorded(port)
-    assert (recording.data, recording.reason) == (FRAMES[:after], "disconnected")
+        data, received = recorded(port)
+    assert (data, received.end_reason) == (FRAMES[:after], "disconnected")
 
 
 def test_a_board_that_stops_in_the_middle():
     board = PlayedBoard(FRAMES[:800])
     with served(board, PtyEndpoint(), real_time=False) as port:
-        recording = recorded(port)
+        data, received = recorded(port)
         deadline = time.monotonic() + 5.0
         while board.messages[-1].kind != MessageKind.STOP and time.monotonic() < deadline:
             time.sleep(0.01)
-    assert (recording.data, recording.reason) == (FRAMES[:800], "silent")
+    assert (data, received.end_reason) == (FRAMES[:800], "silent")
     assert board.messages[-1].kind == MessageKind.STOP
 
 
 def test_a_stall_shorter_than_the_timeout():
-    faults = lambda: FaultInjector(FaultSettings(stall=0.002, stall_s=0.1), np.random.default_rng(1))  # noqa: E731
-    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False, faults=faults) as port:
-        recording = recorded(port, LinkSettings(silence=1.0))
-    assert (recording.data, recording.reason) == (FRAMES, "")
+    injector = lambda: ErrorInjector(ErrorRates(stall=0.002, stall_s=0.1), np.random.default_rng(1))  # noqa: E731
+    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False, injector=injector) as port:
+        data, received = recorded(port, silence=1.0)
+    assert (data, received.end_reason) == (FRAMES, "")
 
 
 @pytest.fixture
@@ -127,15 +119,15 @@ def test_control_c_keeps_what_arrived():
 
         presser = threading.Thread(target=press)
         presser.start()
-        recording = recorded(port, LinkSettings(silence=60.0))
+        data, received = recorded(port, silence=60.0)
         presser.join()
         deadline = time.monotonic() + 5.0
         while board.messages[-1].kind != MessageKind.STOP and time.monotonic() < deadline:
             time.sleep(0.001)
         assert board.messages[-1].kind == MessageKind.STOP
-    assert recording.reason == "interrupted"
-    assert 0 < len(recording.data) <= 800
-    assert FRAMES.startswith(recording.data)
+    assert received.end_reason == "interrupted"
+    assert 0 < len(data) <= 800
+    assert FRAMES.startswith(data)
 
 
 @pytest.mark.parametrize(
@@ -163,9 +155,3 @@ def test_a_port_in_use_is_told():
     with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:  # noqa: SIM117
         with serial.Serial(port, exclusive=True), pytest.raises(InputError, match="cannot be opened"):
             recorded(port)
-
-
-@pytest.mark.parametrize("wrong", [{"baud": 0}, {"silence": 0.0}, {"silence": float("nan")}])
-def test_settings_that_cannot_work_are_refused(wrong):
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        LinkSettings(**wrong)

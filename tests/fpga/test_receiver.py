@@ -3,7 +3,7 @@
 import pytest
 from fake_board import frames_of
 
-from repro.fpga.receiver import Receiver, most_bytes
+from repro.fpga.link import Receiver, most_bytes
 
 _, FRAMES = frames_of(200)
 

@@ -8,18 +8,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import serial
-from fake_board import CONTROL, IDENTITY, PlayedBoard, download, frames_of, served
+from fake_board import CONTROL, IDENTITY, PlayedBoard, frames_of, served
 
 from repro.errors import InputError
 from repro.fpga.board import Board
-from repro.fpga.controller import ControlConstants
-from repro.fpga.downlink import encode_start
-from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
-from repro.fpga.faults import FaultInjector, FaultSettings
+from repro.fpga.channel_errors import ErrorInjector, ErrorRates
+from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
-from repro.fpga.loop import simulate
+from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
-from repro.fpga.server import BoardServer
+from repro.fpga.server import BoardServer, PtyEndpoint, SocketEndpoint
 
 pytestmark = pytest.mark.slow
 
@@ -61,13 +59,12 @@ def opened_again(endpoint):
 
 @pytest.mark.parametrize("effects", [Unmodelled(), Unmodelled(stribeck=(0.3, 0.5), ripple=(0.05, 0.02))])
 def test_a_served_board_sends_what_the_loop_computes(endpoint, effects):
-    constants = ControlConstants(CONTROL.kp, CONTROL.kv, CONTROL.pwm_hz, CONTROL.full_torque)
-    position, pwm = simulate(Plant(BETA, 0.0025, effects), constants, DESIRED)
+    position, pwm = simulate(Plant(BETA, 0.0025, effects), CONTROL, DESIRED)
     expected = encode(position[0], pwm[0])
-    board = Board(lambda: Plant(BETA, 0.0025, effects), constants.torque_per_count, IDENTITY)
+    board = Board(lambda: Plant(BETA, 0.0025, effects), CONTROL.torque_per_count, IDENTITY)
     with served(board, endpoint, real_time=False) as port, opened(port) as line:
         for _ in range(2):  # each start begins with the arm at rest
-            line.write(download(DESIRED) + encode_start(200))
+            line.write(encode_program(CONTROL, DESIRED) + encode_start(200))
             assert line.read(1600) == expected
     assert len(set(np.frombuffer(expected, dtype=">u8").tolist())) > 100
 
@@ -116,10 +113,10 @@ class Still:
     port = "nowhere"
     now = 100.0
 
-    def host(self, timeout):
+    def accept(self, timeout):
         return None
 
-    def left(self):
+    def on_disconnect(self):
         raise AssertionError("nobody was there")
 
 
@@ -127,7 +124,7 @@ def test_samples_are_caught_up_after_a_delay():
     board = PlayedBoard(FRAMES)
     still = Still()
     server = BoardServer(board, still, clock=lambda: still.now)
-    server._hear(encode_start(200))
+    server._receive(encode_start(200))
     looks = []
 
     def stopped():
@@ -173,10 +170,10 @@ def test_an_address_in_use_is_told():
 
 
 def test_faults_are_those_of_the_injector(endpoint):
-    settings = FaultSettings(drop=0.01, flip=0.01, insert=0.01)
-    expected = FaultInjector(settings, np.random.default_rng(3)).apply(FRAMES)
-    faults = lambda: FaultInjector(settings, np.random.default_rng(3))  # noqa: E731
-    with served(PlayedBoard(FRAMES), endpoint, real_time=False, faults=faults) as port, opened(port) as line:
+    settings = ErrorRates(drop=0.01, flip=0.01, insert=0.01)
+    expected = ErrorInjector(settings, np.random.default_rng(3)).apply(FRAMES)
+    injector = lambda: ErrorInjector(settings, np.random.default_rng(3))  # noqa: E731
+    with served(PlayedBoard(FRAMES), endpoint, real_time=False, injector=injector) as port, opened(port) as line:
         for _ in range(2):
             line.write(encode_start(200))
             assert line.read(len(expected)) == expected
@@ -184,10 +181,10 @@ def test_faults_are_those_of_the_injector(endpoint):
 
 
 def test_a_cable_pulled_out_and_in_again(endpoint):
-    settings = FaultSettings(disconnect_after=805)
-    faults = lambda: FaultInjector(settings, np.random.default_rng(3))  # noqa: E731
+    settings = ErrorRates(disconnect_after=805)
+    injector = lambda: ErrorInjector(settings, np.random.default_rng(3))  # noqa: E731
     board = PlayedBoard(FRAMES)
-    with served(board, endpoint, real_time=False, faults=faults):
+    with served(board, endpoint, real_time=False, injector=injector):
         for _ in range(2):
             line = opened_again(endpoint)
             line.write(encode_start(200))
@@ -202,14 +199,14 @@ def test_a_cable_pulled_out_and_in_again(endpoint):
 
 
 def test_a_stall_delays_and_loses_nothing(endpoint):
-    settings = FaultSettings(stall=0.002, stall_s=0.05)
+    settings = ErrorRates(stall=0.002, stall_s=0.05)
     injectors = []
 
-    def faults():
-        injectors.append(FaultInjector(settings, np.random.default_rng(1)))
+    def injector():
+        injectors.append(ErrorInjector(settings, np.random.default_rng(1)))
         return injectors[-1]
 
-    with served(PlayedBoard(FRAMES), endpoint, real_time=False, faults=faults) as port, opened(port) as line:
+    with served(PlayedBoard(FRAMES), endpoint, real_time=False, injector=injector) as port, opened(port) as line:
         began = time.monotonic()
         line.write(encode_start(200))
         assert line.read(1600) == FRAMES

@@ -11,9 +11,8 @@ from log_example import BETA, log_of, motion, recording
 from ownarm_log import exciting, regression_of
 from scipy.integrate import solve_ivp
 
-from repro.fpga.controller import ControlConstants
+from repro.fpga.controller import ControlConstants, simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.identification.parallel import FilterSettings
 from repro.identification.predicted_motion import WINDOW, position_errors

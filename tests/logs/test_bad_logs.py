@@ -39,7 +39,7 @@ from repro.logs.log import Log
 from repro.logs.reading import read_log
 from repro.logs.suspicions import suspicions
 from repro.logs.uniform import uniform
-from repro.model.dynamics import acceleration
+from repro.model.dynamics import forward_dynamics
 
 #: Name, content of the file (table, text or bytes), keys of the arm, words of the error.
 REFUSED = [
@@ -278,7 +278,7 @@ def test_a_free_fall_is_no_other_reading(seed):
     h, x, v, q = 0.002, rng.uniform(-2.5, 2.5, 2), np.zeros(2), []
     for _ in range(2500):
         q.append(x)
-        v = v + h * acceleration(x, v, np.zeros(2), BETA)
+        v = v + h * forward_dynamics(x, v, np.zeros(2), BETA)
         x = x + h * v
     log = Log("fall.csv", h * np.arange(len(q)), np.array(q).T, 0.01 * rng.normal(size=(2, len(q))))
     told = suspicions(log)

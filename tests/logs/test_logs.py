@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fake_board import CONTROL, about, frames_of, motion
+from fake_board import CONTROL, frames_of, metadata, motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import assert_same, columns, recording, text
@@ -10,7 +10,7 @@ from realdata import NAMES, log_file, needs_real_data
 
 from repro.errors import InputError
 from repro.fpga.capture import write_capture
-from repro.fpga.recorded import to_table
+from repro.fpga.recording import to_table
 from repro.logs.armfile import Arm
 from repro.logs.describe import describe
 from repro.logs.header import find_columns
@@ -189,7 +189,7 @@ def test_a_quantised_log_is_as_good(read):
 @pytest.mark.parametrize("board", [None, {"name": "simulated"}])
 def test_a_capture_is_a_log(tmp_path, board):
     desired, position, pwm = motion(1000)
-    write_capture(tmp_path / "T4.bin", frames_of(1000)[1], about(desired, board))
+    write_capture(tmp_path / "T4.bin", frames_of(1000)[1], metadata(desired, board=board))
     log = read_log(tmp_path / "T4.bin", Arm(units={"position": "deg"}))
     assert log.simulated == (board is not None)
     np.testing.assert_allclose(log.t, 0.0025 * np.arange(1000), rtol=1e-12)
@@ -203,7 +203,7 @@ def test_a_capture_is_a_log(tmp_path, board):
 
 def test_a_decoded_capture_is_the_same_log(tmp_path, read):
     desired = motion(1000)[0]
-    capture = write_capture(tmp_path / "T4.bin", frames_of(1000)[1], about(desired))
+    capture = write_capture(tmp_path / "T4.bin", frames_of(1000)[1], metadata(desired))
     table = to_table(capture)
     log = read(table.to_csv(index=False), name="T4.csv")
     whole = read_log(tmp_path / "T4.bin", Arm())
@@ -216,7 +216,7 @@ def test_a_decoded_capture_is_the_same_log(tmp_path, read):
 
 
 def test_a_short_capture_is_refused(tmp_path):
-    write_capture(tmp_path / "T4.bin", frames_of(400)[1], about(motion(400)[0]))
+    write_capture(tmp_path / "T4.bin", frames_of(400)[1], metadata(motion(400)[0]))
     with pytest.raises(InputError, match=r"T4\.bin: found 0\.998 s, expected at least 2 s"):
         read_log(tmp_path / "T4.bin", Arm())
 

@@ -1,25 +1,32 @@
-"""Link parameters to base parameters (Eq. 1, Table 2), names and units."""
+"""Link parameters to base parameters (Eq. 1, Table 2), names, units and feasibility."""
 
 import re
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from literal import ARMS
 from scipy import constants
 from strategies import links
 
-from repro.model.dynamics import gravity_torque, mass_matrix, regressor
+from repro.model.dynamics import inverse_dynamics, mass_matrix, regressor
 from repro.model.parameters import (
     DESCRIPTIONS,
     EXPRESSIONS,
+    FEASIBILITY,
     NAMES,
     STANDARD_GRAVITY,
     UNITS,
     Links,
     check_beta,
     inertial_from_links,
+    is_positive,
+    is_positive_definite,
 )
+
+N1, N4 = ARMS["N1"], ARMS["N4"]
+GRID = np.stack([np.zeros(721), np.linspace(-np.pi, np.pi, 721)], -1)
 
 
 def test_worked_example():
@@ -39,9 +46,9 @@ def test_inertia_and_gravity_follow_from_the_centres_of_mass(arm, q1, q2):
     inertia += arm.j1 * np.outer(spin1, spin1) + arm.j2 * np.outer(spin2, spin2)
     gravity = STANDARD_GRAVITY * (arm.m1 * jacobian1[1] + arm.m2 * jacobian2[1])
     beta = np.concatenate([inertial_from_links(arm), np.zeros(4)])
-    q = np.array([q1, q2])
-    np.testing.assert_allclose(mass_matrix(q, beta), inertia, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(gravity_torque(q, beta), gravity, rtol=0, atol=1e-12)
+    q, still = np.array([[q1], [q2]]), np.zeros((2, 1))
+    np.testing.assert_allclose(mass_matrix(q[:, 0], beta), inertia, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(inverse_dynamics(q, still, still, beta)[:, 0], gravity, rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow
@@ -113,3 +120,70 @@ def test_check_beta_returns_the_same_numbers_as_float64():
 def test_bad_beta_is_refused(bad, message):
     with pytest.raises(ValueError, match=message):
         check_beta(bad)
+
+
+def smallest_eigenvalue(beta):
+    """Smallest eigenvalue of M over one turn of q2, shape (...)."""
+    return np.linalg.eigvalsh(mass_matrix(GRID, np.asarray(beta)[..., None, :])).min((-1, -2))
+
+
+@given(i1=st.floats(-0.5, 3.0), i2=st.floats(-2.0, 2.0), i3=st.floats(-0.5, 2.0))
+@example(i1=-2.0, i2=0.1, i3=-1.0)  # negative definite: the determinant alone does not tell
+def test_positive_definite_agrees_with_eigenvalues(i1, i2, i3):
+    beta = np.array([i1, i2, i3, 1.0, 1.0, 0.1, 0.1, 0.1, 0.1])
+    smallest = smallest_eigenvalue(beta)
+    assume(abs(smallest) > 1e-9)  # on the border itself rounding decides
+    assert is_positive_definite(beta) == (smallest > 0.0)
+
+
+@pytest.mark.slow
+def test_positive_definite_agrees_with_eigenvalues_on_many_sets():
+    beta = np.random.default_rng(0).uniform([0, -1.5, 0, -1, -1, 0, 0, 0, 0], [2, 1.5, 1, 1, 1, 1, 1, 1, 1], (4000, 9))
+    expected = smallest_eigenvalue(beta) > 0.0
+    assert 0.2 < expected.mean() < 0.8  # both answers are tried
+    np.testing.assert_array_equal(is_positive_definite(beta), expected)
+
+
+@pytest.mark.parametrize(("arm", "definite"), [("N1", True), ("N2", False), ("N3", False), ("N4", True)])
+def test_published_arms_are_positive_but_two_are_not_positive_definite(arm, definite):
+    beta = ARMS[arm]
+    assert is_positive(beta)
+    assert is_positive_definite(beta) == definite
+    assert (smallest_eigenvalue(beta) > 0.0) == definite
+
+
+@given(arm=links(), friction=st.lists(st.floats(1e-3, 1.0), min_size=4, max_size=4))
+def test_links_with_mass_pass_both_checks(arm, friction):
+    beta = np.concatenate([inertial_from_links(arm), friction])
+    assert is_positive(beta)
+    assert is_positive_definite(beta)
+
+
+@pytest.mark.parametrize("k", range(9))
+@pytest.mark.parametrize("value", [0.0, -1e-12])
+def test_positive_refuses_any_parameter_that_is_not_above_zero(k, value):
+    beta = N1.copy()
+    beta[k] = value
+    assert not is_positive(beta)
+
+
+@pytest.mark.parametrize("k", [5, 6, 7, 8])
+def test_positive_definite_refuses_friction_that_drives(k):
+    beta = N1.copy()
+    beta[k] = -1e-12
+    assert not is_positive_definite(beta)
+
+
+def test_positive_definite_does_not_judge_the_sign_of_coupling_or_gravity():
+    # A centre of mass behind its joint makes I2, g1 and g2 negative: unusual, not impossible.
+    assert is_positive_definite(N1 * [1, -1, 1, -1, -1, 1, 1, 1, 1])
+
+
+@pytest.mark.parametrize("name", ["positive", "positive-definite"])
+def test_checks_judge_each_set_of_a_batch(name):
+    check = FEASIBILITY[name]
+    bad = N1 * [1, 1, -1, 1, 1, 1, 1, 1, 1]
+    batch = np.array([[N1, bad, N4], [bad, N4, N1]])
+    answer = check(batch)
+    assert answer.dtype == np.bool_
+    np.testing.assert_array_equal(answer, [[True, False, True], [False, True, True]])

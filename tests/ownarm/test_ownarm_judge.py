@@ -15,8 +15,7 @@ from repro.identification.methods.every import METHODS
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
+from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, is_positive_definite
 from repro.ownarm.job import solve_all
 from repro.ownarm.judge import Found, find, judge, why_not_consistent
 from repro.ownarm.prepared import make_problem

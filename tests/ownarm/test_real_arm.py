@@ -5,7 +5,7 @@ import pytest
 from realdata import log_file, needs_real_data
 
 from repro.logs.armfile import Arm
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options

@@ -4,6 +4,7 @@ import copy
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,17 +15,17 @@ from fake_board import served
 from repro.errors import InputError
 from repro.fingerprint import differing, fingerprint
 from repro.fpga.capture import read_capture, write_capture
-from repro.fpga.endpoint import PtyEndpoint
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
+from repro.fpga.server import PtyEndpoint
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 from repro.pipeline.acquire import acquire
 from repro.pipeline.experiment import (
     check_program,
     control_constants,
-    describe,
     load_config,
     mechanical_parameters,
+    metadata_for,
     program_from_config,
     true_parameters,
 )
@@ -350,8 +351,8 @@ def test_a_recording_is_in_radians_and_newton_metres(tmp_path, motion):
 
 def written(folder, frames, reason=""):
     program = program_from_config(SHORT, "T4")
-    about = describe(program, control_constants(SHORT), {"board": "simulated"})
-    write_capture(folder / "T4.bin", frames, about, reason)
+    metadata = replace(metadata_for(program, SHORT), board={"board": "simulated"}, end_reason=reason)
+    write_capture(folder / "T4.bin", frames, metadata)
     return folder / "T4.bin"
 
 
@@ -400,5 +401,5 @@ def test_a_capture_named_after_another_motion_is_refused(tmp_path):
     path = capture(tmp_path, "T3", SHORT)
     for end in (".bin", ".program", ".json"):
         path.with_suffix(end).rename(tmp_path / f"T2{end}")
-    assert read_capture(tmp_path / "T2.bin").about.motion == "T3"
+    assert read_capture(tmp_path / "T2.bin").metadata.motion == "T3"
     assert "another T2" in refused(read_recording, tmp_path / "T2.bin", SHORT)

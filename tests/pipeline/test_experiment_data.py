@@ -22,7 +22,7 @@ from experiment_example import (
 from repro.exhibits import arm
 from repro.identification.algorithm1.listing import prepare
 from repro.model.dynamics import inverse_dynamics
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings, true_parameters
 from repro.pipeline.experiment_data import (

@@ -14,8 +14,8 @@ from safetensors.numpy import load_file, save_file
 from repro.cnn.checkpoint import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque
 from repro.errors import InputError
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.residual import ResidualReader

@@ -9,8 +9,8 @@ from experiment_example import short_config
 from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance

@@ -12,7 +12,7 @@ from safetensors.numpy import load_file
 from repro.cnn.dataset import SampledMotion
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 from repro.pipeline.spread import simulate_spread
 from repro.pipeline.tracked import draw_arms, simulate_tracked, training_motion
 from repro.settings import of_network

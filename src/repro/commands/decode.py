@@ -19,10 +19,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check, decode, tell, and write the table if asked."""
+    """Check, decode, summarise, and write the table if requested."""
     from repro.files import CSV_FLOAT_FORMAT, write_csv, writing
     from repro.fpga.capture import files_of, read_capture
-    from repro.fpga.recorded import to_table
+    from repro.fpga.recording import to_table
 
     out = arguments.out
     if out not in (None, "-") and Path(out).exists():
@@ -45,13 +45,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def summary(capture: "Capture") -> str:
-    """Lines that tell what a capture holds."""
-    about, counts = capture.about, capture.counts
-    state = "complete" if capture.complete else f"incomplete ({capture.reason})"
+    """Summarise a capture in three lines."""
+    metadata, counts = capture.metadata, capture.counts
+    state = "complete" if capture.complete else f"incomplete ({metadata.end_reason})"
     return "\n".join(
         (
-            f"{capture.place}: {about.motion}, source {about.source}, {state}",
-            f"frames: {counts.good} good of {about.samples} expected ({about.samples * about.h:g} s)",
+            f"{capture.place}: {metadata.motion}, source {metadata.source}, {state}",
+            f"frames: {counts.good} good of {metadata.samples} expected ({metadata.samples * metadata.h:g} s)",
             f"gaps: {counts.gaps}, about {counts.lost} frames lost, {counts.skipped} bytes skipped",
         )
     )

@@ -40,30 +40,27 @@ def run(arguments: argparse.Namespace) -> int:
     """Download, start, record, write."""
     from repro.commands.decode import summary
     from repro.fpga.capture import check_target, write_capture
-    from repro.fpga.link import LinkSettings, record
+    from repro.fpga.link import record
     from repro.fpga.rawfile import raw_file
-    from repro.pipeline.experiment import control_constants, describe, download, load_config
+    from repro.pipeline.experiment import load_config, metadata_for
 
     check_target(arguments.out, arguments.overwrite)
     config = load_config(arguments.config)
     program = program_of(config, arguments.trajectory)
-    control = control_constants(config)
-    load, start = download(program, control)
+    metadata = metadata_for(program, config)
     defaults = config["experiment"]
     port = defaults["port"] if arguments.port is None else arguments.port
     baud = defaults["baud"] if arguments.baud is None else arguments.baud
     if "://" in port and not _is_address(port):
         raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
-    n = program.q.shape[1]
-    with raw_file(arguments.out, n, len(load), arguments.overwrite) as raw:
-        recording = record(port, load, start, n, LinkSettings(baud, arguments.timeout), raw.add)
+    with raw_file(arguments.out, metadata, arguments.overwrite) as raw:
+        data, metadata = record(port, metadata, baud, arguments.timeout, raw.add)
         raw.close()
-        about = describe(program, control, recording.board, recording.host)
-        capture = write_capture(arguments.out, recording.data, about, recording.reason, arguments.overwrite)
+        capture = write_capture(arguments.out, data, metadata, arguments.overwrite)
     print(summary(capture))
     if capture.complete:
         return 0
-    print(f"{arguments.out}: incomplete ({capture.reason}); what arrived is kept", file=sys.stderr)
+    print(f"{arguments.out}: incomplete ({capture.metadata.end_reason}); what arrived is kept", file=sys.stderr)
     return 1
 
 

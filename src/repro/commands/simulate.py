@@ -9,7 +9,7 @@ from repro.commands.options import add_config, integer, number, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
-    from repro.fpga.faults import FaultSettings
+    from repro.fpga.channel_errors import ErrorRates
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,9 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve until a signal comes, or the first motion is over."""
     import numpy as np
 
-    from repro.fpga.endpoint import PtyEndpoint, SocketEndpoint
-    from repro.fpga.faults import FaultInjector
-    from repro.fpga.server import serve
+    from repro.fpga.channel_errors import ErrorInjector
+    from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
     from repro.pipeline.experiment import load_config
     from repro.pipeline.specimen import board_from_config
 
@@ -53,18 +52,18 @@ def run(arguments: argparse.Namespace) -> int:
         board,
         endpoint,
         real_time=not arguments.as_fast_as_possible,
-        faults=(lambda: FaultInjector(settings, rng)) if arguments.faults else None,
+        injector=(lambda: ErrorInjector(settings, rng)) if arguments.faults else None,
         once=arguments.once,
         ready=lambda port: print(port, flush=True),
     )
     return 0
 
 
-def parse_faults(text: str) -> "FaultSettings":
+def parse_faults(text: str) -> "ErrorRates":
     """Settings from ``drop=1e-4,flip=1e-4,...``."""
-    from repro.fpga.faults import FaultSettings
+    from repro.fpga.channel_errors import ErrorRates
 
-    names = [field.name for field in fields(FaultSettings)]
+    names = [field.name for field in fields(ErrorRates)]
     values: dict[str, float] = {}
     for part in text.split(",") if text else ():
         name, _, value = part.partition("=")
@@ -79,6 +78,6 @@ def parse_faults(text: str) -> "FaultSettings":
         except argparse.ArgumentTypeError as error:
             raise InputError.at(f"--faults: {name}", repr(value), "a number") from error
     try:
-        return FaultSettings(**values)  # type: ignore[arg-type]
+        return ErrorRates(**values)  # type: ignore[arg-type]
     except ValueError as error:
         raise InputError.at("--faults", text, str(error).rstrip(".")) from error

@@ -1,4 +1,4 @@
-"""The simulated FPGA board: what stands between the serial line and the arm (Section III, Fig. 2)."""
+"""The simulated FPGA board between the serial line and the arm (Section III, Fig. 2)."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from repro.fpga import downlink
-from repro.fpga.controller import PDController
-from repro.fpga.downlink import RAM_SAMPLES, Gains
+from repro.fpga import messages
+from repro.fpga.controller import ControlLoop, PDController
 from repro.fpga.frames import encode
-from repro.fpga.loop import ControlLoop
-from repro.fpga.messages import Message, MessageDecoder, MessageKind
+from repro.fpga.messages import RAM_SAMPLES, Gains, Message, MessageDecoder, MessageKind
 from repro.fpga.plant import Plant
 
 
@@ -20,20 +18,6 @@ class Board:
 
     Blocks of Fig. 2: **Write Ram** and **Ram-FPGA** are `receive` and the memory it fills, **Read Ram**,
     **Decoder**, **PD**, **PWM gen** and **Aq uart** are `tick`.
-
-    Parameters
-    ----------
-    make_plant : callable
-        Gives the arm at rest; called at every start, so that equal programs give equal frames.
-    torque_per_count : array of shape (2,)
-        Torque of one PWM count, N m.
-    identity : mapping
-        What the board answers when asked who it is.
-
-    Attributes
-    ----------
-    refusals : list of str
-        Why messages were refused, oldest first.
     """
 
     def __init__(
@@ -52,7 +36,7 @@ class Board:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What the board says of itself."""
+        """Description that the board answers to IDENTIFY."""
         return dict(self._identity)
 
     @property
@@ -61,19 +45,7 @@ class Board:
         return self._loop is not None
 
     def receive(self, data: bytes) -> bytes:
-        """Take bytes from the host.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them, cut anywhere.
-
-        Returns
-        -------
-        bytes
-            The board's description of itself if it was asked for, else nothing. While the arm moves the line
-            belongs to the frames and only a stop is obeyed.
-        """
+        """Take bytes of the downlink; while the arm moves only a stop is obeyed. Gives the answer, if any."""
         answer = b""
         for message in self._decoder.feed(data):
             try:
@@ -88,15 +60,15 @@ class Board:
         elif self.running:
             raise ValueError("the arm is moving.")
         elif message.kind is MessageKind.GAINS:
-            self._gains = downlink.parse_gains(message)
+            self._gains = messages.parse_gains(message)
         elif message.kind is MessageKind.TRAJECTORY:
-            block = downlink.parse_trajectory(message)
+            block = messages.parse_trajectory(message)
             place = slice(block.start, block.start + block.desired.shape[1])
             self._ram[:, place], self._written[place] = block.desired, True
         elif message.kind is MessageKind.START:
-            self._start(downlink.parse_start(message))
+            self._start(messages.parse_start(message))
         elif message.kind is MessageKind.IDENTIFY:
-            return downlink.encode_identity(self._identity)
+            return messages.encode_identity(self._identity)
         else:
             raise ValueError("only a board sends it.")
         return b""
@@ -112,14 +84,7 @@ class Board:
         self._sample, self._samples = 0, samples
 
     def tick(self) -> bytes:
-        """One sampling period.
-
-        Returns
-        -------
-        bytes
-            The frame of this sample; nothing unless the arm is under way. After the last sample the motors
-            are off and the trajectory is forgotten, so that the next start needs a whole program again.
-        """
+        """One sampling period."""
         if self._loop is None:
             return b""
         i = self._sample

@@ -1,4 +1,4 @@
-"""Capture files: the raw bytes of a recording, what the board was sent, and a JSON sidecar that vouches for both."""
+"""Capture files: the raw bytes of a recording, the bytes sent to the board, and a JSON sidecar with their checksums."""
 
 import hashlib
 import os
@@ -14,93 +14,53 @@ from numpy.typing import NDArray
 from repro.documents import read_bytes, read_json
 from repro.errors import InputError
 from repro.files import write_json, write_whole
-from repro.fpga.about import About, Reason
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
-from repro.fpga.parser import StreamParser
-from repro.fpga.sidecar import about_of, check_sidecar, check_sum, sidecar
-from repro.fpga.stream import Counts, Gap
+from repro.fpga.parser import Counts, Gap, StreamParser
+from repro.fpga.sidecar import CaptureMetadata, check_own_sum, check_sidecar, metadata_from, sidecar
 from repro.model.parameters import Array
 
-#: Suffix of the file that holds what the board was sent.
+#: Suffix of the file with the bytes sent to the board.
 PROGRAM = ".program"
-#: Largest file of a capture, bytes: the board's memory holds a motion of 64 KiB.
+#: Largest file of a capture, bytes: the board's memory contains a motion of 64 KiB.
 LARGEST = 4 << 20
 
 
 @dataclass(frozen=True)
 class Capture:
-    """A recording and what its bytes decode to.
+    """The bytes of a recording, decoded, and its metadata."""
 
-    Attributes
-    ----------
-    place : str
-        Name of the file, for messages.
-    about : About
-        What was recorded, and with what.
-    data : bytes
-        As received.
-    position, pwm : int16 arrays of shape (2, n)
-        Encoder and PWM counts of the frames that arrived.
-    index : int array of shape (n,)
-        Sample that each frame is; a gap counts with its estimate of the frames lost.
-    gaps : tuple of Gap
-        Interruptions.
-    counts : Counts
-        What became of every byte.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why the recording ended early.
-    """
-
-    place: str
-    about: About
-    data: bytes
-    position: Int16Array
-    pwm: Int16Array
-    index: NDArray[np.int64]
+    place: str  # name of the file, for messages
+    metadata: CaptureMetadata
+    data: bytes  # as received
+    position: Int16Array  # (2, n), encoder counts of the frames that arrived
+    pwm: Int16Array  # (2, n), PWM counts
+    index: NDArray[np.int64]  # (n,), sample that each frame is; a gap counts with its estimate of the frames lost
     gaps: tuple[Gap, ...]
     counts: Counts
-    reason: Reason
 
     @property
     def complete(self) -> bool:
         """Whether the recording reached the end of the motion."""
-        return self.reason == ""
+        return self.metadata.end_reason == ""
 
     @cached_property
     def time(self) -> Array:
-        """Sampling instants, s, shape (n,)."""
-        return np.asarray(self.index * self.about.h)
+        """Sampling instants (n,), s."""
+        return np.asarray(self.index * self.metadata.h)
 
     @cached_property
     def q(self) -> Array:
-        """Joint positions, rad, shape (2, n)."""
+        """Joint positions (2, n), rad."""
         return np.asarray(self.position * np.float64(RADIANS_PER_COUNT))
 
     @cached_property
     def tau(self) -> Array:
-        """Joint torques, N m, shape (2, n)."""
-        return np.asarray(self.pwm * self.about.control.torque_per_count[:, np.newaxis])
+        """Joint torques (2, n), N m."""
+        return np.asarray(self.pwm * self.metadata.control.torque_per_count[:, np.newaxis])
 
 
-def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = "recording") -> Capture:
-    """Read the bytes of a recording.
-
-    Parameters
-    ----------
-    data : bytes
-        As received.
-    about : About
-        What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why it ended early.
-    place : str
-        Name for messages.
-
-    Returns
-    -------
-    Capture
-        With its frames.
-    """
+def decode_capture(data: bytes, metadata: CaptureMetadata, place: str = "recording") -> Capture:
+    """Decode the bytes of a recording; `place` names it in messages."""
     parser = StreamParser()
     parts = (parser.feed(data), parser.finish())
     position = np.concatenate([part.position for part in parts], axis=1)
@@ -109,87 +69,50 @@ def decode_capture(data: bytes, about: About, reason: Reason = "", place: str = 
     for gap in parser.gaps:
         lost_before[gap.next_frame] += gap.lost
     index = np.arange(position.shape[1]) + np.cumsum(lost_before)[:-1]
-    return Capture(place, about, data, position, pwm, index, tuple(parser.gaps), parser.counts, reason)
+    return Capture(place, metadata, data, position, pwm, index, tuple(parser.gaps), parser.counts)
 
 
-def write_capture(path: Path, data: bytes, about: About, reason: Reason = "", overwrite: bool = False) -> Capture:
-    """Write a recording, what was sent and the sidecar; all are there afterwards, or none.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.bin``; what was sent is ``NAME.program`` and the sidecar ``NAME.json`` beside it.
-    data : bytes
-        As received.
-    about : About
-        What was recorded.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why it ended early.
-    overwrite : bool
-        Whether a capture that is there may be replaced.
-
-    Returns
-    -------
-    Capture
-        What was written, decoded.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in ``.bin``, or a file is there and may not be replaced.
-    """
+def write_capture(path: Path, data: bytes, metadata: CaptureMetadata, overwrite: bool = False) -> Capture:
+    """Write ``NAME.bin``, ``NAME.program`` and ``NAME.json``, all or none, and give the decoded capture."""
     check_target(path, overwrite)
-    capture = decode_capture(data, about, reason, str(path))
-    write_bytes(path, data)
+    capture = decode_capture(data, metadata, str(path))
+    _write_bytes(path, data)
     try:
-        write_bytes(path.with_suffix(PROGRAM), about.program)
-        write_json(path.with_suffix(".json"), sidecar(about, data, capture.counts, reason))
+        _write_bytes(path.with_suffix(PROGRAM), metadata.program)
+        write_json(path.with_suffix(".json"), sidecar(metadata, data, capture.counts))
     except BaseException:
-        for each in files_of(path):  # what is left of the capture that was to be replaced fits no longer
-            if each.is_file():
-                each.unlink()
+        for file in files_of(path):  # the rest of a capture that was to be replaced no longer fits
+            if file.is_file():
+                file.unlink()
         raise
     return capture
 
 
 def files_of(path: Path) -> tuple[Path, Path, Path]:
-    """The files of a capture ``NAME.bin``: as received, what was sent, and the sidecar."""
+    """Name the files of a capture: ``NAME.bin``, ``NAME.program`` and ``NAME.json``."""
     return path, path.with_suffix(PROGRAM), path.with_suffix(".json")
 
 
-def write_bytes(path: Path, data: bytes) -> None:
+def _write_bytes(path: Path, data: bytes) -> None:
     """Write a file that is whole or absent, read-only afterwards."""
-
-    def fill(temporary: Path) -> None:
-        temporary.write_bytes(data)
-
-    write_whole(path, fill)
+    write_whole(path, lambda temporary: temporary.write_bytes(data))
     path.chmod(0o444)
 
 
 def check_target(path: Path, overwrite: bool) -> None:
-    """Refuse a name that a capture cannot be written to.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.bin``.
-    overwrite : bool
-        Whether a capture that is there may be replaced.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in ``.bin``, its folder cannot be written, or a file is there and may not be replaced.
-    """
-    if path.suffix != ".bin":
-        raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
+    """Refuse a name that is not ``NAME.bin``, is in a folder that cannot be written, or is in use."""
+    _check_suffix(path)
     folder = next(parent for parent in path.absolute().parents if parent.exists())
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
-    for each in files_of(path):
-        if each.exists() and not overwrite:
-            raise InputError.at(str(each), "a file", "a new name, or --overwrite")
+    for file in files_of(path):
+        if file.exists() and not overwrite:
+            raise InputError.at(str(file), "a file", "a new name, or --overwrite")
+
+
+def _check_suffix(path: Path) -> None:
+    if path.suffix != ".bin":
+        raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
 
 
 def read_capture(path: Path) -> Capture:
@@ -198,42 +121,42 @@ def read_capture(path: Path) -> Capture:
     Parameters
     ----------
     path : Path
-        ``NAME.bin``.
+        ``NAME.bin``, with ``NAME.program`` and ``NAME.json`` next to it.
 
     Returns
     -------
     Capture
-        Decoded.
+        Decoded, with positions (rad) and torques (N m).
 
     Raises
     ------
     InputError
-        If a file is missing, the sidecar is not what it should be, or the bytes are not those it vouches for.
+        If a file is missing, or differs in size, checksum or content from what the sidecar states.
     """
-    if path.suffix != ".bin":
-        raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
-    _, sent, beside = files_of(path)
+    _check_suffix(path)
+    _, program_file, sidecar_file = files_of(path)
     data = read_bytes(path, LARGEST, "a capture")
-    content = check_sidecar(str(beside), read_json(beside))
-    check_bytes(path, data, content)
-    program = read_bytes(sent, LARGEST, "a capture")
-    check_bytes(sent, program, content["program"])
+    content = check_sidecar(str(sidecar_file), read_json(sidecar_file))
+    _check_bytes(path, data, content)
+    program = read_bytes(program_file, LARGEST, "a capture")
+    _check_bytes(program_file, program, content["program"])
     try:
-        about = about_of(content, program)
+        metadata = metadata_from(content, program)
     except ValueError as error:
-        raise InputError.at(str(sent), str(error), f"what {beside.name} says") from error
-    capture = decode_capture(data, about, content["reason"], str(path))
-    for name, counted in asdict(capture.counts).items():
-        if content["counts"][name] != counted:
-            raise InputError.at(f"{beside}: counts.{name}", content["counts"][name], f"{counted}, as in {path.name}")
-    check_sum(str(beside), content)
+        raise InputError.at(str(program_file), str(error), f"what {sidecar_file.name} says") from error
+    capture = decode_capture(data, metadata, str(path))
+    for name, count in asdict(capture.counts).items():
+        if content["counts"][name] != count:
+            expected = f"{count}, as in {path.name}"
+            raise InputError.at(f"{sidecar_file}: counts.{name}", content["counts"][name], expected)
+    check_own_sum(str(sidecar_file), content)
     return capture
 
 
-def check_bytes(path: Path, data: bytes, vouched: Mapping[str, Any]) -> None:
-    """Refuse bytes that are not those a sidecar vouches for."""
-    if len(data) != vouched["bytes"]:
-        raise InputError.at(f"{path}: size", f"{len(data)} bytes", f"the {vouched['bytes']} of {path.stem}.json")
+def _check_bytes(path: Path, data: bytes, stated: Mapping[str, Any]) -> None:
+    """Refuse bytes of another size or checksum than the sidecar states."""
+    if len(data) != stated["bytes"]:
+        raise InputError.at(f"{path}: size", f"{len(data)} bytes", f"the {stated['bytes']} of {path.stem}.json")
     digest = hashlib.sha256(data).hexdigest()
-    if digest != vouched["sha256"]:
-        raise InputError.at(f"{path}: SHA-256", digest, f"the {vouched['sha256']} of {path.stem}.json")
+    if digest != stated["sha256"]:
+        raise InputError.at(f"{path}: SHA-256", digest, f"the {stated['sha256']} of {path.stem}.json")

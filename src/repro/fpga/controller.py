@@ -1,60 +1,45 @@
-"""The PD controller of the FPGA (Eq. 2, Fig. 3) in the single precision and operation order of the board."""
+"""The PD controller of the FPGA (Eq. 2, Fig. 3) in the board's single precision, and its closed loop with the arm."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
+from repro.fpga.plant import Plant
+from repro.model.parameters import Array
 
 Single = NDArray[np.float32]
 Counts = NDArray[np.int32]
 
-#: One encoder count in rad, as the board holds it.
+#: One encoder count in rad, in the board's arithmetic.
 RESOLUTION = np.float32(RADIANS_PER_COUNT)
 
 
 @dataclass(frozen=True)
 class ControlConstants:
-    """Constants of Table 8 for both joints.
+    """Constants of Table 8 for both joints."""
 
-    Attributes
-    ----------
-    kp : tuple of float
-        Proportional gains K_p, N m/rad.
-    kv : tuple of float
-        Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A).
-    pwm_hz : tuple of float
-        PWM frequencies, Hz.
-    full_torque : tuple of float
-        Torque at a PWM of 1023 counts, N m.
-    """
-
-    kp: tuple[float, float]
+    kp: tuple[float, float]  # proportional gains K_p, N m/rad
+    # Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A)
     kv: tuple[float, float]
-    pwm_hz: tuple[float, float]
-    full_torque: tuple[float, float]
-
-    def __post_init__(self) -> None:
-        """Refuse constants that are not positive and finite."""
-        for name in ("kp", "kv", "pwm_hz", "full_torque"):
-            values = getattr(self, name)
-            if len(values) != 2 or not all(0 < v < np.inf for v in values):
-                raise ValueError(f"{name}: must be two positive finite numbers, got {values}.")
+    pwm_hz: tuple[float, float]  # PWM frequencies, Hz
+    full_torque: tuple[float, float]  # torque at a PWM of 1023 counts, N m
 
     @property
     def torque_per_count(self) -> NDArray[np.float64]:
-        """Torque of one PWM count, N m, shape (2,)."""
+        """Torque of one PWM count (2,), N m."""
         return np.array(self.full_torque) / PWM_LIMIT
 
     @property
     def kp_counts(self) -> Single:
-        """K_p in PWM counts per rad, shape (2,): what the board is sent."""
+        """K_p as sent to the board (2,), PWM counts per rad."""
         return (np.array(self.kp) / self.torque_per_count).astype(np.float32)
 
     @property
     def kv_counts(self) -> Single:
-        """K_v in PWM counts per rad between two samples, shape (2,)."""
+        """K_v as sent to the board (2,), PWM counts per rad between two samples."""
         return (np.array(self.kv) / self.torque_per_count).astype(np.float32)
 
 
@@ -63,35 +48,15 @@ class PDController:
 
     Each operation is rounded to single precision, in the order conversion, scaling, differences, products,
     difference, rounding to the nearest integer (ties to even), saturation.
-
-    Parameters
-    ----------
-    kp, kv : array of shape (2,)
-        Gains in PWM counts per rad and PWM counts per rad between two samples.
     """
 
     def __init__(self, kp: ArrayLike, kv: ArrayLike) -> None:
         self._kp = np.asarray(kp, dtype=np.float32).reshape(2, 1)
         self._kv = np.asarray(kv, dtype=np.float32).reshape(2, 1)
-        if not (np.isfinite(self._kp).all() and np.isfinite(self._kv).all()):
-            raise ValueError("kp, kv: must be finite.")
         self._previous: Single | None = None
 
     def __call__(self, desired: Single, position: Counts) -> Counts:
-        """PWM of one sample.
-
-        Parameters
-        ----------
-        desired : float32 array of shape (2, 1) or (2, B)
-            q_d, rad.
-        position : int array of shape (2, B)
-            Encoder counts.
-
-        Returns
-        -------
-        int32 array of shape (2, B)
-            PWM, -1023 to 1023.
-        """
+        """Compute the PWM (2, B) of one sample from q_d (2, 1 or B), rad, and encoder counts (2, B)."""
         q = position.astype(np.float32) * RESOLUTION
         before = q if self._previous is None else self._previous  # q_0 - q_-1 = 0: the arm starts at rest
         self._previous = q
@@ -99,3 +64,37 @@ class PDController:
         # Saturating before the conversion gives the same integer and cannot overflow it.
         pwm: Counts = np.rint(u).clip(-PWM_LIMIT, PWM_LIMIT).astype(np.int32)
         return pwm
+
+
+class ControlLoop:
+    """A plant behind its encoders, its PD controller and its PWM."""
+
+    def __init__(self, plant: Plant, controller: PDController, torque_per_count: ArrayLike) -> None:
+        self._plant, self._controller = plant, controller
+        self._torque = np.asarray(torque_per_count, dtype=np.float64)
+
+    def step(self, desired: Single) -> tuple[Counts, Counts]:
+        """Read the encoders, set the PWM and let the arm move for one period; gives both in counts (2, B)."""
+        position = np.rint(self._plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32)
+        pwm = self._controller(desired, position)
+        self._plant.advance(pwm, self._torque)
+        return position, pwm
+
+
+def simulate(
+    plant: Plant,
+    constants: ControlConstants,
+    desired: Array,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+    """Run the closed loop along q_d, (2, N) or (B, 2, N) in rad; gives encoder and PWM counts (B, 2, N)."""
+    batch = plant.state.shape[1]
+    q_d = np.moveaxis(np.atleast_3d(desired.T).T, 0, -1).astype(np.float32)  # (2, N, 1 or B)
+    n = q_d.shape[1]
+    loop = ControlLoop(plant, PDController(constants.kp_counts, constants.kv_counts), constants.torque_per_count)
+    position, pwm = (np.empty((n, 2, batch), dtype=np.int16) for _ in range(2))
+    for i in range(n):
+        position[i], pwm[i] = loop.step(q_d[:, i])
+        if progress is not None and i % 400 == 0:
+            progress(i, n)
+    return position.transpose(2, 1, 0), pwm.transpose(2, 1, 0)

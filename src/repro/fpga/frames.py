@@ -35,7 +35,7 @@ MAX_SPEED: Final = 8.0
 #: Counts a joint can turn between frames: 8 rad/s x 2.5 ms, rounded up.
 MAX_STEP: Final = math.ceil(MAX_SPEED * SAMPLING_PERIOD / RADIANS_PER_COUNT)
 
-#: Bits that are the same in every frame, and what they hold.
+#: Bits that are the same in every frame, and their value.
 FIXED_BITS: Final = 0xFF00000000000003
 FIXED_VALUE: Final = IDENTIFIER << 56
 #: Bits of each torque, and -1024 there.
@@ -46,81 +46,16 @@ _SHIFTS: Final = np.array([[43], [27], [11], [0]], dtype=np.uint64)
 
 
 def encode(position: ArrayLike, pwm: ArrayLike) -> bytes:
-    """Frames of a motion.
-
-    Parameters
-    ----------
-    position : integers of shape (2, N)
-        Encoder counts, -32768 ... 32767.
-    pwm : integers of shape (2, N)
-        Torque in PWM counts, -1023 ... 1023.
-
-    Returns
-    -------
-    bytes
-        N frames of 8 bytes, oldest first.
-
-    Raises
-    ------
-    ValueError
-        If an array does not hold integers, is not of shape (2, N), differs in N, or leaves its range.
-    """
-    q = _integers("position", position, -(2**15), 2**15 - 1)
-    tau = _integers("pwm", pwm, -PWM_LIMIT, PWM_LIMIT)
-    if q.shape != tau.shape:
-        raise ValueError(f"position, pwm: must be equally long, got {q.shape[1]} and {tau.shape[1]} samples.")
+    """Encode integer positions and torques, each (2, N) in counts, as N frames, oldest first."""
+    q = _within("position", position, -(2**15), 2**15 - 1)
+    tau = _within("pwm", pwm, -PWM_LIMIT, PWM_LIMIT)
     word = (q[0] & 0xFFFF) << 40 | (q[1] & 0xFFFF) << 24 | (tau[0] & 0x7FF) << 13 | (tau[1] & 0x7FF) << 2
     data: bytes = (word.astype(np.uint64) | np.uint64(FIXED_VALUE)).astype(">u8").tobytes()
     return data
 
 
-def decode(data: bytes) -> tuple[Int16Array, Int16Array]:
-    """Positions and torques of whole, undamaged frames; `repro.fpga.parser` reads a stream that may be damaged.
-
-    Parameters
-    ----------
-    data : bytes
-        N frames of 8 bytes.
-
-    Returns
-    -------
-    position, pwm : int16 arrays of shape (2, N)
-        Encoder counts and PWM counts.
-
-    Raises
-    ------
-    ValueError
-        If the length is not a multiple of 8, or a frame breaks the rule named: identifier, zero bits, torque.
-    """
-    if len(data) % FRAME_BYTES:
-        raise ValueError(f"data: must be whole frames of {FRAME_BYTES} bytes, got {len(data)} bytes.")
-    words = np.frombuffer(data, dtype=">u8").astype(np.uint64)
-    identifier = words >> 56
-    rules = (
-        (f"the identifier must be 0x{IDENTIFIER:02X}", identifier != IDENTIFIER),
-        ("the last two bits must be zero", words & 0b11 != 0),
-        ("a torque must not be -1024", ~_torque_possible(words)),
-    )
-    for rule, broken in rules:
-        if broken.any():
-            i = int(np.argmax(broken))
-            raise ValueError(f"data: {rule}; frame {i} is {data[i * FRAME_BYTES : (i + 1) * FRAME_BYTES].hex()}.")
-    return split_words(words)
-
-
 def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
-    """Positions and torques held by frames, unchecked.
-
-    Parameters
-    ----------
-    words : uint64 array of shape (N,)
-        Frames as numbers.
-
-    Returns
-    -------
-    position, pwm : int16 arrays of shape (2, N)
-        Encoder counts and PWM counts.
-    """
+    """Extract positions and torques (2, N) from frames (N,), without checks."""
     # Each field is shifted to the low 16 bits, a torque to the top of those so that its sign is kept, and cut out.
     fields = (words << 3 >> _SHIFTS).astype(np.int16)
     fields[2:] >>= 5
@@ -128,33 +63,14 @@ def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
 
 
 def valid_words(words: WordArray) -> NDArray[np.bool_]:
-    """Whether each word keeps the rules a frame can be checked by on its own.
-
-    Parameters
-    ----------
-    words : uint64 array of shape (N,)
-        Frames as numbers.
-
-    Returns
-    -------
-    bool array of shape (N,)
-        True where identifier and zero bits are right and no torque is -1024.
-    """
-    return np.asarray((words & FIXED_BITS == FIXED_VALUE) & _torque_possible(words))
-
-
-def _torque_possible(words: WordArray) -> NDArray[np.bool_]:
+    """Mask the words whose identifier and zero bits are right and whose torques are not -1024."""
     first, second = (words & bits != never for bits, never in zip(TORQUE_BITS, TORQUE_NEVER, strict=True))
-    return np.asarray(first & second)
+    return np.asarray((words & FIXED_BITS == FIXED_VALUE) & first & second)
 
 
-def _integers(name: str, values: ArrayLike, low: int, high: int) -> NDArray[np.int64]:
-    array = np.asarray(values)
-    if array.ndim != 2 or array.shape[0] != 2:
-        raise ValueError(f"{name}: must have the shape (2, N), got {array.shape}.")
-    if array.size and not np.issubdtype(array.dtype, np.integer):
-        raise ValueError(f"{name}: must hold integers, got {array.dtype}.")
+def _within(name: str, values: ArrayLike, low: int, high: int) -> NDArray[np.int64]:
+    array = np.asarray(values, dtype=np.int64)
     outside = (array < low) | (array > high)
     if outside.any():
-        raise ValueError(f"{name}: must lie in {low} ... {high}, got {array[outside][0]}.")
-    return array.astype(np.int64)
+        raise ValueError(f"{name}: must be in {low} ... {high}, got {array[outside][0]}.")
+    return array

@@ -1,163 +1,104 @@
-"""The host's end of the serial link: download a motion, start the arm, record what comes back.
+"""The host's end of the serial link: download a motion, start the arm, record the frames that come back.
 
-pyserial opens real ports, pseudo-terminals, ``socket://host:port`` and ``loop://`` alike, and nothing here knows
-which of them it has.
+pyserial opens real ports, pseudo-terminals and ``socket://host:port`` alike; nothing here depends on which it is.
 """
 
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from datetime import datetime
 from typing import Final
 
 import serial
 
 from repro.errors import InputError
-from repro.fpga.about import Host, Reason
-from repro.fpga.downlink import encode_identify, encode_stop, parse_identity
-from repro.fpga.frames import BAUD
-from repro.fpga.messages import MessageDecoder, MessageKind
-from repro.fpga.receiver import POLL, QUIET, Receiver, take
+from repro.fpga.frames import BAUD, FRAME_BYTES, SAMPLING_PERIOD
+from repro.fpga.messages import MessageDecoder, MessageKind, encode_message, encode_start, parse_identity
+from repro.fpga.parser import StreamParser
+from repro.fpga.sidecar import CaptureMetadata, EndReason, Host
 from repro.progress import Progress
 
 _LOG = logging.getLogger(__name__)
 
-#: Seconds for which a simulated board may think about who it is, and a running one may take to end its motion.
+#: Seconds between two reads of a port that had nothing.
+_POLL: Final = 0.002
+#: Seconds without a byte after which a line is considered idle; a running board sends every 2.5 ms.
+_QUIET: Final = 0.1
+#: Seconds that a simulated board may need to identify itself, and a running one to end its motion.
 _IDENTIFY, _BUSY = 0.5, 25.0
-#: Bytes written at once.
-_WRITE: Final = 1024
+#: Seconds between time stamps.
+_STAMP: Final = 0.05
+#: Most bytes read and written at once.
+_READ, _WRITE = 1 << 16, 1024
+#: Seconds by which a recording may exceed twice the length of its motion: a simulated board can be slow.
+_SLACK: Final = 10.0
 
 
-@dataclass(frozen=True)
-class LinkSettings:
-    """How a port is used.
-
-    Attributes
-    ----------
-    baud : int
-        Bits per second; what is not a real port ignores it.
-    silence : float
-        Seconds without a byte after which a recording ends.
-    """
-
-    baud: int = BAUD
-    silence: float = 2.0
-
-    def __post_init__(self) -> None:
-        """Refuse settings that cannot work."""
-        if self.baud < 1:
-            raise ValueError(f"baud: must be positive, got {self.baud}.")
-        if not self.silence >= QUIET:
-            raise ValueError(f"silence: must be {QUIET} s or more, got {self.silence}.")
-
-
-@dataclass(frozen=True)
-class Recording:
-    """What a port gave.
-
-    Attributes
-    ----------
-    data : bytes
-        As received since the start.
-    board : mapping or None
-        How a simulated board described itself; None for real hardware, which is silent.
-    reason : {"", "silent", "disconnected", "interrupted", "overrun"}
-        Why the recording ended before all samples had come.
-    host : Host
-        The host's end of the link.
-    """
-
-    data: bytes
-    board: Mapping[str, object] | None
-    reason: Reason
-    host: Host
+def most_bytes(samples: int) -> int:
+    """Limit the bytes received for a motion: four times its frames, and what a port gives at once."""
+    return 4 * FRAME_BYTES * samples + 2 * _READ
 
 
 def record(
     port: str,
-    download: bytes,
-    start: bytes,
-    samples: int,
-    settings: LinkSettings | None = None,
+    metadata: CaptureMetadata,
+    baud: int = BAUD,
+    silence: float = 2.0,
     keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
-) -> Recording:
-    """Record one motion.
+) -> tuple[bytes, CaptureMetadata]:
+    """Record one motion; gives the bytes received and the metadata with board, host and end of the recording.
 
-    Unplugging, silence, Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the arm is
-    sent the command to stop, and what arrived is kept.
-
-    Parameters
-    ----------
-    port : str
-        Name or URL that pyserial opens.
-    download : bytes
-        Gains and trajectory, as the board takes them.
-    start : bytes
-        The command that starts the arm.
-    samples : int
-        Number of samples expected.
-    settings : LinkSettings, optional
-        How the port is used.
-    keep : callable
-        Called with each piece of bytes as it arrives.
-
-    Returns
-    -------
-    Recording
-        With at least one frame.
-
-    Raises
-    ------
-    InputError
-        If the port cannot be opened, is busy, goes before the arm is started, or sends no frame.
+    Unplugging, `silence` (s), Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the
+    arm is sent the command to stop, and what arrived is kept. `keep` is called with each piece as it arrives.
     """
-    s = LinkSettings() if settings is None else settings
-    line = _open(port, s.baud)
-    receiver = Receiver(samples, s.silence, keep=keep)
-    reason: Reason = "interrupted"
+    line = _open(port, baud)
+    receiver = Receiver(metadata.samples, silence, keep=keep)
+    reason: EndReason = "interrupted"
     try:
-        with _one_line(port):
+        with _reported(port):
             _wait_until_quiet(line, port)
             board = _identity(line, port)
             _LOG.info("%s: %s", port, "no answer, so real hardware" if board is None else "a simulated board")
-            _send(line, download, Progress(f"download to {port}"))
-            take(line)
+            _send(line, metadata.program, Progress(f"download to {port}"))
+            _read(line)
         began = datetime.now().astimezone().isoformat(timespec="milliseconds")
         try:
-            with _one_line(port):
-                _send(line, start)
+            with _reported(port):
+                _send(line, encode_start(metadata.samples))
             receiver.run(line, Progress(f"recording from {port}"))
             reason = receiver.close()
         finally:
             if reason:
-                with suppress(OSError):  # the arm must not go on by itself, if it can still be told
-                    _send(line, encode_stop())
+                with suppress(OSError):  # the arm must not go on by itself, if it can still be reached
+                    _send(line, encode_message(MessageKind.STOP))
     finally:
         line.close()
     if receiver.good == 0:
-        raise InputError.at(port, _no_frames(len(receiver.data), reason, s), f"{samples} frames")
-    return Recording(bytes(receiver.data), board, reason, Host(port, s.baud, began, tuple(receiver.stamps)))
+        found = _no_frames(len(receiver.data), reason, baud, silence)
+        raise InputError.at(port, found, f"{metadata.samples} frames")
+    host = Host(port, baud, began, tuple(receiver.stamps))
+    return bytes(receiver.data), replace(metadata, board=board, host=host, end_reason=reason)
 
 
 @contextmanager
-def _one_line(port: str) -> Iterator[None]:
-    """Tell of a port that fails before there is anything to keep."""
+def _reported(port: str) -> Iterator[None]:
+    """Report in one line a port that fails before there is anything to keep."""
     try:
         yield
     except OSError as error:  # pyserial's exceptions are of this kind
         raise InputError.at(port, f"a port that failed ({error})", "one that takes the download") from error
 
 
-def _no_frames(received: int, reason: str, settings: LinkSettings) -> str:
-    """Say what came instead of frames, and why that may be."""
+def _no_frames(received: int, reason: EndReason, baud: int, silence: float) -> str:
+    """Describe what came instead of frames, and possible causes."""
     if received:
-        return f"{received} bytes without a frame (wrong baud rate {settings.baud}, or another device?)"
+        return f"{received} bytes without a frame (wrong baud rate {baud}, or another device?)"
     if reason == "disconnected":
         return "nothing before it disappeared"
     return (
-        f"nothing in the {settings.silence:g} s after the start (board not powered, another port or baud rate, "
+        f"nothing in the {silence:g} s after the start (board not powered, another port or baud rate, "
         "or a download that the board refused?)"
     )
 
@@ -179,34 +120,116 @@ def _send(line: serial.SerialBase, data: bytes, progress: Progress | None = None
 
 
 def _wait_until_quiet(line: serial.SerialBase, port: str) -> None:
-    """Drop what an earlier recording left, and let a motion that still runs end."""
+    """Drop bytes of an earlier recording, and wait for the end of a motion that still runs."""
     began = last = time.monotonic()
-    told = False
-    while (now := time.monotonic()) - last < QUIET:
-        if take(line):
+    reported = False
+    while (now := time.monotonic()) - last < _QUIET:
+        if _read(line):
             last = now
             if now - began > _BUSY:
                 raise InputError.at(port, f"a board that still sends after {_BUSY:g} s", "one at rest")
-            if not told and now - began > _IDENTIFY:
+            if not reported and now - began > _IDENTIFY:
                 _LOG.info("%s: still sending, waiting for the end of its motion", port)
-                told = True
+                reported = True
         else:
-            time.sleep(POLL)
+            time.sleep(_POLL)
 
 
 def _identity(line: serial.SerialBase, port: str) -> Mapping[str, object] | None:
-    """Ask a board who it is: a simulated one answers, a real one does not."""
-    _send(line, encode_identify())
+    """Ask the board to identify itself: a simulated one answers, a real one does not."""
+    _send(line, encode_message(MessageKind.IDENTIFY))
     decoder = MessageDecoder()
     end = time.monotonic() + _IDENTIFY
     while time.monotonic() < end:
-        for message in decoder.feed(take(line)):
+        for message in decoder.feed(_read(line)):
             if message.kind == MessageKind.IDENTITY:
                 try:
                     return parse_identity(message)
                 except ValueError as error:
-                    raise InputError.at(
-                        port, f"an answer that tells nothing ({error})", "a board's identity"
-                    ) from error
-        time.sleep(POLL)
+                    raise InputError.at(port, f"an unreadable answer ({error})", "a board's identity") from error
+        time.sleep(_POLL)
     return None
+
+
+def _read(line: serial.SerialBase) -> bytes:
+    """Read the bytes that have arrived; the port has a timeout of 0, at which pyserial loses none."""
+    return bytes(line.read(_READ))
+
+
+class Receiver:
+    """Takes bytes until all samples have come or no more do."""
+
+    def __init__(
+        self,
+        samples: int,
+        silence: float,
+        clock: Callable[[], float] = time.monotonic,
+        keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
+    ) -> None:
+        self.data = bytearray()
+        self.stamps: list[tuple[int, float]] = []
+        self.good = 0
+        self._samples, self._silence, self._clock, self._keep = samples, silence, clock, keep
+        self._parser = StreamParser()
+        self._ended: EndReason = ""
+
+    def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> None:
+        """Receive until there is a reason to end."""
+        began = last = self._clock()
+        longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
+        try:
+            while True:
+                piece = _read(line)
+                now = self._clock()
+                if now - began > longest or len(self.data) + len(piece) > most_bytes(self._samples):
+                    self._ended = "overrun"
+                    break
+                if piece:
+                    last = now
+                    if self._accept(piece):
+                        break
+                    self._stamp(now - began)
+                    progress(min(self.good, self._samples), self._samples)
+                elif now - last >= (_QUIET if self._all_there() else self._silence):
+                    self._ended = "silent"
+                    break
+                else:
+                    time.sleep(_POLL)
+        except OSError:  # pyserial's exceptions are of this kind
+            self._ended = "disconnected"
+        except KeyboardInterrupt:
+            if not self.data:
+                raise
+            self._ended = "interrupted"
+        self._stamp(last - began, final=True)
+        progress(self.good, self._samples)
+
+    def close(self) -> EndReason:
+        """Decide on the last frames."""
+        self.good = min(self.good + len(self._parser.finish()), self._samples)
+        within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
+        return "" if self.good + within >= self._samples else self._ended
+
+    def _accept(self, piece: bytes) -> bool:
+        """Add bytes; True once all samples are there, what a board sends after them being cut off."""
+        self.data += piece
+        self._keep(piece)
+        frames = self._parser.feed(piece)
+        before, self.good = self.good, self.good + len(frames)
+        if self.good < self._samples:
+            return False
+        del self.data[int(frames.offset[self._samples - before - 1]) + FRAME_BYTES :]
+        self.good = self._samples
+        return True
+
+    def _all_there(self) -> bool:
+        """Whether the samples would be complete if the parser found frames in all that it holds back."""
+        counts = self._parser.counts
+        held = counts.received - counts.skipped - FRAME_BYTES * counts.good
+        return counts.good + held // FRAME_BYTES >= self._samples
+
+    def _stamp(self, seconds: float, final: bool = False) -> None:
+        if final and self.stamps and self.stamps[-1][0] == len(self.data):
+            return
+        if final or not self.stamps or seconds - self.stamps[-1][1] >= _STAMP:
+            self.stamps.append((len(self.data), round(seconds, 6)))

@@ -1,24 +1,40 @@
-"""Downlink messages: framing, checksum, and an incremental decoder that finds its way back after damage.
+"""Downlink messages (Section III): gains, desired trajectory, start and stop for the board, and the board's identity.
 
 A message is ``0x5A, type, payload length (uint16), payload, CRC-32``, numbers big-endian; the checksum covers type,
-length and payload. This layout is ours: the paper tells what is sent, not how.
+length and payload. This layout is ours: the paper describes the content, not the encoding.
 """
 
+import json
 import struct
 import zlib
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from repro.documents import parse_json
+from repro.fpga.controller import ControlConstants
+from repro.signals.programs import MEMORY_SAMPLES
 
 SYNC: Final = 0x5A
 #: Samples of both joints in a trajectory block at most.
 BLOCK_SAMPLES: Final = 256
+#: Samples of both joints that the board's RAM contains as single-precision numbers.
+RAM_SAMPLES: Final = MEMORY_SAMPLES
 #: Bytes of the board's description of itself at most.
 IDENTITY_BYTES: Final = 4096
+
+SingleArray = NDArray[np.float32]
+Pair = tuple[float, float]
 
 _HEADER = struct.Struct(">BBH")
 _CHECKSUM = struct.Struct(">I")
 _FRAMING = _HEADER.size + _CHECKSUM.size
+_GAINS = struct.Struct(">6f")
+_SAMPLE = struct.Struct(">H")
+_LARGEST_SINGLE = float(np.finfo(np.float32).max)
 
 
 class MessageKind(IntEnum):
@@ -32,8 +48,8 @@ class MessageKind(IntEnum):
     IDENTITY = 0x85
 
 
-# Lengths a payload can have. A header that tells another one is damaged, so it is never waited for.
-_LENGTHS: Final = {
+# Lengths that a payload can have. A header with another one is damaged, so its payload is never waited for.
+_LENGTHS: Final[dict[int, range]] = {
     MessageKind.GAINS: range(24, 25),
     MessageKind.TRAJECTORY: range(2 + 8, 2 + 8 * BLOCK_SAMPLES + 1, 8),
     MessageKind.START: range(2, 3),
@@ -45,135 +61,192 @@ _LENGTHS: Final = {
 
 @dataclass(frozen=True)
 class Message:
-    """A message that arrived whole.
-
-    Attributes
-    ----------
-    kind : MessageKind
-        What it is.
-    payload : bytes
-        Its content.
-    """
+    """A message that arrived whole."""
 
     kind: MessageKind
     payload: bytes
 
 
-def encode_message(kind: MessageKind, payload: bytes = b"") -> bytes:
-    """Bytes of a message.
+@dataclass(frozen=True)
+class Gains:
+    """Constants of the controller in the board's units."""
 
-    Parameters
-    ----------
-    kind : MessageKind
-        What it is.
-    payload : bytes
-        Its content.
+    kp: Pair  # PWM counts per rad
+    kv: Pair  # PWM counts per rad between two samples
+    pwm_hz: Pair
 
-    Returns
-    -------
-    bytes
-        Sync byte, type, length, payload, CRC-32.
 
-    Raises
-    ------
-    ValueError
-        If there is no such kind or its payload cannot have this length.
-    """
-    if len(payload) not in _LENGTHS[MessageKind(kind)]:
-        raise ValueError(f"payload: {MessageKind(kind).name} cannot have {len(payload)} bytes.")
-    head = _HEADER.pack(SYNC, kind, len(payload))
-    return head + payload + _CHECKSUM.pack(zlib.crc32(head[1:] + payload))
+@dataclass(frozen=True)
+class TrajectoryBlock:
+    """Part of the desired trajectory."""
+
+    start: int  # sample at which it begins
+    desired: SingleArray  # (2, n), q_d, rad
 
 
 class MessageDecoder:
     """Messages of a byte stream, fed in pieces of any size.
 
-    Of messages that overlap the one that ends first counts, so a message after one that lost bytes is understood at
-    once instead of being taken for the rest of it.
-
-    Attributes
-    ----------
-    crc_failures : int
-        Messages refused because their checksum was wrong.
-    skipped : int
-        Bytes that belonged to no message.
+    Of messages that overlap, the one that ends first counts. So a message after one that lost bytes is understood at
+    once, not taken for the rest of the damaged one.
     """
 
     def __init__(self) -> None:
-        self.crc_failures = 0
-        self.skipped = 0
         self._data = b""
 
     def feed(self, data: bytes) -> list[Message]:
-        """Take the next bytes.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them.
-
-        Returns
-        -------
-        list of Message
-            Those complete by now, oldest first.
-        """
+        """Give the messages complete by now, oldest first."""
         self._data += data
+        spans = _spans(self._data)
         messages: list[Message] = []
         place = 0
-        while place < len(self._data):
-            start = self._data.find(SYNC, place)
-            if start < 0:
-                start = len(self._data)
-            self.skipped += start - place
-            place = start
-            end = _end(self._data, place)
-            if end == place:  # no message begins here
-                self.skipped += 1
-                place += 1
-                continue
-            inner = _first_inside(self._data, place, min(end - 1, len(self._data)))
-            if inner is not None:
-                self.skipped += inner - place
-                place, end = inner, _end(self._data, inner)
-            elif end > len(self._data):
-                break
-            if _intact(self._data, place, end):
-                payload = self._data[place + _HEADER.size : end - _CHECKSUM.size]
-                messages.append(Message(MessageKind(self._data[place + 1]), payload))
+        for end, start in sorted((end, start) for start, end in spans if _intact(self._data, start, end)):
+            if start >= place:
+                payload = self._data[start + _HEADER.size : end - _CHECKSUM.size]
+                messages.append(Message(MessageKind(self._data[start + 1]), payload))
                 place = end
-            else:
-                self.crc_failures += 1
-                self.skipped += 1
-                place += 1
-        self._data = self._data[place:]
+        # What is before the first incomplete message cannot become one.
+        waiting = (start for start, end in spans if start >= place and end > len(self._data))
+        self._data = self._data[next(waiting, len(self._data)) :]
         return messages
 
 
-def _first_inside(data: bytes, outer: int, limit: int) -> int | None:
-    """Start of the intact message behind `outer` that ends first, `limit` at the latest; None if there is none."""
-    found: int | None = None
-    start = data.find(SYNC, outer + 1, limit)
+def _spans(data: bytes) -> list[tuple[int, int]]:
+    """Find where messages can begin and end; one whose header is incomplete ends behind the data."""
+    spans = []
+    start = data.find(SYNC)
     while start >= 0:
-        end = _end(data, start)
-        if start < end <= limit and _intact(data, start, end):
-            found, limit = start, end - 1
-        start = data.find(SYNC, start + 1, limit)
-    return found
-
-
-def _end(data: bytes, start: int) -> int:
-    """End of the message that begins at `start`: `start` if its header is wrong, beyond the data if that is cut off."""
-    if start + _HEADER.size > len(data):
-        known = [kind for kind in _LENGTHS if start + 1 >= len(data) or data[start + 1] == kind]
-        return len(data) + 1 if known else start
-    kind = data[start + 1]
-    length = int.from_bytes(data[start + 2 : start + 4])
-    if kind not in _LENGTHS or length not in _LENGTHS[MessageKind(kind)]:
-        return start
-    return start + length + _FRAMING
+        kind, length = data[start + 1 : start + 2], data[start + 2 : start + 4]
+        if len(length) == 2:
+            if int.from_bytes(length) in _LENGTHS.get(kind[0], ()):
+                spans.append((start, start + int.from_bytes(length) + _FRAMING))
+        elif not kind or kind[0] in _LENGTHS:
+            spans.append((start, len(data) + 1))
+        start = data.find(SYNC, start + 1)
+    return spans
 
 
 def _intact(data: bytes, start: int, end: int) -> bool:
-    """Whether the checksum of the message in ``start ... end - 1`` is right."""
-    checksum = int.from_bytes(data[end - _CHECKSUM.size : end])
-    return checksum == zlib.crc32(data[start + 1 : end - _CHECKSUM.size])
+    """Check whether the message is complete and its checksum right."""
+    return end <= len(data) and _CHECKSUM.unpack_from(data, end - _CHECKSUM.size)[0] == zlib.crc32(
+        data[start + 1 : end - _CHECKSUM.size]
+    )
+
+
+def encode_message(kind: MessageKind, payload: bytes = b"") -> bytes:
+    """Encode a message; ValueError if its payload cannot have this length."""
+    if len(payload) not in _LENGTHS[kind]:
+        raise ValueError(f"payload: {kind.name} cannot have {len(payload)} bytes.")
+    head = _HEADER.pack(SYNC, kind, len(payload))
+    return head + payload + _CHECKSUM.pack(zlib.crc32(head[1:] + payload))
+
+
+def encode_gains(control: ControlConstants) -> bytes:
+    """Encode the message that sets the controller's constants."""
+    return encode_message(MessageKind.GAINS, _GAINS.pack(*control.kp_counts, *control.kv_counts, *control.pwm_hz))
+
+
+def encode_trajectory(desired: ArrayLike) -> bytes:
+    """Encode q_d (2, N), rad, as messages that fill the board's RAM; ValueError if it does not fit."""
+    wanted = np.asarray(desired, dtype=np.float64)
+    n = wanted.shape[1]
+    _check_samples(n)
+    if not (np.abs(wanted) <= _LARGEST_SINGLE).all():
+        raise ValueError("desired: every sample must be finite in single precision.")
+    samples = wanted.T.astype(">f4")
+    return b"".join(
+        encode_message(MessageKind.TRAJECTORY, _SAMPLE.pack(start) + samples[start : start + BLOCK_SAMPLES].tobytes())
+        for start in range(0, n, BLOCK_SAMPLES)
+    )
+
+
+def encode_program(control: ControlConstants, desired: ArrayLike) -> bytes:
+    """Encode all that the board needs before its start: gains and q_d (2, N), rad."""
+    return encode_gains(control) + encode_trajectory(desired)
+
+
+def encode_start(samples: int) -> bytes:
+    """Encode the message that starts the arm for a number of samples."""
+    _check_samples(samples)
+    return encode_message(MessageKind.START, _SAMPLE.pack(samples))
+
+
+def encode_identity(identity: dict[str, Any]) -> bytes:
+    """Encode the board's answer to IDENTIFY, one JSON object."""
+    text = json.dumps(identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return encode_message(MessageKind.IDENTITY, text.encode())
+
+
+def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
+    """Read what `encode_program` wrote: gains and q_d (2, N), rad; ValueError if it is anything else."""
+    messages = MessageDecoder().feed(data)
+    read = sum(len(message.payload) + _FRAMING for message in messages)
+    if not messages or read != len(data):
+        raise ValueError(f"program: {len(data) - read} of {len(data)} bytes belong to no intact message.")
+    gains, blocks = parse_gains(messages[0]), [parse_trajectory(message) for message in messages[1:]]
+    end = 0
+    for block in blocks:
+        if block.start != end:
+            raise ValueError(f"program: a block begins at sample {block.start}, must begin at {end}.")
+        end += block.desired.shape[1]
+    if not blocks:
+        raise ValueError("program: has no trajectory.")
+    return gains, np.concatenate([block.desired for block in blocks], axis=1)
+
+
+def parse_gains(message: Message) -> Gains:
+    """Read the controller's constants; ValueError if they cannot be."""
+    _check_kind(message, MessageKind.GAINS)
+    numbers = _GAINS.unpack(message.payload)
+    gains = Gains(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6])
+    for name, values in (("kp", gains.kp), ("kv", gains.kv), ("pwm_hz", gains.pwm_hz)):
+        if not all(0.0 <= value <= _LARGEST_SINGLE for value in values):
+            raise ValueError(f"{name}: must be finite in single precision and not negative, got {values}.")
+    if min(gains.pwm_hz) == 0.0:
+        raise ValueError(f"pwm_hz: must be positive, got {gains.pwm_hz}.")
+    return gains
+
+
+def parse_trajectory(message: Message) -> TrajectoryBlock:
+    """Read a part of the trajectory; ValueError if it does not fit the RAM or is not finite."""
+    _check_kind(message, MessageKind.TRAJECTORY)
+    (start,) = _SAMPLE.unpack_from(message.payload)
+    samples = np.frombuffer(message.payload, dtype=">f4", offset=_SAMPLE.size).reshape(-1, 2)
+    if start + len(samples) > RAM_SAMPLES:
+        raise ValueError(f"trajectory: samples {start} ... {start + len(samples) - 1} are beyond the RAM.")
+    if not np.isfinite(samples).all():
+        raise ValueError("trajectory: every sample must be finite.")
+    return TrajectoryBlock(start, np.ascontiguousarray(samples.T, dtype=np.float32))
+
+
+def parse_start(message: Message) -> int:
+    """Read the number of samples to run for; ValueError if the RAM cannot contain them."""
+    _check_kind(message, MessageKind.START)
+    (samples,) = _SAMPLE.unpack(message.payload)
+    _check_samples(samples)
+    return int(samples)
+
+
+def parse_identity(message: Message) -> dict[str, Any]:
+    """Read the board's description of itself; ValueError if it is not one JSON object."""
+    _check_kind(message, MessageKind.IDENTITY)
+    try:
+        identity = parse_json(message.payload.decode(), "identity")
+    except ValueError as error:
+        raise ValueError(f"identity: must be UTF-8 JSON ({error}).") from error
+    if not isinstance(identity, dict):
+        raise ValueError(f"identity: must be a JSON object, got {type(identity).__name__}.")
+    return identity
+
+
+def _check_kind(message: Message, kind: MessageKind) -> None:
+    if message.kind != kind:
+        raise ValueError(f"message: must be {kind.name}, got {message.kind.name}.")
+
+
+def _check_samples(n: int) -> None:
+    if not 1 <= n <= RAM_SAMPLES:
+        raise ValueError(
+            f"trajectory: the board's RAM contains 1 ... {RAM_SAMPLES} samples "
+            f"({RAM_SAMPLES * 2.5e-3:g} s at 2.5 ms), got {n}."
+        )

@@ -1,75 +1,114 @@
 """Incremental reader of an uplink stream that may have lost, flipped or gained bytes.
 
-There is no checksum and no counter (Section III). These rules decide, however the stream is cut into pieces:
+There is no checksum and no counter (Section III). These rules decide, and how the stream is cut has no influence:
 
-- A *candidate* at byte o is a word with identifier and zero bits right and no torque of -1024.
-- Two candidates are *near* if no joint moved more than `max_step` counts for each frame time between them:
-  |q(b) - q(a)| <= max_step ceil((b - a) / 8).
-- A candidate is *closed* if the next frame's identifier follows it at o + 8 or, should that one be damaged, the one
-  after that at o + 16, or if the stream ends with it. A byte inserted into a frame moves a byte with two zero bits
-  to o + 8 and to o + 16, so such a frame is never accepted; a lost byte moves the identifier 0xA5 onto the zero bits.
+- A *candidate* at byte o is a word with the right identifier and zero bits and no torque of -1024.
+- Two candidates are *near* if no joint moved more than `MAX_STEP` counts per frame time between them:
+  |q(b) - q(a)| <= MAX_STEP ceil((b - a) / 8).
+- A candidate is *closed* if the next identifier follows at o + 8 or, should that one be damaged, at o + 16, or if the
+  stream ends with it. An inserted byte moves a byte with two zero bits to o + 8 and to o + 16, so such a frame is never
+  closed; a lost byte moves the identifier 0xA5 onto the zero bits.
 
-*Locked*, after a good frame that ends at p: the next one is the first closed candidate in p ... p + 63 that is near the
-last. If two or more candidates stand right before it, 8 bytes apart and each near the next, then the last good frame
-was the odd one out (a flipped position bit) or frames are missing, and all of them count. If no frame is found, the
-last good one is dropped as a reference and the lock is lost. So a false frame or a real jump is outlived within
-64 bytes, which are read again.
-
-*Acquiring*, at the start and after a lost lock: the first candidate with a near candidate right behind it is good. If
-another alignment offers such a pair within these 16 bytes (an arm at rest whose position holds a byte 0xA5 does, for
-ever), 64 frames are counted in each: the alignment the search began with wins if it has at most two candidates fewer
-than the best, for that much one fault may cost it; else the best; the earliest of equals.
+========= ================================================== =========================================================
+state     condition                                          action and next state
+========= ================================================== =========================================================
+acquiring a candidate with a near candidate right behind it  accept it after `choose_alignment`: locked
+locked    a closed candidate, near the last good frame,      accept it: locked. Two or more candidates right before it,
+          within 64 bytes                                    each near the next, are accepted, too: then the last good
+                                                             frame was wrong (a flipped bit) or frames are missing.
+locked    no such candidate within 64 bytes                  read these 64 bytes again: acquiring
+========= ================================================== =========================================================
 """
 
-from repro.fpga.alignment import MARK, Position, candidate, count_run, fault, find_pair, moved, settle
-from repro.fpga.frames import FRAME_BYTES, IDENTIFIER, MAX_STEP
-from repro.fpga.stream import REASONS, Counts, FrameRuns, Frames, Gap
+import struct
+from dataclasses import dataclass
+from typing import Final
 
-#: Bytes searched for a frame near the last good one before that one is dropped as a reference.
-WINDOW = 8 * FRAME_BYTES
-# Frames tried at once, for speed alone: few behind a fault, then more and more.
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.fpga.frames import FRAME_BYTES, IDENTIFIER, MAX_STEP, Int16Array, split_words, valid_words
+
+#: Why no frame begins at a byte, in the order of the checks; see `Counts`.
+REASONS: Final = ("identifier", "zero_bits", "torque", "step", "unconfirmed", "incomplete")
+#: Bytes searched for a frame near the last good one.
+WINDOW: Final = 8 * FRAME_BYTES
+_MARK: Final = bytes([IDENTIFIER])
+# Bytes in which a pair of another alignment must begin to be a rival, bytes over which rivals are compared, and the
+# lead in frames that outweighs the alignment at which the search began.
+_RIVAL_SPAN, _CONTEST_SPAN, _CONTEST_LEAD = 2 * FRAME_BYTES, 64 * FRAME_BYTES, 3
+# Frames tried at once, for speed alone: few after an error, then more and more.
 _SMALLEST_BLOCK, _LARGEST_BLOCK = 16, 65536
+# Frames from which on arrays are faster than a loop.
+_ARRAY_ROWS = 24
+# Identifier, two positions, then joint-1 torque (11 bit), joint-2 torque (11 bit) and two zero bits in 16 + 8 bits.
+_FRAME = struct.Struct(">BhhHB")
+
+#: Encoder counts of both joints.
+Position = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Good frames, oldest first."""
+
+    position: Int16Array  # (2, n), encoder counts
+    pwm: Int16Array  # (2, n), torque in PWM counts
+    offset: NDArray[np.int64]  # (n,), byte of the stream at which each frame begins
+
+    def __len__(self) -> int:
+        return self.offset.size
+
+
+@dataclass(frozen=True)
+class Gap:
+    """An interruption of the run of frames."""
+
+    offset: int  # byte of the stream at which the next frame should have begun
+    skipped: int  # bytes; 0 if the positions jump from one frame to the next
+    next_frame: int  # index of the first good frame after the gap; the number of frames if none follows
+    # Estimate of the frames missing: the bytes skipped in frames, rounded, but at least what the speed limit demands
+    # for the distance that the joints moved meanwhile, and at least 1 between two good frames.
+    lost: int
+    reason: str  # why no frame was accepted at `offset`: one of `REASONS`
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Use of every byte so far: ``received = 8 good + skipped + held back``; the six reasons add up to `skipped`."""
+
+    received: int = 0
+    good: int = 0  # frames accepted
+    skipped: int = 0
+    identifier: int = 0  # skipped: no identifier
+    zero_bits: int = 0  # skipped: an identifier whose last two bits are not zero
+    torque: int = 0  # skipped: a torque of -1024
+    step: int = 0  # skipped: further from the last good frame than a joint can have moved
+    unconfirmed: int = 0  # skipped: a possible frame without the neighbours that would confirm it
+    incomplete: int = 0  # skipped: an identifier less than a frame before the end of the stream
+    gaps: int = 0
+    lost: int = 0  # sum of the gaps' estimates of frames missing
 
 
 class StreamParser:
-    """Frames of a byte stream, fed in pieces of any size.
+    """Frames of a byte stream, fed in pieces of any size."""
 
-    Parameters
-    ----------
-    max_step : int
-        Most counts a joint moves between two frames.
-
-    Attributes
-    ----------
-    gaps : list of Gap
-        Interruptions so far, oldest first.
-
-    Raises
-    ------
-    ValueError
-        If `max_step` is not in 1 ... 65535.
-    """
-
-    def __init__(self, max_step: int = MAX_STEP) -> None:
-        if not 1 <= max_step <= 65535:
-            raise ValueError(f"max_step: must lie in 1 ... 65535 counts, got {max_step}.")
+    def __init__(self) -> None:
         self.gaps: list[Gap] = []
-        self._max_step = max_step
         self._finished = False
-        self._received = 0
-        self._good = 0
-        self._refused = dict.fromkeys(REASONS, 0)
+        self._received = self._good = 0
+        self._skipped = dict.fromkeys(REASONS, 0)
         # Bytes from `_base` of the stream on; those before `_place` are decided.
         self._data = b""
-        self._base = 0
-        self._place = 0
+        self._base = self._place = 0
         self._locked = False
         # Position in the last good frame, where in the stream the next one should begin, and why it did not.
         self._last: Position | None = None
         self._expected = 0
         self._reason = ""
         self._block = _SMALLEST_BLOCK
-        self._runs = FrameRuns()
+        # Accepted runs of frames since the last call: their bytes and their places in the stream.
+        self._runs: list[tuple[bytes, int]] = []
 
     @property
     def counts(self) -> Counts:
@@ -77,70 +116,55 @@ class StreamParser:
         return Counts(
             received=self._received,
             good=self._good,
-            skipped=sum(self._refused.values()),
+            skipped=sum(self._skipped.values()),
             gaps=len(self.gaps),
             lost=sum(gap.lost for gap in self.gaps),
-            **self._refused,
+            **self._skipped,
         )
 
     def feed(self, data: bytes) -> Frames:
-        """Take the next bytes of the stream.
-
-        Parameters
-        ----------
-        data : bytes
-            Any number of them.
-
-        Returns
-        -------
-        Frames
-            Those decided by now. The last frame of a stream waits for the byte after it, or for `finish`.
-
-        Raises
-        ------
-        ValueError
-            After `finish`.
-        """
+        """Give the frames decided by now; the last frame of a stream waits for the byte after it, or for `finish`."""
         if self._finished:
             raise ValueError("data: the stream was finished.")
         self._received += len(data)
         self._data = self._data[self._place :] + data
         self._base += self._place
         self._place = 0
-        self._advance()
-        return self._runs.take()
+        return self._advance()
 
     def finish(self) -> Frames:
-        """End the stream and decide on what was held back.
-
-        Returns
-        -------
-        Frames
-            The last ones; none if the stream was finished before.
-        """
+        """End the stream and decide on the bytes held back; no frames if it was finished before."""
         self._finished = True
-        self._advance()
+        frames = self._advance()
         if self._place < len(self._data):
-            self._refuse(len(self._data))
-            self._end_gap(None)
-        return self._runs.take()
+            self._skip_to(len(self._data))
+            self._record_gap(None)
+        return frames
 
-    def _advance(self) -> None:
-        """Decide on as many bytes as can be."""
+    def _advance(self) -> Frames:
+        """Decide on as many bytes as possible."""
         while self._place < len(self._data):
             if not (self._follow() if self._locked else self._acquire()):
-                return
+                break
+        pieces, starts = [piece for piece, _ in self._runs], [start for _, start in self._runs]
+        words = np.frombuffer(b"".join(pieces), ">u8").astype(np.uint64)
+        lengths = np.array([len(piece) for piece in pieces], dtype=np.int64)
+        # Within a run, bytes of the collection and of the stream differ by a constant.
+        shift = np.array(starts, dtype=np.int64) - (np.cumsum(lengths) - lengths)
+        offset = np.repeat(shift, lengths // FRAME_BYTES) + FRAME_BYTES * np.arange(words.size)
+        self._runs = []
+        return Frames(*split_words(words), offset)
 
     def _acquire(self) -> bool:
         """Look for a pair; False if more bytes are needed."""
-        o = find_pair(self._data, self._place, len(self._data), self._max_step)
-        self._refuse(o if o >= 0 else len(self._data) - 2 * FRAME_BYTES + 1)
-        if o < 0:
+        pair = _find_pair(self._data, self._place, len(self._data))
+        self._skip_to(pair if pair >= 0 else len(self._data) - 2 * FRAME_BYTES + 1)
+        if pair < 0:
             return False
-        chosen = settle(self._data, o, self._expected - self._base, self._max_step, self._finished)
+        chosen = choose_alignment(self._data, pair, self._expected - self._base, self._finished)
         if chosen is None:
             return False
-        self._refuse(chosen)
+        self._skip_to(chosen)
         self._accept(1)
         self._locked = True
         return True
@@ -150,30 +174,30 @@ class StreamParser:
         data, p, last = self._data, self._place, self._last
         assert last is not None  # a lock has a last good frame
         rows = min((len(data) - p) // FRAME_BYTES, self._block)
-        run = count_run(data, p, rows, last, self._max_step)
+        run = _count_run(data, p, rows, last)
         self._block = min(4 * self._block, _LARGEST_BLOCK) if run == rows else _SMALLEST_BLOCK
         if run > 1:  # each but the last is closed by the next
             self._accept(run - 1)
             return True
-        o = data.find(MARK, p, p + WINDOW)
+        o = data.find(_MARK, p, p + WINDOW)
         while 0 <= o <= len(data) - FRAME_BYTES:
-            position = candidate(data, o)
+            position = _candidate(data, o)
             # ceil((o - (p - 8)) / 8) frame times since the last good frame.
-            if position and moved(last, position) <= self._max_step * ((o - p + 15) // FRAME_BYTES):
+            if position and _distance(last, position) <= MAX_STEP * ((o - p + 15) // FRAME_BYTES):
                 closed = self._closed(o)
                 if closed is None:
                     return False
                 if closed:
-                    self._take(o)
+                    self._accept_run_to(o)
                     return True
-            o = data.find(MARK, o + 1, p + WINDOW)
+            o = data.find(_MARK, o + 1, p + WINDOW)
         if not self._finished and (o >= 0 or len(data) < p + WINDOW):
             return False
         self._locked = False
         return True
 
     def _closed(self, o: int) -> bool | None:
-        """Whether the frame at `o` is closed; None if the bytes that tell have not come."""
+        """Whether the frame at `o` is closed; None if the bytes that decide have not come."""
         for place in (o + FRAME_BYTES, o + 2 * FRAME_BYTES):
             if place >= len(self._data):
                 return place == o + FRAME_BYTES if self._finished else None
@@ -181,62 +205,142 @@ class StreamParser:
                 return True
         return False
 
-    def _take(self, o: int) -> None:
-        """Accept the frame at `o`, or the run that leads to it if there is one of at least three."""
-        first, after = o, candidate(self._data, o)
+    def _accept_run_to(self, o: int) -> None:
+        """Accept the frame at `o`, or the run of at least three that ends with it."""
+        first, after = o, _candidate(self._data, o)
         while first - FRAME_BYTES >= self._place:
-            before = candidate(self._data, first - FRAME_BYTES)
-            if not (before and after and moved(before, after) <= self._max_step):
+            before = _candidate(self._data, first - FRAME_BYTES)
+            if not (before and after and _distance(before, after) <= MAX_STEP):
                 break
             first, after = first - FRAME_BYTES, before
         if o - first < 2 * FRAME_BYTES:
             first = o
-        self._refuse(first)
+        self._skip_to(first)
         self._accept((o - first) // FRAME_BYTES + 1)
 
     def _accept(self, n: int) -> None:
-        """Take `n` frames at the present place."""
+        """Accept `n` frames at the present place."""
         p = self._place
         end = p + n * FRAME_BYTES
         offset = self._base + p
-        first = candidate(self._data, p)
-        if offset != self._expected or (self._last and first and moved(self._last, first) > self._max_step):
-            self._end_gap(first)
-        self._runs.add(self._data[p:end], offset)
+        first = _candidate(self._data, p)
+        if offset != self._expected or (self._last and first and _distance(self._last, first) > MAX_STEP):
+            self._record_gap(first)
+        self._runs.append((self._data[p:end], offset))
         self._good += n
-        self._last = candidate(self._data, end - FRAME_BYTES)
+        self._last = _candidate(self._data, end - FRAME_BYTES)
         self._place = end
         self._expected = self._base + end
 
-    def _refuse(self, stop: int) -> None:
-        """Skip the bytes before `stop`, each for its reason."""
+    def _skip_to(self, stop: int) -> None:
+        """Skip the bytes before `stop` and count the reason of each."""
         start = self._place
         if stop <= start:
             return
         if self._base + start == self._expected:
-            self._reason = self._fault(start)
-        self._refused["identifier"] += stop - start - self._data.count(MARK, start, stop)
-        o = self._data.find(MARK, start, stop)
+            self._reason = self._reject_reason(start)
+        self._skipped["identifier"] += stop - start - self._data.count(_MARK, start, stop)
+        o = self._data.find(_MARK, start, stop)
         while o >= 0:
-            self._refused[self._fault(o)] += 1
-            o = self._data.find(MARK, o + 1, stop)
+            self._skipped[self._reject_reason(o)] += 1
+            o = self._data.find(_MARK, o + 1, stop)
         self._place = stop
 
-    def _fault(self, o: int) -> str:
-        """Why no frame begins at `o`."""
-        rule = fault(self._data, o)
-        if rule:
-            return rule
+    def _reject_reason(self, o: int) -> str:
+        """Name the reason why no frame begins at `o`."""
+        if self._data[o] != IDENTIFIER:
+            return "identifier"
+        if o + FRAME_BYTES > len(self._data):
+            return "incomplete"
+        if self._data[o + FRAME_BYTES - 1] & 0b11:
+            return "zero_bits"
+        position = _candidate(self._data, o)
+        if not position:
+            return "torque"
         frames = (self._base + o - self._expected + 15) // FRAME_BYTES
-        position = candidate(self._data, o)
-        far = self._last and position and moved(self._last, position) > self._max_step * frames
-        return "step" if far else "unconfirmed"
+        return "step" if self._last and _distance(self._last, position) > MAX_STEP * frames else "unconfirmed"
 
-    def _end_gap(self, position: Position | None) -> None:
+    def _record_gap(self, position: Position | None) -> None:
         """Record the gap before the frame at the present place, or before the end of the stream."""
         skipped = self._base + self._place - self._expected
         lost = (skipped + FRAME_BYTES // 2) // FRAME_BYTES
         if position and self._last is not None:
-            lost = max(lost, 1, -(-moved(self._last, position) // self._max_step) - 1)
+            lost = max(lost, 1, -(-_distance(self._last, position) // MAX_STEP) - 1)
         reason = self._reason if skipped else "step"
         self.gaps.append(Gap(self._expected, skipped, self._good, lost, reason))
+
+
+def choose_alignment(data: bytes, pair: int, grid: int, final: bool) -> int | None:
+    """Choose between the alignment of the first pair of candidates and its rivals.
+
+    An arm at rest whose position contains a byte 0xA5 offers a second alignment for ever. If another alignment offers
+    a pair within 16 bytes, the candidates among 64 frames are counted in each. The alignment at which the search began
+    (`grid`, modulo 8) wins if it has at most two fewer than the best, which one error may cost it; else the best wins,
+    the earliest of equals. Gives the place of the first pair of that alignment, None if more bytes are needed.
+    """
+    if not final and len(data) < pair + _RIVAL_SPAN + 2 * FRAME_BYTES:
+        return None
+    rivals = {pair % FRAME_BYTES: pair}
+    o = _find_pair(data, pair + 1, pair + _RIVAL_SPAN)
+    while o >= 0:
+        rivals.setdefault(o % FRAME_BYTES, o)
+        o = _find_pair(data, o + 1, pair + _RIVAL_SPAN)
+    if len(rivals) == 1:
+        return pair
+    if not final and len(data) < pair + _CONTEST_SPAN + 2 * FRAME_BYTES:
+        return None
+    votes = {}
+    for phase in rivals:
+        first = pair + (phase - pair) % FRAME_BYTES
+        places = range(first, min(first + _CONTEST_SPAN, len(data) - FRAME_BYTES + 1), FRAME_BYTES)
+        votes[phase] = sum(_candidate(data, place) is not None for place in places)
+    best = max(votes, key=lambda phase: (votes[phase], -rivals[phase]))
+    grid %= FRAME_BYTES
+    if grid in votes and votes[grid] > votes[best] - _CONTEST_LEAD:
+        best = grid
+    return rivals[best]
+
+
+def _find_pair(data: bytes, start: int, stop: int) -> int:
+    """Find the first place in ``start ... stop - 1`` of a candidate with a near one right behind it; -1 if none."""
+    stop = min(stop, len(data) - 2 * FRAME_BYTES + 1)
+    o = data.find(_MARK, start, max(start, stop))
+    while o >= 0:
+        if data[o + FRAME_BYTES] == IDENTIFIER:
+            first, second = _candidate(data, o), _candidate(data, o + FRAME_BYTES)
+            if first and second and _distance(first, second) <= MAX_STEP:
+                return o
+        o = data.find(_MARK, o + 1, stop)
+    return -1
+
+
+def _candidate(data: bytes, o: int) -> Position | None:
+    """Read the position of the frame at `o`; None if the frame by itself breaks a rule."""
+    mark, q1, q2, high, low = _FRAME.unpack_from(data, o)
+    # A torque of -1024 is a one and ten zeros: the top of `high`, or its last five bits and the top of `low`.
+    if mark != IDENTIFIER or low & 0b11 or high >> 5 == 0x400 or (low == 0 and high & 0x1F == 0x10):
+        return None
+    return q1, q2
+
+
+def _distance(a: Position, b: Position) -> int:
+    """Give the larger difference of the two joints, counts."""
+    return max(abs(a[0] - b[0]), abs(a[1] - b[1]))
+
+
+def _count_run(data: bytes, o: int, rows: int, last: Position) -> int:
+    """Count candidates among the `rows` frames from `o` on, each near the one before it, the first near `last`."""
+    if rows < _ARRAY_ROWS:  # one by one is faster then, with the same result
+        before = last
+        for n in range(rows):
+            position = _candidate(data, o + n * FRAME_BYTES)
+            if not position or _distance(before, position) > MAX_STEP:
+                return n
+            before = position
+        return rows
+    words = np.frombuffer(data, ">u8", rows, o).astype(np.uint64)
+    joints = np.empty((2, rows + 1), dtype=np.int32)
+    joints[:, 0] = last
+    joints[:, 1:] = split_words(words)[0]
+    good = valid_words(words) & (np.abs(np.diff(joints)) <= MAX_STEP).all(axis=0)
+    return rows if good.all() else int(np.argmin(good))

@@ -1,8 +1,4 @@
-"""The simulated arm: Eq. 1 and what Eq. 1 leaves out, moved on by one sampling period at a time.
-
-Eq. 1 does not model Stribeck friction, a torque ripple that turns with the joint, and a PWM dead band. Each is zero
-unless the caller sets it.
-"""
+"""The simulated arm: Eq. 1 and, where the caller sets them, Stribeck friction, torque ripple and a PWM dead band."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 
 from repro.model.dynamics import LAMBDA
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array, check_beta
+from repro.model.parameters import FEASIBILITY, Array, check_beta
 
 #: Substeps of a sampling period, and while a joint is slower than `SLOW`, where friction bends most.
 STEPS, SLOW_STEPS = 1, 3
@@ -22,38 +17,14 @@ SLOW = 0.2
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """Effects that Eq. 1 does not model.
+    """Effects that Eq. 1 does not model."""
 
-    Attributes
-    ----------
-    stribeck : pair of float
-        Share by which the Coulomb friction of each joint is higher near standstill.
-    stribeck_velocity : float
-        Velocity over which that share fades, rad/s.
-    ripple : pair of float
-        Amplitude of the torque ripple of each joint, N m.
-    ripple_cycles : float
-        Ripple cycles in one turn of the joint.
-    dead_band : int
-        PWM counts that do not move the motor.
-    """
-
+    # Share by which the Coulomb friction of each joint is higher near standstill
     stribeck: tuple[float, float] = (0.0, 0.0)
-    stribeck_velocity: float = 0.2
-    ripple: tuple[float, float] = (0.0, 0.0)
-    ripple_cycles: float = 17.0
-    dead_band: int = 0
-
-    def __post_init__(self) -> None:
-        """Refuse levels that are negative or not finite."""
-        for name in ("stribeck", "ripple", "ripple_cycles", "dead_band"):
-            level = np.asarray(getattr(self, name))
-            if level.shape != ((2,) if name in LEVELS else ()):
-                raise ValueError(f"{name}: must be {'a number for each joint' if name in LEVELS else 'one number'}.")
-            if not ((level >= 0) & (level < np.inf)).all():
-                raise ValueError(f"{name}: must be finite and not negative, got {getattr(self, name)}.")
-        if not 0 < self.stribeck_velocity < np.inf:
-            raise ValueError(f"stribeck_velocity: must be positive and finite, got {self.stribeck_velocity}.")
+    stribeck_velocity: float = 0.2  # velocity over which that share fades, rad/s
+    ripple: tuple[float, float] = (0.0, 0.0)  # amplitude of the torque ripple of each joint, N m
+    ripple_cycles: float = 17.0  # ripple cycles in one turn of the joint
+    dead_band: int = 0  # PWM counts that do not move the motor
 
 
 #: Fields of `Unmodelled` that may differ between the arms of a batch.
@@ -71,27 +42,6 @@ class Plant:
 
     with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi. With s = a = 0 it is Eq. 1.
 
-    Parameters
-    ----------
-    beta : array of shape (9,) or (B, 9)
-        Parameters of each arm; the inertia matrix must be positive definite.
-    h : float
-        Sampling period, s.
-    unmodelled : Unmodelled, or B of them
-        Effects beyond Eq. 1. Arms of one batch may differ in their levels `stribeck` and `ripple` alone.
-    ripple_phase : array of shape (2,) or (B, 2)
-        Phase of the ripple of each joint, rad.
-    refine : int
-        Factor on the number of substeps, to check that they are enough.
-
-    Raises
-    ------
-    ValueError
-        If an arm's inertia matrix is not positive definite, shapes do not fit, or effects of one batch differ in
-        more than their levels.
-
-    Notes
-    -----
     Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
     them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
     loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
@@ -103,13 +53,10 @@ class Plant:
         h: float,
         unmodelled: Unmodelled | Sequence[Unmodelled] = NOTHING,
         ripple_phase: ArrayLike = (0.0, 0.0),
-        refine: int = 1,
     ) -> None:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
-        if not CHECKS["positive-definite"](arms).all():
+        if not FEASIBILITY["positive-definite"](arms).all():
             raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
-        if not 0 < h < np.inf or refine < 1:
-            raise ValueError(f"h, refine: must be positive, got {h} and {refine}.")
         phase = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (len(arms), 2)).T
         batch = len(arms)
         each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
@@ -142,8 +89,7 @@ class Plant:
         # Both rows of Eq. 1 are divided by I3.
         self._weight, self._per_i3 = -weight / i3, 1.0 / i3
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0
-        self._tableau = {steps: _tableau(h / (steps * refine)) for steps in (STEPS, SLOW_STEPS)}
-        self._refine = refine
+        self._tableau = {steps: _tableau(h / steps) for steps in (STEPS, SLOW_STEPS)}
         # Work space with its views, made once: a recording takes some 100,000 derivatives.
         f, r = np.empty((13, batch)), np.empty((2, batch))
         self._features = (f, f[:5], f[5:9], f[:11], f[4], f[11:8:-2], f[10:13:2])
@@ -156,17 +102,7 @@ class Plant:
         self._product = np.dot if batch == 1 else _einsum
 
     def derivative(self, x: Array, tau: Array, out: Array) -> None:
-        """Time derivative of the state.
-
-        Parameters
-        ----------
-        x : array of shape (4, B)
-            ``(q1, q2, dq1, dq2)``.
-        tau : array of shape (2, B)
-            Motor torque over I3, rad/s^2.
-        out : array of shape (4, B)
-            Filled with ``(dq1, dq2, ddq1, ddq2)``.
-        """
+        """Fill `out` with the derivative of ``x = (q1, q2, dq1, dq2)`` under the torque `tau` over I3, rad/s^2."""
         f, sines, tanhs, weighed, sin_q2, left, right = self._features
         r, r1, r2 = self._torque
         self._product(self._linear, x, f)
@@ -190,27 +126,19 @@ class Plant:
         np.subtract(r2, m * out[2], out=out[3])
 
     def effective(self, pwm: NDArray[np.int32]) -> NDArray[np.int32]:
-        """PWM counts that move the motors: what is left of `pwm` beyond the dead band."""
+        """Subtract the dead band from the PWM counts."""
         band = self._effects.dead_band
         return np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
 
     def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
-        """Move on by one sampling period.
-
-        Parameters
-        ----------
-        pwm : int array of shape (2, B)
-            PWM counts.
-        torque_per_count : array of shape (2,)
-            N m.
-        """
+        """Advance the state by one sampling period at the given PWM counts (2, B)."""
         tau = self.effective(pwm) * torque_per_count[:, np.newaxis] * self._per_i3
         steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point
         flat_point = point.reshape(-1)
         stages[0] = self.state
-        for _ in range(steps * self._refine):
+        for _ in range(steps):
             self.derivative(stages[0], tau, stages[1])
             for i, row in enumerate(inner, start=1):
                 self._product(row, known[i], flat_point)

@@ -1,4 +1,4 @@
-"""The bytes of a recording on disk while they arrive, so that none is lost if the capture cannot be written."""
+"""The bytes of a recording, stored as they arrive, so that none is lost if the capture cannot be written."""
 
 import errno
 import os
@@ -9,28 +9,21 @@ from pathlib import Path
 
 from repro.errors import InputError
 from repro.files import writing
-from repro.fpga.receiver import most_bytes
+from repro.fpga.link import most_bytes
+from repro.fpga.sidecar import CaptureMetadata
 
-#: Room for the sidecar, bytes.
+#: Space for the sidecar, bytes.
 _SIDECAR = 128 << 10
 
 
 class RawFile:
-    """File that received bytes are appended to.
+    """File to which received bytes are appended, with disk space reserved until it is closed."""
 
-    Parameters
-    ----------
-    path : Path
-        File to make.
-    room : int
-        Bytes of the disk to reserve until `close`.
-    """
-
-    def __init__(self, path: Path, room: int) -> None:
+    def __init__(self, path: Path, reserved: int) -> None:
         self._path, self._pieces = path, list[bytes]()
         self._file = path.open("xb", buffering=0)
         try:
-            for _ in range(0, room, len(_ZEROS)):
+            for _ in range(0, reserved, len(_ZEROS)):
                 if self._file.write(_ZEROS) < len(_ZEROS):
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             self._file.seek(0)
@@ -45,7 +38,7 @@ class RawFile:
             self._file.write(piece)
 
     def close(self) -> None:
-        """Give back the room that was reserved and not used."""
+        """Release the reserved space that was not used."""
         if not self._file.closed:
             with suppress(OSError):
                 self._file.truncate()
@@ -57,7 +50,7 @@ class RawFile:
         self._path.unlink(missing_ok=True)
 
     def rescue(self) -> str:
-        """Find out where the bytes are, after writing them elsewhere if need be; empty if there are none."""
+        """Name the place of the bytes, after writing them elsewhere if needed; empty if there are none."""
         self.close()
         data = b"".join(self._pieces)
         if not data:
@@ -76,30 +69,10 @@ _ZEROS = bytes(1 << 16)
 
 
 @contextmanager
-def raw_file(capture: Path, samples: int, program: int, overwrite: bool) -> Iterator[RawFile]:
-    """Keep the bytes of a recording next to its capture until that is written.
+def raw_file(capture: Path, metadata: CaptureMetadata, overwrite: bool) -> Iterator[RawFile]:
+    """Store the bytes of a recording in ``NAME.bin.part`` until its capture ``NAME.bin`` is written.
 
-    Parameters
-    ----------
-    capture : Path
-        ``NAME.bin``, which need not be there; the bytes are in ``NAME.bin.part`` meanwhile.
-    samples : int
-        Number of samples expected.
-    program : int
-        Bytes that the board is sent.
-    overwrite : bool
-        Whether the bytes that an earlier recording left may be replaced.
-
-    Yields
-    ------
-    RawFile
-        With room on the disk for the whole capture; to be closed before the capture is written.
-
-    Raises
-    ------
-    InputError
-        If there is no room, an earlier recording left its bytes, or the capture is not written. Its line names the
-        file with the bytes received, if there are any.
+    If that fails, the message names the file with the bytes received.
     """
     folder = next(parent for parent in capture.absolute().parents if parent.exists())
     path = folder / f"{capture.name}.part"
@@ -108,7 +81,7 @@ def raw_file(capture: Path, samples: int, program: int, overwrite: bool) -> Iter
         raise InputError.at(str(path), "bytes that an earlier recording left", expected)
     with writing(capture):
         path.unlink(missing_ok=True)
-        raw = RawFile(path, 2 * most_bytes(samples) + program + _SIDECAR)
+        raw = RawFile(path, 2 * most_bytes(metadata.samples) + len(metadata.program) + _SIDECAR)
     try:
         with writing(capture):
             yield raw

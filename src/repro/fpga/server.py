@@ -1,75 +1,190 @@
-"""A simulated board as a process: plugged into an endpoint, paced like the real one or as fast as it can."""
+"""The simulated board as a process behind a pseudo-terminal or a TCP socket, in real time or as fast as possible."""
 
+import fcntl
 import logging
 import os
 import select
 import signal
+import socket
+import sys
+import termios
 import time
+import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 from types import FrameType
 from typing import Final, Protocol
 
-from repro.fpga.endpoint import Endpoint
-from repro.fpga.faults import FaultInjector
+from repro.errors import InputError
+from repro.fpga.board import Board
+from repro.fpga.channel_errors import ErrorInjector
 from repro.fpga.frames import SAMPLING_PERIOD
 
 _LOG = logging.getLogger(__name__)
 
-#: Seconds between two looks at whether to stop.
-_LOOK: Final = 0.05
-#: Bytes that may wait for the host before a board as fast as possible waits as well, and samples between two looks.
+#: Longest time between two checks whether to stop, s.
+_CHECK: Final = 0.05
+#: Bytes that may wait for the host before a board as fast as possible waits too, and samples between two checks.
 _WAITING, _BURST = 4096, 64
 _READ: Final = 1 << 16
 
 
-class SimulatedBoard(Protocol):
-    """What the server needs of a board."""
-
-    refusals: list[str]
+class Endpoint(Protocol):
+    """A place that one host at a time can connect to."""
 
     @property
-    def running(self) -> bool:
-        """After a valid start, until the last sample."""
+    def port(self) -> str:
+        """Name that pyserial opens."""
 
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the downlink; answer at once or with nothing."""
+    def accept(self, timeout: float) -> int | None:
+        """Give a descriptor of the host that does not block; None if none came within `timeout` seconds."""
 
-    def tick(self) -> bytes:
-        """Let one sampling period pass; bytes of the uplink."""
+    def on_disconnect(self) -> None:
+        """Prepare for the next host."""
+
+    def hang_up(self) -> None:
+        """Disconnect the host, as if the cable were pulled."""
+
+    def close(self) -> None:
+        """Remove the endpoint."""
+
+
+class PtyEndpoint:
+    """A pseudo-terminal, with a symbolic link to it if a stable name is needed."""
+
+    def __init__(self, link: Path | None = None) -> None:
+        self._link = link
+        if link is not None and (link.exists() or link.is_symlink()) and not _is_terminal_link(link):
+            raise InputError.at(f"link {link}", "a file", "a name to make or a link to a terminal")
+        self._open()
+
+    def _open(self) -> None:
+        self._master, slave = os.openpty()
+        tty.setraw(slave)  # no echo, no line discipline: bytes pass as they are
+        self._device = os.ttyname(slave)
+        os.close(slave)
+        os.set_blocking(self._master, False)
+        self._poll = select.poll()
+        self._poll.register(self._master, 0)  # a hang-up is reported always
+        if self._link is not None:
+            try:
+                temporary = self._link.with_name(f".{self._link.name}-{os.getpid()}")
+                temporary.unlink(missing_ok=True)
+                temporary.symlink_to(self._device)
+                temporary.replace(self._link)
+            except OSError as error:
+                os.close(self._master)
+                raise InputError.at(f"link {self._link}", error.strerror or "an error", "a name to make") from error
+
+    @property
+    def port(self) -> str:
+        """The link, or else the device."""
+        return self._device if self._link is None else str(self._link)
+
+    def accept(self, timeout: float) -> int | None:
+        """Give the descriptor while the other end is open."""
+        # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then.
+        for wait in (timeout, 0.0):
+            if not self._poll.poll(0):
+                return self._master
+            if wait:
+                select.select([], [], [], wait)
+        return None
+
+    def on_disconnect(self) -> None:
+        """Do nothing: the terminal waits for the next host."""
+
+    def hang_up(self) -> None:
+        """Replace the device by another one behind the same link."""
+        self._wait_until_read()
+        os.close(self._master)
+        self._open()
+
+    def _wait_until_read(self) -> None:
+        """Give the host a second to read what has arrived: a closed terminal loses it."""
+        try:
+            slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError:
+            return
+        end, empty = time.monotonic() + 1.0, 0
+        while empty < 3 and time.monotonic() < end:
+            waiting = int.from_bytes(fcntl.ioctl(slave, termios.FIONREAD, bytes(4)), sys.byteorder)
+            empty = 0 if waiting else empty + 1
+            time.sleep(0.005)
+        os.close(slave)
+
+    def close(self) -> None:
+        """Remove device and link."""
+        os.close(self._master)
+        if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self._device:
+            self._link.unlink()
+
+
+def _is_terminal_link(link: Path) -> bool:
+    return link.is_symlink() and str(link.readlink()).startswith("/dev/")
+
+
+class SocketEndpoint:
+    """A listening TCP socket."""
+
+    def __init__(self, address: str, number: int) -> None:
+        try:
+            self._listener = socket.create_server((address, number))
+        except (OSError, OverflowError) as error:
+            raise InputError.at(f"socket {address}:{number}", f"an address refused ({error})", "a free one") from error
+        self._address = address
+        self._peer: socket.socket | None = None
+
+    @property
+    def port(self) -> str:
+        """URL for pyserial."""
+        return f"socket://{self._address}:{self._listener.getsockname()[1]}"
+
+    def accept(self, timeout: float) -> int | None:
+        """Give the descriptor of the connection, or of the next one."""
+        if self._peer is None:
+            if not select.select([self._listener], [], [], timeout)[0]:
+                return None
+            self._peer, _ = self._listener.accept()
+            self._peer.setblocking(False)
+            self._peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return self._peer.fileno()
+
+    def on_disconnect(self) -> None:
+        """Close the connection."""
+        if self._peer is not None:
+            self._peer.close()
+            self._peer = None
+
+    def hang_up(self) -> None:
+        """Close the connection."""
+        self.on_disconnect()
+
+    def close(self) -> None:
+        """Close the connection and the listening socket."""
+        self.on_disconnect()
+        self._listener.close()
 
 
 class BoardServer:
-    """Carries bytes between a board and whoever is connected.
+    """Carries bytes between a board and its host.
 
-    A board does not know whether anybody listens: without a host it goes on to the end of its motion, and what it
-    sends is lost. With a host nothing is lost, however slowly it reads.
-
-    Parameters
-    ----------
-    board : SimulatedBoard
-        Board.
-    endpoint : Endpoint
-        Where hosts connect.
-    real_time : bool
-        One sample every 2.5 ms; otherwise as fast as possible.
-    faults : callable, optional
-        Makes the fault injector of a motion; it damages the frames, not the board's answers.
-    clock : callable
-        Seconds since any fixed moment.
+    Without a host the board goes on to the end of its motion and its frames are lost, as on a real line. With a host
+    nothing is lost, however slowly it reads.
     """
 
     def __init__(
         self,
-        board: SimulatedBoard,
+        board: Board,
         endpoint: Endpoint,
         real_time: bool = True,
-        faults: Callable[[], FaultInjector] | None = None,
+        injector: Callable[[], ErrorInjector] | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._board, self._endpoint, self._real_time, self._make_faults = board, endpoint, real_time, faults
+        self._board, self._endpoint, self._real_time, self._make_injector = board, endpoint, real_time, injector
         self._clock = clock
-        self._faults: FaultInjector | None = None
+        self._injector: ErrorInjector | None = None
         self._unplugged = False
         self._pending = bytearray()
         self._began = self._silent_until = 0.0
@@ -78,38 +193,30 @@ class BoardServer:
         self._motions = 0
 
     def serve(self, stopped: Callable[[], bool], once: bool = False) -> None:
-        """Serve one host after another.
-
-        Parameters
-        ----------
-        stopped : callable
-            Asked every 50 ms at least; True ends it.
-        once : bool
-            End after the first motion, as soon as its host has gone.
-        """
+        """Serve one host after another."""
         while not stopped():
-            descriptor = self._endpoint.host(self._pause())
+            descriptor = self._endpoint.accept(self._pause())
             if descriptor is None:
                 self._pending.clear()
             elif not self._exchange(descriptor):
-                self._endpoint.left()
+                self._endpoint.on_disconnect()
             self._advance()
             if once and self._motions and descriptor is None:
                 return
 
     def _pause(self) -> float:
-        """Seconds until there is something to do unless the host says or takes something."""
+        """Seconds until there is something to do without the host."""
         now = self._clock()
         if self._silent_until > now:
-            return min(_LOOK, self._silent_until - now)
+            return min(_CHECK, self._silent_until - now)
         if not self._board.running:
-            return _LOOK
+            return _CHECK
         if self._real_time:
-            return min(_LOOK, max(0.0, self._began + SAMPLING_PERIOD * self._samples - now))
-        return 0.0 if len(self._pending) < _WAITING else _LOOK
+            return min(_CHECK, max(0.0, self._began + SAMPLING_PERIOD * self._samples - now))
+        return 0.0 if len(self._pending) < _WAITING else _CHECK
 
     def _exchange(self, descriptor: int) -> bool:
-        """Hear the host and send it what waits; False if it has gone."""
+        """Read from the host and send it what waits; False if it has gone."""
         sending = bool(self._pending) and self._clock() >= self._silent_until
         readable, writable, _ = select.select([descriptor], [descriptor] if sending else [], [], self._pause())
         try:
@@ -117,7 +224,7 @@ class BoardServer:
                 data = os.read(descriptor, _READ)
                 if not data:
                     return False
-                self._hear(data)
+                self._receive(data)
             if writable:
                 del self._pending[: os.write(descriptor, self._pending)]
         except BlockingIOError:
@@ -126,31 +233,31 @@ class BoardServer:
             return False
         return True
 
-    def _hear(self, data: bytes) -> None:
+    def _receive(self, data: bytes) -> None:
         was_running, refused = self._board.running, len(self._board.refusals)
         self._pending += self._board.receive(data)
-        for why in self._board.refusals[refused:]:
-            _LOG.info("refused %s", why)
+        for refusal in self._board.refusals[refused:]:
+            _LOG.info("refused %s", refusal)
         if self._board.running and not was_running:
             _LOG.info("motion started")
             self._under_way, self._began, self._samples, self._unplugged = True, self._clock(), 0, False
-            self._faults = None if self._make_faults is None else self._make_faults()
+            self._injector = None if self._make_injector is None else self._make_injector()
 
     def _advance(self) -> None:
-        """Let the board go on as far as it may."""
+        """Advance the board by the samples that are due."""
         for _ in range(self._due()):
             if not self._board.running:
                 break
             frame = self._board.tick()
             self._samples += 1
-            if self._faults is not None:
-                frame = self._faults.apply(frame)
-                if stall := self._faults.take_stall():
+            if self._injector is not None:
+                frame = self._injector.apply(frame)
+                if stall := self._injector.take_stall():
                     self._silent_until = max(self._silent_until, self._clock()) + stall
             self._pending += frame
-        if self._faults is not None and self._faults.disconnected and not (self._pending or self._unplugged):
+        if self._injector is not None and self._injector.disconnected and not (self._pending or self._unplugged):
             _LOG.info("cable pulled out after %d samples", self._samples)
-            self._endpoint.unplug()
+            self._endpoint.hang_up()
             self._unplugged = True
         if self._under_way and not self._board.running and not self._pending:
             _LOG.info("motion finished: %d samples", self._samples)
@@ -158,7 +265,7 @@ class BoardServer:
             self._motions += 1
 
     def _due(self) -> int:
-        """Samples that may be taken now."""
+        """Number of samples that may be taken now."""
         if not self._board.running:
             return 0
         if self._real_time:
@@ -167,47 +274,29 @@ class BoardServer:
 
 
 def serve(
-    board: SimulatedBoard,
+    board: Board,
     endpoint: Endpoint,
     *,
     real_time: bool = True,
-    faults: Callable[[], FaultInjector] | None = None,
+    injector: Callable[[], ErrorInjector] | None = None,
     once: bool = False,
     ready: Callable[[str], None] | None = None,
     stopped: Callable[[], bool] | None = None,
 ) -> None:
-    """Serve a board until a signal or `stopped` ends it, then close its endpoint.
-
-    Parameters
-    ----------
-    board : SimulatedBoard
-        Board.
-    endpoint : Endpoint
-        Where hosts connect: `PtyEndpoint` or `SocketEndpoint`.
-    real_time : bool
-        One sample every 2.5 ms; otherwise as fast as possible.
-    faults : callable, optional
-        Makes the fault injector of a motion.
-    once : bool
-        End after the first motion, as soon as its host has gone.
-    ready : callable, optional
-        Called with what pyserial opens, once it can be opened.
-    stopped : callable, optional
-        Asked every 50 ms at least; True ends it. By default SIGINT and SIGTERM do, in the main thread only.
-    """
+    """Serve a board until a signal or `stopped` ends it, then close its endpoint."""
     try:
         with _signals() if stopped is None else nullcontext(stopped) as ended:
             _LOG.info("listening on %s", endpoint.port)
             if ready is not None:
                 ready(endpoint.port)
-            BoardServer(board, endpoint, real_time, faults).serve(ended, once)
+            BoardServer(board, endpoint, real_time, injector).serve(ended, once)
     finally:
         endpoint.close()
 
 
 @contextmanager
 def _signals() -> Iterator[Callable[[], bool]]:
-    """Turn SIGINT and SIGTERM into an answer to "is it over?"."""
+    """Give a function that is true once SIGINT or SIGTERM came."""
     received: list[int] = []
 
     def note(number: int, _: FrameType | None) -> None:

@@ -11,9 +11,8 @@ import numpy as np
 
 from repro.identification.parallel import FilterSettings, motion
 from repro.logs.log import Log, period
-from repro.model.dynamics import acceleration
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import Array
+from repro.model.dynamics import forward_dynamics
+from repro.model.parameters import Array, is_positive_definite
 
 #: Length of a window, s.
 WINDOW = 0.5
@@ -100,11 +99,11 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, parts: int) -> A
 
 def _step(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
     """One step of the classical Runge-Kutta method of order 4."""
-    a1 = acceleration(x, v, tau, beta, steepness)
+    a1 = forward_dynamics(x, v, tau, beta, steepness)
     v2 = v + 0.5 * h * a1
-    a2 = acceleration(x + 0.5 * h * v, v2, tau, beta, steepness)
+    a2 = forward_dynamics(x + 0.5 * h * v, v2, tau, beta, steepness)
     v3 = v + 0.5 * h * a2
-    a3 = acceleration(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    a3 = forward_dynamics(x + 0.5 * h * v2, v3, tau, beta, steepness)
     v4 = v + h * a3
-    a4 = acceleration(x + h * v3, v4, tau, beta, steepness)
+    a4 = forward_dynamics(x + h * v3, v4, tau, beta, steepness)
     return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)

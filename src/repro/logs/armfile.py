@@ -29,75 +29,34 @@ _FLOAT = "tag:yaml.org,2002:float"
 
 @dataclass(frozen=True)
 class Arm:
-    """How to read an arm's recordings, and what is known of the arm.
+    """How to read an arm's recordings, and what is known of the arm."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the arm.
-    columns : mapping
-        Header of the column that holds ``time``, ``q1``, ``q2``, ``dq1``, ``dq2``, ``tau1`` or ``tau2``.
-    topic : str or None
-        Topic of a bag that holds the joint states; None for the only one.
-    units : mapping
-        Unit of ``time``, ``position``, ``velocity`` or ``torque``; it wins over the header's.
-    counts_per_turn : tuple of 2 floats or None
-        Encoder counts in a turn of each joint.
-    torque_constant : tuple of 2 floats or None
-        Torque at each joint, N m, for 1 A or for 1 count of PWM.
-    torque_offset : tuple of 2 floats
-        Torque recorded where none acts, N m.
-    torque_scale : tuple of 2 floats
-        Torque recorded, beyond the offset, over the one that acts.
-    sign : tuple of 2 floats
-        1, or -1 where position, velocity and torque of a joint count the other way than in Eq. 1.
-    torque_sign : tuple of 2 floats
-        1, or -1 where the torque alone counts the other way than the position, on top of `sign`.
-    zero : tuple of 2 floats
-        Position recorded, rad, where the angle of Eq. 1 is zero: link 1 hangs down, link 2 is in line with it.
-    second_joint_absolute : bool
-        Whether ``q2`` was measured from the vertical instead of from link 1.
-    torque_limit : tuple of 2 floats or None
-        Largest torque of each joint, N m.
-    position_limit : tuple of 2 pairs of floats or None
-        Lowest and highest angle of Eq. 1 of each joint, rad.
-    speed_limit : tuple of 2 floats or None
-        Largest speed of each joint, rad/s.
-    workspace : tuple of 2 pairs of floats or None
-        Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`.
-    gravity : float
-        Gravitational acceleration, m/s^2.
-    link_lengths : tuple of 2 floats or None
-        Lengths of the links, m.
-    friction_steepness : float or None
-        lambda of Eq. 1, s/rad; None: to be found from the data.
-    delay : float or None
-        How much later than recorded the torque acts, s; None: to be found from the data.
-    file : str
-        Where this was read, for messages.
-    """
-
-    name: str = "arm"
+    name: str = "arm"  # name of the arm
+    # Header of the column that holds ``time``, ``q1``, ``q2``, ``dq1``, ``dq2``, ``tau1`` or ``tau2``
     columns: Mapping[str, str] = field(default_factory=dict)
-    topic: str | None = None
+    topic: str | None = None  # topic of a bag that holds the joint states; None for the only one
+    # Unit of ``time``, ``position``, ``velocity`` or ``torque``; it wins over the header's
     units: Mapping[str, str] = field(default_factory=dict)
-    counts_per_turn: Pair | None = None
-    torque_constant: Pair | None = None
-    torque_offset: Pair = (0.0, 0.0)
-    torque_scale: Pair = (1.0, 1.0)
-    sign: Pair = (1.0, 1.0)
+    counts_per_turn: Pair | None = None  # encoder counts in a turn of each joint
+    torque_constant: Pair | None = None  # torque at each joint, N m, for 1 A or for 1 count of PWM
+    torque_offset: Pair = (0.0, 0.0)  # torque recorded where none acts, N m
+    torque_scale: Pair = (1.0, 1.0)  # torque recorded, beyond the offset, over the one that acts
+    sign: Pair = (1.0, 1.0)  # 1, or -1 where position, velocity and torque of a joint count the other way than in Eq. 1
+    # 1, or -1 where the torque alone counts the other way than the position, on top of `sign`
     torque_sign: Pair = (1.0, 1.0)
+    # Position recorded, rad, where the angle of Eq. 1 is zero: link 1 hangs down, link 2 is in line with it
     zero: Pair = (0.0, 0.0)
-    second_joint_absolute: bool = False
-    torque_limit: Pair | None = None
-    position_limit: tuple[Pair, Pair] | None = None
-    speed_limit: Pair | None = None
+    second_joint_absolute: bool = False  # whether ``q2`` was measured from the vertical instead of from link 1
+    torque_limit: Pair | None = None  # largest torque of each joint, N m
+    position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
+    speed_limit: Pair | None = None  # largest speed of each joint, rad/s
+    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
     workspace: tuple[Pair, Pair] | None = None
-    gravity: float = STANDARD_GRAVITY
-    link_lengths: Pair | None = None
-    friction_steepness: float | None = LAMBDA
-    delay: float | None = None
-    file: str = "arm file"
+    gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
+    link_lengths: Pair | None = None  # lengths of the links, m
+    friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: to be found from the data
+    delay: float | None = None  # how much later than recorded the torque acts, s; None: to be found from the data
+    file: str = "arm file"  # where this was read, for messages
 
 
 class _Loader(Loader):

@@ -20,25 +20,7 @@ def is_bag(path: Path) -> bool:
 
 
 def read_bag(path: Path, topic: str | None) -> Table:
-    """Read the joint states of a bag.
-
-    Parameters
-    ----------
-    path : Path
-        File ``.mcap`` or ``.db3``, or the folder with its ``metadata.yaml``.
-    topic : str or None
-        Topic to read; None for the only one of joint states.
-
-    Returns
-    -------
-    Table
-        A row for each message, numbered from 1 as lines are; time in s since the first, by the messages' own stamps.
-
-    Raises
-    ------
-    InputError
-        If the extra ``bags`` is not installed, the bag is missing or cannot be read, or it has not one topic to read.
-    """
+    """Read the joint states of a bag."""
     if not path.exists():
         raise InputError.at(str(path), "no such file", "a ROS 2 bag")
     files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]

@@ -29,26 +29,7 @@ _ALL = 0.9
 
 
 def check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:
-    """Check the time column.
-
-    Parameters
-    ----------
-    time : array of shape (N,)
-        s.
-    recorded : array of shape (N,)
-        As in the file.
-    unit : str
-        Its unit there.
-    file : str
-        For messages.
-    lines : sequence of int
-        Line of each sample.
-
-    Raises
-    ------
-    InputError
-        If there are too few samples, time does not increase, or the rate is not one that an arm is recorded at.
-    """
+    """Check the time column."""
     if time.size < FEWEST:
         raise InputError.at(file, f"{time.size} samples", f"at least {FEWEST}")
     if np.abs(recorded).max() > _LARGEST_TIME:
@@ -75,20 +56,7 @@ def check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequen
 
 
 def check_signals(log: Log, file: str) -> None:
-    """Check that the arm moves and is driven.
-
-    Parameters
-    ----------
-    log : Log
-        Recording.
-    file : str
-        For messages.
-
-    Raises
-    ------
-    InputError
-        If a magnitude is absurd, neither joint moves, a torque is constant, or a drive is at its limit all the time.
-    """
+    """Check that the arm moves and is driven."""
     for signal, (kind, most, unit) in zip((log.q, log.dq, log.tau), _LARGEST, strict=True):
         if signal is not None and np.abs(signal).max() > most:
             raise InputError.at(f"{file}: {kind}", f"{np.abs(signal).max():.3g} {unit}", f"at most {most:g} {unit}")

@@ -15,27 +15,14 @@ from repro.model.parameters import Array
 
 @dataclass(frozen=True)
 class Description:
-    """What a log holds, told before anything is computed.
+    """What a log holds, told before anything is computed."""
 
-    Attributes
-    ----------
-    name : str
-        File name.
-    facts : tuple of (str, str)
-        What was found and its value with unit: rate, length, motion range, gaps, saturation, quantisation ...
-    notes : tuple of str
-        Assumptions and conversions on reading.
-    warnings : tuple of str
-        What may spoil the result, one line each.
-    simulated : bool
-        Whether the simulated board made it.
-    """
-
-    name: str
+    name: str  # file name
+    # What was found and its value with unit: rate, length, motion range, gaps, saturation, quantisation
     facts: tuple[tuple[str, str], ...]
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
-    simulated: bool = False
+    notes: tuple[str, ...] = ()  # assumptions and conversions on reading
+    warnings: tuple[str, ...] = ()  # what may spoil the result, one line each
+    simulated: bool = False  # whether the simulated board made it
 
 
 #: Speed below which a joint is at rest, rad/s.
@@ -43,25 +30,7 @@ AT_REST = 0.02
 
 
 def describe(log: Log, arm: Arm) -> Description:
-    """Say what a log holds and what may be wrong with it.
-
-    Parameters
-    ----------
-    log : Log
-        As read, before resampling.
-    arm : Arm
-        The arm it was recorded on.
-
-    Returns
-    -------
-    Description
-        Facts with units, the log's notes, and warnings.
-
-    Raises
-    ------
-    InputError
-        If gaps leave no stretch that is long enough.
-    """
+    """Say what a log holds and what may be wrong with it."""
     facts = (("arm", arm.name), *_timing(log), *_motion(log), *_torque(log))
     return Description(log.name, facts, log.notes, suspicions(log), log.simulated)
 

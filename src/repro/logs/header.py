@@ -25,21 +25,11 @@ _BRACKETS = re.compile(r"(.+?)\s*[\[({]\s*([^\d\s].*?)\s*[\])}]\Z")
 
 @dataclass(frozen=True)
 class Column:
-    """Where a signal is.
+    """Where a signal is."""
 
-    Attributes
-    ----------
-    index : int
-        Column of the table.
-    header : str
-        Its header.
-    unit : str or None
-        One of `repro.logs.units.SPELLINGS`; None if nothing says.
-    """
-
-    index: int
-    header: str
-    unit: str | None
+    index: int  # column of the table
+    header: str  # its header
+    unit: str | None  # one of `repro.logs.units.SPELLINGS`; None if nothing says
 
 
 def _names() -> dict[str, tuple[Signal, str | None]]:
@@ -70,29 +60,7 @@ _NAMES: Final = _names()
 
 
 def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signal, Column], tuple[str, ...]]:
-    """Find the columns of a log.
-
-    Parameters
-    ----------
-    header : sequence of str
-        Names of the columns.
-    arm : Arm
-        Its `columns` and `units` win over what the header says.
-    file : str
-        Where the header was read, for messages.
-
-    Returns
-    -------
-    columns : dict
-        Column of each signal; both velocities or none.
-    notes : tuple of str
-        What was assumed and what was ignored.
-
-    Raises
-    ------
-    InputError
-        If a signal is missing, two columns hold the same one, or a unit is unknown.
-    """
+    """Find the columns of a log."""
     notes: list[str] = []
     found = _mapped(header, arm, file)
     candidates: dict[Signal, list[Column]] = {}

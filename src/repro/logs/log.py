@@ -10,39 +10,17 @@ from repro.model.parameters import Array
 
 @dataclass(frozen=True)
 class Log:
-    """What was recorded, in SI units and the angles of Eq. 1.
+    """What was recorded, in SI units and the angles of Eq. 1."""
 
-    Attributes
-    ----------
-    name : str
-        File name without folders.
-    t : array of shape (N,)
-        Time of each sample, s: strictly increasing, not necessarily uniform.
-    q : array of shape (2, N)
-        Position, rad: ``q1 = 0`` hangs down, ``q2`` is relative to link 1.
-    tau : array of shape (2, N)
-        Torque at the joints, N m.
-    dq : array of shape (2, N) or None
-        Measured velocity, rad/s, if it was recorded.
-    notes : tuple of str
-        What was assumed or converted on reading, one line each.
-    simulated : bool
-        Whether it comes from the simulated board.
-    torque_limit : array of shape (2,) or None
-        Largest torque the drives can give, N m, where it is known.
-    breaks : tuple of int
-        Samples that begin a new piece behind a long gap, of a log that was made even.
-    """
-
-    name: str
-    t: Array
-    q: Array
-    tau: Array
-    dq: Array | None = None
-    notes: tuple[str, ...] = ()
-    simulated: bool = False
-    torque_limit: Array | None = None
-    breaks: tuple[int, ...] = ()
+    name: str  # file name without folders
+    t: Array  # (N,), time of each sample, s: strictly increasing, not necessarily uniform
+    q: Array  # (2, N), position, rad: ``q1 = 0`` hangs down, ``q2`` is relative to link 1
+    tau: Array  # (2, N), torque at the joints, N m
+    dq: Array | None = None  # (2, N), measured velocity, rad/s, if it was recorded
+    notes: tuple[str, ...] = ()  # what was assumed or converted on reading, one line each
+    simulated: bool = False  # whether it comes from the simulated board
+    torque_limit: Array | None = None  # (2,), largest torque the drives can give, N m, where it is known
+    breaks: tuple[int, ...] = ()  # samples that begin a new piece behind a long gap, of a log that was made even
 
     def piece(self, begin: int, end: int) -> "Log":
         """The samples from one number to before another."""
@@ -78,17 +56,6 @@ def spanned(log: Log) -> int:
 
 
 def speed(log: Log) -> Array:
-    """Velocity by central differences over about 40 ms.
-
-    Parameters
-    ----------
-    log : Log
-        Recording of N samples.
-
-    Returns
-    -------
-    array of shape (2, N - 2 w)
-        rad/s, at the samples but the first and last w of `spanned`.
-    """
+    """Velocity by central differences over about 40 ms."""
     w = spanned(log)
     return np.asarray((log.q[:, 2 * w :] - log.q[:, : -2 * w]) / (log.t[2 * w :] - log.t[: -2 * w]))

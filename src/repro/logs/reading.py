@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
-from repro.fpga.recorded import samples
+from repro.fpga.recording import recording_of
 from repro.logs.armfile import Arm
 from repro.logs.bag import is_bag, read_bag
 from repro.logs.checks import FEWEST, check_signals, check_time
@@ -58,19 +58,19 @@ def read_log(path: Path, arm: Arm) -> Log:
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:
-    """A capture; it states its units itself."""
+    """Read a capture, which states its units itself."""
     capture = read_capture(path)
-    about, evenly = capture.about, samples(capture)
-    t = np.asarray(about.h * np.arange(about.samples), dtype=np.float64)
-    check_time(t, t, "s", str(path), range(1, about.samples + 1))
-    notes = [f"capture of the motion {about.motion}"]
+    metadata, recording = capture.metadata, recording_of(capture)
+    t = np.asarray(metadata.h * np.arange(metadata.samples), dtype=np.float64)
+    check_time(t, t, "s", str(path), range(1, metadata.samples + 1))
+    notes = [f"capture of the motion {metadata.motion}"]
     if arm.columns or arm.units:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
-    if evenly.filled:
-        notes.append(f"{evenly.filled} lost samples are interpolated")
-    simulated = about.source == "simulated"
-    limit = np.array(about.control.full_torque)
-    return Log(path.name, t, evenly.q, evenly.tau, None, tuple(notes), simulated, limit)
+    if recording.n_interpolated:
+        notes.append(f"{recording.n_interpolated} lost samples are interpolated")
+    simulated = metadata.source == "simulated"
+    limit = np.array(metadata.control.full_torque)
+    return Log(path.name, t, recording.q, recording.tau, None, tuple(notes), simulated, limit)
 
 
 def _from_table(path: Path, arm: Arm) -> Log:

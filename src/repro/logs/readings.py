@@ -29,25 +29,14 @@ _SMALL_DELAY, _LARGE_DELAY = 0.03, 0.3
 
 @dataclass(frozen=True)
 class Reading:
-    """Another meaning of the columns: ``q' = position @ q + offset`` and ``tau' = torque @ tau``.
+    """Another meaning of the columns: ``q' = position @ q + offset`` and ``tau' = torque @ tau``."""
 
-    Attributes
-    ----------
-    words : str
-        What would be different.
-    remedy : str
-        What to write in the arm file.
-    position, torque : tuple
-        Matrices of shape (2, 2), one row after the other.
-    offset : tuple of 2 floats
-        rad.
-    """
-
-    words: str
-    remedy: str
+    words: str  # what would be different
+    remedy: str  # what to write in the arm file
+    # Matrices of shape (2, 2), one row after the other
     position: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
     torque: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
-    offset: tuple[float, float] = (0.0, 0.0)
+    offset: tuple[float, float] = (0.0, 0.0)  # rad
 
 
 _SWAP: Final = (0.0, 1.0, 1.0, 0.0)
@@ -122,16 +111,6 @@ def other_reading(log: Log) -> str | None:
 
     Ordinary least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong
     sign of the torque or a wrong zero comes out as negative inertia, gravity or friction.
-
-    Parameters
-    ----------
-    log : Log
-        Recording.
-
-    Returns
-    -------
-    str or None
-        What would read better and by how much, one line.
     """
     smooth = _smooth(log)
     size = np.linalg.norm(smooth.tau[:, smooth.chosen], axis=1)
@@ -163,18 +142,7 @@ def other_reading(log: Log) -> str | None:
 
 
 def late_torque(log: Log) -> str | None:
-    """Torque that fits the motion far better when it is shifted in time.
-
-    Parameters
-    ----------
-    log : Log
-        Recording.
-
-    Returns
-    -------
-    str or None
-        By how much, one line.
-    """
+    """Torque that fits the motion far better when it is shifted in time."""
     smooth = _smooth(log)
     reach = round(_LARGE_DELAY / smooth.h)
     inner = smooth.chosen[(smooth.chosen >= reach) & (smooth.chosen < smooth.q.shape[1] - reach)]

@@ -10,18 +10,7 @@ _FEW_STEPS = 50.0
 
 
 def quantisation_step(x: Array) -> float | None:
-    """Smallest change that most changes are multiples of.
-
-    Parameters
-    ----------
-    x : array of shape (N,)
-        Samples.
-
-    Returns
-    -------
-    float or None
-        Step, in the unit of `x`; None if none can be seen.
-    """
+    """Smallest change that most changes are multiples of."""
     changes = np.abs(np.diff(x))
     changes = changes[changes > 1e-9 * np.abs(x).max(initial=0.0)]
     if changes.size < 20:
@@ -47,16 +36,6 @@ def saturated_share(log: Log) -> tuple[float, float]:
 
     Where the limit is not known, a largest or smallest torque that comes up again and again, far more often than
     the values next to it, is taken for one.
-
-    Parameters
-    ----------
-    log : Log
-        Recording.
-
-    Returns
-    -------
-    tuple of 2 floats
-        Fraction for each joint.
     """
     if log.torque_limit is not None:
         known = np.mean(np.abs(log.tau) >= 0.999 * log.torque_limit[:, np.newaxis], axis=1)

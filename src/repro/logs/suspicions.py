@@ -189,23 +189,7 @@ IN_TOGETHER: Final[tuple[Callable[[Log], str | None], ...]] = (velocity_disagree
 
 
 def suspicions(log: Log) -> tuple[str, ...]:
-    """Everything that may be wrong with a log.
-
-    Parameters
-    ----------
-    log : Log
-        As read, before resampling.
-
-    Returns
-    -------
-    tuple of str
-        One line each; empty for a log without fault.
-
-    Raises
-    ------
-    InputError
-        If gaps leave no stretch that is long enough.
-    """
+    """Everything that may be wrong with a log."""
     jumps = position_jump(log) is not None and large_range(log) is None  # degrees seem to jump, too
     misled = jumps or still_joint(log) is not None
     told = (suspicion(log) for suspicion in (IN_SIGNALS if misled else IN_SIGNALS + IN_TOGETHER))

@@ -33,51 +33,16 @@ Rows = list[tuple[int, list[str]]]
 
 @dataclass(frozen=True)
 class Table:
-    """Cells of a CSV file.
+    """Cells of a CSV file."""
 
-    Attributes
-    ----------
-    file : str
-        Where it was read, for messages.
-    header : tuple of str
-        Names of the columns.
-    blocks : callable
-        Gives the rows, some at a time.
-    size : int
-        Lines of the file.
-    notes : tuple of str
-        How it was read, where not as usual.
-    """
-
-    file: str
-    header: tuple[str, ...]
-    blocks: Callable[[], Iterable[Rows]]
-    size: int
-    notes: tuple[str, ...] = ()
+    file: str  # where it was read, for messages
+    header: tuple[str, ...]  # names of the columns
+    blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
+    size: int  # lines of the file
+    notes: tuple[str, ...] = ()  # how it was read, where not as usual
 
     def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
-        """Columns as numbers.
-
-        Parameters
-        ----------
-        columns : sequence of int
-            Their k indices.
-
-        Returns
-        -------
-        values : array of shape (k, N)
-            NaN where a cell is empty.
-        lines : integer array of shape (N,)
-            Line of the file that each row is, from 1.
-        notes : tuple of str
-            Whether they have a decimal comma.
-
-        Raises
-        ------
-        InputError
-            If there are too many rows, a cell is neither empty nor a finite number, or its comma may be for decimals or
-            for groups of digits.
-        """
+        """Columns as numbers."""
         found = [_Column(f"column {self.header[index]}") for index in columns]
         lines: list[int] = []
         for rows in self.blocks():
@@ -109,7 +74,7 @@ class _Column:
     point: bool = False  # whether a cell has one
     grouped: bool = True  # whether each comma may be for groups of digits
     comma: tuple[int, str, str] | None = None
-    underscore: tuple[int, str, str] | None = None  # Python takes 1_000 for a number
+    underscore: tuple[int, str, str] | None = None  # python takes 1_000 for a number
     wrong: tuple[int, str, str] | None = None
 
     def add(self, cells: list[tuple[int, str]]) -> None:
@@ -142,25 +107,7 @@ class _Column:
 
 
 def read_table(path: Path) -> Table:
-    """Read the header of a CSV file and check its beginning; `Table.numbers` reads the rest.
-
-    Parameters
-    ----------
-    path : Path
-        UTF-8 text, cells separated by commas, semicolons, tabs, bars or blanks; lines that begin with # may stand
-        before the header, and the last of them may be the header.
-
-    Returns
-    -------
-    Table
-        Its header and cells.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, unreadable, empty, too large, not text, has one column or too many, no header, no rows,
-        a column twice, or rows of different length, or two characters may be the separator.
-    """
+    """Read the header of a CSV file and check its beginning; `Table.numbers` reads the rest."""
     size = check_text(path)
     if size > 2 * MOST_ROWS + _HEAD:  # half of the lines may be blank
         raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")

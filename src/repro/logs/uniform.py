@@ -22,40 +22,13 @@ _TOO_CLOSE = 0.25
 
 
 def missing_samples(log: Log) -> Array:
-    """How many samples are missing before each but the first.
-
-    Parameters
-    ----------
-    log : Log
-        Recording of N samples.
-
-    Returns
-    -------
-    array of shape (N - 1,)
-        Whole numbers; zero where the time to the next sample is at most 2.5 typical periods.
-    """
+    """How many samples are missing before each but the first."""
     periods = np.diff(log.t) / period(log)
     return np.where(periods > GAP, np.rint(periods) - 1.0, 0.0)
 
 
 def uniform(log: Log) -> Log:
-    """Resample to the typical period, each piece between long gaps on its own.
-
-    Parameters
-    ----------
-    log : Log
-        Recording of N samples.
-
-    Returns
-    -------
-    Log
-        Evenly spaced but for its breaks; notes say what was done. `log` itself if it is evenly spaced.
-
-    Raises
-    ------
-    InputError
-        If no stretch without a long gap is long enough.
-    """
+    """Resample to the typical period, each piece between long gaps on its own."""
     if log.breaks:
         return log
     pieces, notes = stretches(log)
@@ -77,25 +50,7 @@ def uniform(log: Log) -> Log:
 
 
 def stretches(log: Log) -> tuple[list[Log], list[str]]:
-    """Pieces of a log between its long gaps.
-
-    Parameters
-    ----------
-    log : Log
-        Recording.
-
-    Returns
-    -------
-    pieces : list of Log
-        Those that are long enough; `log` itself if it has no long gap.
-    notes : list of str
-        How many there are, and how long.
-
-    Raises
-    ------
-    InputError
-        If none is long enough.
-    """
+    """Pieces of a log between its long gaps."""
     gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
     if not gaps.size:
         return [log], []

@@ -65,20 +65,7 @@ def squeeze(text: str) -> str:
 
 
 def unit_named(text: str, kind: Kind) -> str | None:
-    """Unit that a spelling stands for.
-
-    Parameters
-    ----------
-    text : str
-        As in a header.
-    kind : {"time", "position", "velocity", "torque"}
-        What is measured.
-
-    Returns
-    -------
-    str or None
-        Unit as in the arm file; None if this kind is not measured in it.
-    """
+    """Unit that a spelling stands for."""
     plain = squeeze(text)
     return next((unit for unit, spellings in SPELLINGS[kind].items() if plain in spellings), None)
 
@@ -89,29 +76,7 @@ def si_unit(kind: Kind) -> str:
 
 
 def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> float:
-    """What a recorded number is multiplied by to be in SI.
-
-    Parameters
-    ----------
-    signal : str
-        One of `KINDS`.
-    unit : str
-        One of `SPELLINGS`.
-    arm : Arm
-        With what counts and amperes mean.
-    log : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    float
-        SI units in one `unit`.
-
-    Raises
-    ------
-    InputError
-        If the arm file does not say what a count or an ampere is.
-    """
+    """What a recorded number is multiplied by to be in SI."""
     if unit in _FACTORS:
         return _FACTORS[unit]
     joint = int(signal[-1]) - 1

@@ -13,23 +13,7 @@ LAMBDA = 20.0
 
 
 def check_motion(*signals: Array) -> tuple[Array, ...]:
-    """Return the signals as float64 after checking that all are ``(..., 2, N)`` and finite.
-
-    Parameters
-    ----------
-    *signals : arrays of shape (..., 2, N)
-        Positions, velocities, accelerations or torques.
-
-    Returns
-    -------
-    tuple of arrays of shape (..., 2, N)
-        The same numbers.
-
-    Raises
-    ------
-    ValueError
-        If a signal has no joint axis of length 2, is not finite, or the last two axes differ.
-    """
+    """Return the signals (..., 2, N) as float64, or raise ValueError if a shape differs or a sample is not finite."""
     checked = tuple(np.asarray(s, dtype=np.float64) for s in signals)
     for s in checked:
         if s.ndim < 2 or s.shape[-2] != 2:
@@ -42,7 +26,7 @@ def check_motion(*signals: Array) -> tuple[Array, ...]:
 
 
 def regressor(q: Array, dq: Array, ddq: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Regressor Y of Eq. 1, which is linear in beta: tau = Y(q, dq, ddq) beta.
+    """Compute the regressor Y of Eq. 1, which is linear in beta: tau = Y(q, dq, ddq) beta.
 
     Parameters
     ----------
@@ -60,6 +44,12 @@ def regressor(q: Array, dq: Array, ddq: Array, friction_steepness: float = LAMBD
     ------
     ValueError
         If a signal is not ``(..., 2, N)`` or not finite.
+
+    Examples
+    --------
+    >>> q = np.array([[np.pi / 2], [0.0]])  # level, at rest: gravity alone
+    >>> regressor(q, 0 * q, 0 * q)[0, 0]
+    array([0., 0., 0., 1., 1., 0., 0., 0., 0.])
     """
     q, dq, ddq = np.broadcast_arrays(*check_motion(q, dq, ddq))
     q1, q2 = q[..., 0, :], q[..., 1, :]
@@ -83,7 +73,7 @@ def regressor(q: Array, dq: Array, ddq: Array, friction_steepness: float = LAMBD
 
 
 def inverse_dynamics(q: Array, dq: Array, ddq: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Torque that a motion needs (Eq. 1).
+    """Compute the torque that a motion needs (Eq. 1).
 
     Parameters
     ----------
@@ -108,20 +98,7 @@ def inverse_dynamics(q: Array, dq: Array, ddq: Array, beta: Array, friction_stee
 
 
 def rebuild_torque(y: Array, beta: Array) -> Array:
-    """Torque Y beta for a regressor that is already there.
-
-    Parameters
-    ----------
-    y : array of shape (2, N, 9)
-        Regressor of one motion.
-    beta : array of shape (..., 9)
-        Parameter sets.
-
-    Returns
-    -------
-    array of shape (..., 2, N)
-        Torque, N m.
-    """
+    """Compute the torque Y beta (..., 2, N), N m, from a regressor (2, N, 9) and parameter sets (..., 9)."""
     beta = check_beta(beta)
     if y.ndim < 1 or y.shape[-1] != 9:
         raise ValueError(f"y: the last axis of a regressor must hold 9 columns, got shape {y.shape}.")
@@ -130,7 +107,7 @@ def rebuild_torque(y: Array, beta: Array) -> Array:
 
 
 def mass_matrix(q: Array, beta: Array) -> Array:
-    """Inertia matrix M(q) of Eq. 1.
+    """Compute the inertia matrix M(q) of Eq. 1.
 
     Parameters
     ----------
@@ -153,99 +130,10 @@ def mass_matrix(q: Array, beta: Array) -> Array:
     )
 
 
-def coriolis_matrix(q: Array, dq: Array, beta: Array) -> Array:
-    """Coriolis matrix C(q, dq) of Eq. 1.
-
-    Parameters
-    ----------
-    q, dq : arrays of shape (..., 2)
-        Position (rad) and velocity (rad/s).
-    beta : array of shape (..., 9)
-        Parameter sets, broadcast against `q`.
-
-    Returns
-    -------
-    array of shape (..., 2, 2)
-        Coriolis matrix, kg m^2/s.
-    """
-    dq = np.asarray(dq)
-    h = 0.5 * check_beta(beta)[..., 1] * np.sin(np.asarray(q)[..., 1])
-    dq1, dq2 = dq[..., 0], dq[..., 1]
-    return np.stack(
-        [np.stack([-2.0 * h * dq2, -h * dq2], -1), np.stack([h * dq1, np.zeros_like(h * dq1)], -1)],
-        -2,
-    )
-
-
-def gravity_torque(q: Array, beta: Array) -> Array:
-    """Gravity torque g(q) of Eq. 1.
-
-    Parameters
-    ----------
-    q : array of shape (..., 2)
-        Position, rad.
-    beta : array of shape (..., 9)
-        Parameter sets, broadcast against `q`.
-
-    Returns
-    -------
-    array of shape (..., 2)
-        Torque, N m.
-    """
-    q, beta = np.asarray(q), check_beta(beta)
-    link2 = beta[..., 4] * np.sin(q[..., 0] + q[..., 1])
-    return np.stack([beta[..., 3] * np.sin(q[..., 0]) + link2, link2], -1)
-
-
 def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Acceleration that a torque causes: Eq. 1 solved for ddq.
+    """Solve Eq. 1 for the acceleration (..., 2), rad/s^2, from states and torques (..., 2) and parameters (..., 9).
 
-    Parameters
-    ----------
-    q, dq, tau : arrays of shape (..., 2)
-        Position (rad), velocity (rad/s) and torque (N m).
-    beta : array of shape (..., 9)
-        Parameter sets, broadcast against `q`.
-    friction_steepness : float
-        lambda of Eq. 1, s/rad.
-
-    Returns
-    -------
-    array of shape (..., 2)
-        Acceleration, rad/s^2.
-
-    Raises
-    ------
-    ValueError
-        If a shape is wrong, a value is not finite, or M(q) is singular.
-    """
-    for name, state in (("q", q), ("dq", dq), ("tau", tau)):
-        if np.shape(state)[-1:] != (2,) or not np.isfinite(state).all():
-            raise ValueError(f"{name}: must be finite with two joints on the last axis, got shape {np.shape(state)}.")
-    q, dq, tau, beta = np.asarray(q), np.asarray(dq), np.asarray(tau), check_beta(beta)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ddq = acceleration(q, dq, tau, beta, friction_steepness)
-    if not np.isfinite(ddq).all():
-        raise ValueError("beta: the inertia matrix is singular, so torque does not determine acceleration.")
-    return ddq
-
-
-def acceleration(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Eq. 1 solved for ddq without checks, for integrators: a state that runs away gives what is not finite.
-
-    Parameters
-    ----------
-    q, dq, tau : arrays of shape (..., 2)
-        Position (rad), velocity (rad/s) and torque (N m).
-    beta : array of shape (..., 9)
-        Parameter sets, broadcast against `q`.
-    friction_steepness : float
-        lambda of Eq. 1, s/rad.
-
-    Returns
-    -------
-    array of shape (..., 2)
-        Acceleration, rad/s^2.
+    Nothing is checked: an integrator needs a value, finite or not, for a state that diverges.
     """
     i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
     q1, q2, dq1, dq2 = q[..., 0], q[..., 1], dq[..., 0], dq[..., 1]

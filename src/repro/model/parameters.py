@@ -1,5 +1,6 @@
-"""The nine dynamic parameters beta of Eq. 1: names, units, order, and how links give them (Table 2)."""
+"""The nine dynamic parameters beta of Eq. 1: names, units, order, their values for given links, and feasibility."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,48 +43,22 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Links:
-    """Geometry and mass of the two links (Fig. 1), scalars or arrays of one common shape ``S``.
+    """Geometry and mass of the two links (Fig. 1): numbers, or arrays of one common shape S.
 
-    Attributes
-    ----------
-    m1, m2 : array of shape S
-        Masses, kg.
-    l1 : array of shape S
-        Length of link 1, m. (l2 does not enter the dynamics.)
-    lc1, lc2 : array of shape S
-        Distance of each centre of mass from its joint, m.
-    j1, j2 : array of shape S
-        Inertia about each centre of mass, kg m^2.
+    The length of link 2 does not enter the dynamics.
     """
 
-    m1: Array | float
+    m1: Array | float  # masses, kg
     m2: Array | float
-    l1: Array | float
-    lc1: Array | float
+    l1: Array | float  # length of link 1, m
+    lc1: Array | float  # distance of each centre of mass from its joint, m
     lc2: Array | float
-    j1: Array | float
+    j1: Array | float  # inertia about each centre of mass, kg m^2
     j2: Array | float
 
 
 def inertial_from_links(links: Links, gravity: float = STANDARD_GRAVITY) -> Array:
-    """Inertial and gravity parameters of Eq. 1 from the links.
-
-    Parameters
-    ----------
-    links : Links
-        Link parameters of shape ``S``.
-    gravity : float
-        Gravitational acceleration, m/s^2.
-
-    Returns
-    -------
-    array of shape S + (5,)
-        ``(I1, I2, I3, g1, g2)``.
-
-    Notes
-    -----
-    Eq. 1, last five lines (Section II).
-    """
+    """Compute (I1, I2, I3, g1, g2) of Eq. 1, shape S + (5,); gravity in m/s^2."""
     i3 = links.m2 * np.square(links.lc2) + links.j2
     i1 = links.m1 * np.square(links.lc1) + links.j1 + links.m2 * np.square(links.l1) + i3
     i2 = 2.0 * links.m2 * links.l1 * links.lc2
@@ -93,26 +68,33 @@ def inertial_from_links(links: Links, gravity: float = STANDARD_GRAVITY) -> Arra
 
 
 def check_beta(beta: Array) -> Array:
-    """Return `beta` as float64 after checking that its last axis holds nine finite numbers.
-
-    Parameters
-    ----------
-    beta : array of shape (..., 9)
-        Parameter sets.
-
-    Returns
-    -------
-    array of shape (..., 9)
-        The same numbers.
-
-    Raises
-    ------
-    ValueError
-        If the last axis is not nine long or a value is not finite.
-    """
+    """Return `beta` (..., 9) as float64, or raise ValueError if it is not nine finite numbers on the last axis."""
     beta = np.asarray(beta, dtype=np.float64)
     if beta.ndim == 0 or beta.shape[-1] != len(NAMES):
         raise ValueError(f"beta: the last axis must hold {len(NAMES)} parameters, got shape {beta.shape}.")
     if not np.isfinite(beta).all():
         raise ValueError("beta: every parameter must be finite.")
     return beta
+
+
+def is_positive(beta: Array) -> NDArray[np.bool_]:
+    """Check (...,) whether all nine parameters (..., 9) are positive, as the paper's own test arms are."""
+    return np.asarray((check_beta(beta) > 0.0).all(-1))
+
+
+def is_positive_definite(beta: Array) -> NDArray[np.bool_]:
+    """Check (...,) whether M(q) is positive definite for every q2 and no friction is negative.
+
+    det M = I3 (I1 + I2 c) - (I3 + I2 c / 2)^2 = I3 (I1 - I3) - I2^2 c^2 / 4 is smallest at c^2 = 1.
+    """
+    beta = check_beta(beta)
+    i1, i2, i3 = beta[..., 0], beta[..., 1], beta[..., 2]
+    definite = (i3 > 0.0) & (i3 * (i1 - i3) > 0.25 * i2**2)
+    return np.asarray(definite & (beta[..., 5:] >= 0.0).all(-1))
+
+
+#: Interpretations of "physically possible" (line 22 of Algorithm 1).
+FEASIBILITY: dict[str, Callable[[Array], NDArray[np.bool_]]] = {
+    "positive": is_positive,
+    "positive-definite": is_positive_definite,
+}

@@ -11,8 +11,7 @@ from repro.identification.methods.interface import Estimate, Method
 from repro.identification.regression import Regression
 from repro.identification.residuals import lag_one
 from repro.identification.scores import relative_rms, similarity
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array
+from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepared import Problem, together
 from repro.ownarm.result import HALVES, MethodResult, Parameter, Score
 from repro.ownarm.words import verdict
@@ -100,7 +99,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
 
 
 def why_not_consistent(beta: Array) -> str:
-    """Conditions of `repro.model.feasibility.is_positive_definite` that fail, with numbers."""
+    """Conditions of `repro.model.parameters.is_positive_definite` that fail, with numbers."""
     i1, i2, i3 = beta[:3]
     broken = []
     if i3 <= 0.0 or i3 * (i1 - i3) <= 0.25 * i2**2:

@@ -22,10 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from repro.model.feasibility import is_positive, is_positive_definite
-from repro.model.lyapunov import LyapunovSettings
-from repro.model.parameters import STANDARD_GRAVITY, Array
-from repro.model.stability import stability_constants
+from repro.model.parameters import STANDARD_GRAVITY, Array, is_positive, is_positive_definite
+from repro.model.stability import LyapunovSettings, stability_constants
 from repro.paper.published import Published, PublishedValue, load_published
 
 #: The printed numbers, by the `repro.model.stability.StabilityConstants` field that each is.

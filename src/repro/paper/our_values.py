@@ -27,7 +27,7 @@ from repro.cnn import architecture, image, priors
 from repro.comparison.classes import LEDGER
 from repro.errors import InputError
 from repro.fpga import frames
-from repro.model import dynamics, lyapunov, parameters
+from repro.model import dynamics, parameters, stability
 from repro.paper.checks import hardware
 from repro.paper.claims import Basis, OurValue
 from repro.paper.published import Published, PublishedValue
@@ -44,7 +44,7 @@ MODULES: dict[str, ModuleType] = {
     "fpga.frames": frames,
     "identification.algorithm1": parameters,
     "model.dynamics": dynamics,
-    "model.lyapunov": lyapunov,
+    "model.stability": stability,
     "signals.programs": programs,
     "signals.trajectories": trajectories,
     "signals.validation_motions": validation_motions,

@@ -1,15 +1,17 @@
 """Captures of the five motions from wherever the configuration says: stored, simulated in process, or a serial port."""
 
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from repro.errors import InputError
 from repro.files import write_whole
 from repro.fpga.capture import Capture, files_of, read_capture, write_capture
-from repro.fpga.link import LinkSettings, record
+from repro.fpga.link import record
+from repro.fpga.messages import encode_start
 from repro.fpga.rawfile import raw_file
-from repro.pipeline.experiment import control_constants, describe, download, program_from_config
+from repro.pipeline.experiment import control_constants, metadata_for, program_from_config
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import check_recorded
 from repro.pipeline.specimen import board_from_config
@@ -30,29 +32,24 @@ def acquire(motion: str, out: Path, config: Config) -> None:
 
 def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
     """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
-    control = control_constants(config)
-    board = board_from_config(config)
-    load, start = download(program, control)
-    board.receive(load + start)
+    board, metadata = board_from_config(config), metadata_for(program, config)
+    board.receive(metadata.program + encode_start(metadata.samples))
     if not board.running:
         raise InputError.at(f"simulated board: {program.name}", "; ".join(board.refusals), "a start")
-    progress, n = Progress(f"simulating {program.name}"), program.q.shape[1]
+    progress = Progress(f"simulating {program.name}")
     data = bytearray()
     while board.running:
         data += board.tick()
-        progress(len(data) // 8, n)
-    return write_capture(out, bytes(data), describe(program, control, board.identity), overwrite=True)
+        progress(len(data) // 8, metadata.samples)
+    return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
 
 
 def _record(out: Path, program: Program, config: Config) -> None:
-    e, control = config["experiment"], control_constants(config)
-    load, start = download(program, control)
-    n = program.q.shape[1]
-    with raw_file(out, n, len(load), overwrite=True) as raw:
-        recording = record(e["port"], load, start, n, LinkSettings(e["baud"]), raw.add)
+    e, metadata = config["experiment"], metadata_for(program, config)
+    with raw_file(out, metadata, overwrite=True) as raw:
+        data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)
         raw.close()
-        about = describe(program, control, recording.board, recording.host)
-        write_capture(out, recording.data, about, recording.reason, overwrite=True)
+        write_capture(out, data, metadata, overwrite=True)
 
 
 def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
@@ -66,7 +63,7 @@ def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
 def _check_set_up(capture: Capture, config: Config) -> None:
     """Refuse a stored capture of other gains, motors or, if it is simulated, another arm than configured."""
     expected = "that of this configuration; record it again or set experiment.source: simulated"
-    if capture.about.control != control_constants(config):
+    if capture.metadata.control != control_constants(config):
         raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
-    if capture.about.board is not None and capture.about.board != board_from_config(config).identity:
+    if capture.metadata.board is not None and capture.metadata.board != board_from_config(config).identity:
         raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)

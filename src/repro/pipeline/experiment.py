@@ -1,6 +1,5 @@
 """The experimental set-up from the configuration: arm, board, motions, and the bytes between them (Section V-C)."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,9 @@ import numpy as np
 from repro.config import CONFIGURATION, check_config, merged
 from repro.documents import read_yaml
 from repro.errors import InputError
-from repro.fpga.about import About, Host
 from repro.fpga.controller import ControlConstants
-from repro.fpga.downlink import Gains, encode_program, encode_start
+from repro.fpga.messages import encode_program
+from repro.fpga.sidecar import CaptureMetadata
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.signals.kinematics import ArmGeometry
@@ -97,24 +96,8 @@ def program_from_config(config: Config, name: str, seed: int | None = None, dura
     return permitted_program(name, settings, rng, true_parameters(config), *limits(config))
 
 
-def download(program: Program, control: ControlConstants) -> tuple[bytes, bytes]:
-    """Bytes that load a motion into a board, and those that start it."""
-    kp, kv = ((float(k[0]), float(k[1])) for k in (control.kp_counts, control.kv_counts))
-    return encode_program(Gains(kp, kv, control.pwm_hz), program.q), encode_start(program.q.shape[1])
-
-
-def describe(
-    program: Program, control: ControlConstants, board: Mapping[str, object] | None, host: Host | None = None
-) -> About:
-    """What a capture of a motion says of itself."""
-    return About(
-        motion=program.name,
-        samples=program.q.shape[1],
-        n1=program.n1,
-        n2=program.n2,
-        h=program.h,
-        program=download(program, control)[0],
-        control=control,
-        board=board,
-        host=host,
-    )
+def metadata_for(program: Program, config: Config) -> CaptureMetadata:
+    """Metadata of a capture of a motion, with the bytes that load it into a board."""
+    control = control_constants(config)
+    load = encode_program(control, program.q)
+    return CaptureMetadata(program.name, program.q.shape[1], program.n1, program.n2, program.h, load, control)

@@ -15,8 +15,7 @@ from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, 
 from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, select
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array
+from repro.model.parameters import FEASIBILITY, Array
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.factorial_design import CELLS, COLUMNS, METRICS, Scorers, configured, read_blocks
 from repro.pipeline.job import Config
@@ -61,7 +60,7 @@ def search_under(
     count, limit = settings.executions, settings.inner_limit
     guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
     beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
-    possible = CHECKS[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
+    possible = FEASIBILITY[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
     results: dict[str, tuple[Array, int]] = {}
     for name, metric in METRICS.items():
         n_e = np.where(possible, TorqueScorer(prepared.alpha, prepared.y_sub, metric)(beta).total.mean(-1), 0.0)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.methods.every import METHODS

@@ -9,7 +9,7 @@ import numpy as np
 from repro.errors import InputError
 from repro.fpga.capture import Capture, read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.recorded import samples
+from repro.fpga.recording import recording_of
 from repro.identification.algorithm1.listing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
@@ -39,9 +39,9 @@ SAME_MOTION = 0.01
 
 def check_recorded(capture: Capture, program: Program) -> None:
     """Refuse a capture of another motion than the configuration's."""
-    about = capture.about
-    found, expected = (about.samples, about.n1, about.n2), (program.q.shape[1], program.n1, program.n2)
-    apart = np.abs(about.desired - program.q).max() / RADIANS_PER_COUNT if found == expected else np.inf
+    metadata = capture.metadata
+    found, expected = (metadata.samples, metadata.n1, metadata.n2), (program.q.shape[1], program.n1, program.n2)
+    apart = np.abs(metadata.desired - program.q).max() / RADIANS_PER_COUNT if found == expected else np.inf
     if apart > SAME_MOTION:
         what = f"{apart:.3g} encoder counts away" if np.isfinite(apart) else f"samples, n1, n2 of {found}"
         raise InputError.at(
@@ -56,11 +56,11 @@ def read_recording(path: Path, config: Config) -> Recording:
     capture = read_capture(path)
     program = program_from_config(config, path.stem)
     check_recorded(capture, program)
-    measured = samples(capture)
+    measured = recording_of(capture)
     still = np.ptp(measured.q, axis=1) < 10 * RADIANS_PER_COUNT
     if still.any():
         raise InputError.at(f"{path}: joint {int(still.argmax()) + 1}", "no motion", "a joint that moves")
-    return Recording(replace(program, q=capture.about.desired.astype(np.float64)), measured.q, measured.tau)
+    return Recording(replace(program, q=capture.metadata.desired.astype(np.float64)), measured.q, measured.tau)
 
 
 def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Recording]:

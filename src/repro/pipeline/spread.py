@@ -11,8 +11,8 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters

@@ -15,8 +15,8 @@ from repro.cnn.dataset import SampledMotion, sample_motion, stack_motions
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
+from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.loop import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.identification.algorithm1.listing import derivatives
 from repro.model.parameters import Array, Links, inertial_from_links

@@ -14,7 +14,7 @@ from repro.identification.algorithm1.refinement import RefinementSettings, refin
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
-from repro.model.feasibility import CHECKS
+from repro.model.parameters import FEASIBILITY
 from repro.signals.metric import TorqueScorer
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -128,7 +128,7 @@ def test_uniform_guesses_that_are_not_physically_possible_are_left_out():
     every = uniform_guesses(replace(search, feasibility="positive"), np.random.default_rng(3))
     found = uniform_guesses(search, np.random.default_rng(3))
     assert 0 < len(found) < len(every) == 2000
-    np.testing.assert_array_equal(found, every[CHECKS["positive-definite"](every)])
+    np.testing.assert_array_equal(found, every[FEASIBILITY["positive-definite"](every)])
 
 
 def test_moves_shrink_as_the_set_closes_in():
@@ -214,7 +214,7 @@ def test_similarity_rises_with_a_network_that_helps_and_without(feed_back):
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
 @pytest.mark.parametrize("feed_back", [True, False])
 def test_infeasible_candidates_are_not_kept(feasibility, feed_back):
-    possible = CHECKS[feasibility]
+    possible = FEASIBILITY[feasibility]
     beta_m = near(40, size=0.9)
     beta_m = beta_m[possible(beta_m)]
     reader = Reader(move=lambda guess: guess - [0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -16,8 +16,7 @@ from repro.identification.methods.consistent import MARGIN, solve_consistent
 from repro.identification.methods.every import METHODS
 from repro.identification.solve import nine_rows
 from repro.model.dynamics import mass_matrix, regressor
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import NAMES
+from repro.model.parameters import NAMES, is_positive_definite
 
 pytestmark = pytest.mark.slow
 

@@ -15,7 +15,7 @@ from repro.identification.methods.every import METHODS
 from repro.identification.methods.interface import Estimate
 from repro.identification.solve import nine_rows
 from repro.model.dynamics import regressor
-from repro.model.feasibility import is_positive_definite
+from repro.model.parameters import is_positive_definite
 
 
 def beta_of(name, regression):

@@ -22,8 +22,7 @@ import numpy as np
 
 from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.search import SearchSettings
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array
+from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import TorqueScorer
 
 if TYPE_CHECKING:
@@ -104,7 +103,7 @@ def restart(
         fresh ones raised to the lowest guess: a network can read every guess a little below zero, and from nothing
         no move starts.
     """
-    possible = CHECKS[search.feasibility]
+    possible = FEASIBILITY[search.feasibility]
     fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
     candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
     if len(candidates):
@@ -129,7 +128,7 @@ def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
         The physically possible ones of as many guesses as Algorithm 1 reads at most, in units of the largest torque.
     """
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
-    possible: Array = guesses[CHECKS[search.feasibility](guesses)]
+    possible: Array = guesses[FEASIBILITY[search.feasibility](guesses)]
     return possible
 
 
@@ -167,7 +166,7 @@ def refine(
     if not len(candidates):
         return candidates
     rng = deepcopy(rng)
-    possible = CHECKS[search.feasibility]
+    possible = FEASIBILITY[search.feasibility]
     score = TorqueScorer(prepared.regression.tau / prepared.largest, prepared.regression.y, search.metric)
     best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
     for done in range(settings.passes):

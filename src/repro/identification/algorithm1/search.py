@@ -7,8 +7,7 @@ import numpy as np
 
 from repro.identification.algorithm1.listing import Prepared
 from repro.model.dynamics import rebuild_torque
-from repro.model.feasibility import CHECKS
-from repro.model.parameters import Array
+from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import MetricSettings, TorqueScorer
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ class SearchSettings:
     low, high : float
         Range of the guesses of line 17.
     feasibility : str
-        What line 22 calls physically possible, see `repro.model.feasibility`.
+        What line 22 calls physically possible, see `repro.model.parameters`.
     metric : MetricSettings
         Formulas of **metr2ev**.
     image_motion : {"measured", "desired"}
@@ -58,8 +57,8 @@ class SearchSettings:
             raise ValueError(f"low, high: must be positive with low below high, got {self.low} and {self.high}.")
         if self.image_motion not in IMAGE_MOTIONS:
             raise ValueError(f"image_motion: must be one of {IMAGE_MOTIONS}, got {self.image_motion!r}.")
-        if self.feasibility not in CHECKS:
-            raise ValueError(f"feasibility: must be one of {tuple(CHECKS)}, got {self.feasibility!r}.")
+        if self.feasibility not in FEASIBILITY:
+            raise ValueError(f"feasibility: must be one of {tuple(FEASIBILITY)}, got {self.feasibility!r}.")
 
 
 @dataclass(frozen=True)
@@ -124,7 +123,7 @@ def search(
     Candidates
         Every physically possible estimate.
     """
-    possible = CHECKS[settings.feasibility]
+    possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(prepared.alpha, prepared.y_sub, settings.metric)
     streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
     running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0

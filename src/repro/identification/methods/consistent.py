@@ -1,6 +1,6 @@
 """Least squares among physically consistent parameters: a convex programme, solved by Clarabel through CVXPY.
 
-M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.feasibility`), that
+M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.parameters`), that
 is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the parameters. Friction must not be negative.
 Gravity may have either sign: it depends on where zero is.
 """
@@ -12,8 +12,7 @@ from scipy.optimize import lsq_linear
 
 from repro.identification.methods.interface import Estimate, Method, NoSolutionError
 from repro.identification.solve import asked, nine_rows, snap
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import Array
+from repro.model.parameters import Array, is_positive_definite
 
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MARGIN = 1e-3

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from repro.model.feasibility import is_positive_definite
-from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links
+from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links, is_positive_definite
 from repro.paper.checks.finding import CONSISTENT, NOT_POSSIBLE, OUTSIDE, Finding
 from repro.paper.published import NUMERIC_CASES, Published
 

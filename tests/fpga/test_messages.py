@@ -1,0 +1,183 @@
+"""Downlink messages: to the byte, refused when wrong, and found again after damage."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_board import CONTROL
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import seeds
+
+from repro.fpga.controller import ControlConstants
+from repro.fpga.frames import encode
+from repro.fpga.messages import (
+    RAM_SAMPLES,
+    Message,
+    MessageDecoder,
+    MessageKind,
+    encode_gains,
+    encode_identity,
+    encode_message,
+    encode_program,
+    encode_start,
+    encode_trajectory,
+    parse_gains,
+    parse_identity,
+    parse_start,
+    parse_trajectory,
+)
+
+STOP = encode_message(MessageKind.STOP)
+
+
+def split(data, sizes=()):
+    """Messages of `data` fed in pieces."""
+    decoder = MessageDecoder()
+    messages, place = [], 0
+    for size in sizes:
+        messages += decoder.feed(data[place : place + size])
+        place += size
+    return messages + decoder.feed(data[place:])
+
+
+#: Constants whose counts are these numbers.
+PLAIN = ControlConstants((1.0, 2.0), (0.5, 0.25), (4.0, 8.0), (1023.0, 1023.0))
+
+
+@pytest.mark.parametrize(
+    ("data", "text"),
+    [
+        # Checksums from an independent CRC-32 (the usual reflected polynomial 0xEDB88320), bit by bit.
+        (encode_start(3770), "5a0300020eba"),
+        (STOP, "5a040000"),
+        (encode_message(MessageKind.IDENTIFY), "5a050000"),
+        (encode_trajectory([[1.0], [-2.0]]), "5a02000a00003f800000c0000000"),
+        (encode_gains(PLAIN), "5a0100183f800000400000003f0000003e8000004080000041000000"),
+    ],
+)
+def test_messages_to_the_byte(data, text):
+    body = bytes.fromhex(text)
+    crc = 0xFFFFFFFF
+    for byte in body[1:]:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0xEDB88320 if crc & 1 else 0)
+    assert data == body + (crc ^ 0xFFFFFFFF).to_bytes(4)
+
+
+@given(seed=seeds, n=st.integers(1, 700), sizes=st.lists(st.integers(0, 500), max_size=20))
+def test_program_comes_back(seed, n, sizes):
+    desired = np.random.default_rng(seed).normal(size=(2, n))
+    messages = split(encode_program(CONTROL, desired) + encode_start(n), sizes)
+    gains = parse_gains(messages[0])
+    assert (*gains.kp, *gains.kv, *gains.pwm_hz) == (*CONTROL.kp_counts, *CONTROL.kv_counts, *CONTROL.pwm_hz)
+    blocks = [parse_trajectory(m) for m in messages[1:-1]]
+    assert [b.start for b in blocks] == list(range(0, n, 256))
+    np.testing.assert_array_equal(np.concatenate([b.desired for b in blocks], axis=1), desired.astype(np.float32))
+    assert parse_start(messages[-1]) == n
+
+
+@given(seed=seeds)
+def test_damage_costs_the_messages_it_hits(seed):
+    rng = np.random.default_rng(seed)
+    parts = [encode_message(MessageKind.START, bytes([1, i])) for i in range(40)]
+    hit = set()
+    for i in rng.integers(0, 40, 4).tolist():
+        part = bytearray(parts[i])
+        if i not in hit:
+            j = int(rng.integers(len(part)))
+            if rng.random() < 0.5:
+                part[j] ^= 1 << int(rng.integers(8))
+            else:
+                del part[j]
+        parts[i] = bytes(part)
+        hit.add(i)
+    data = b"".join(parts)
+    messages = split(data)
+    assert [m.payload[1] for m in messages] == [i for i in range(40) if i not in hit]
+    assert split(data, [1] * len(data)) == messages
+
+
+@given(seed=seeds, sizes=st.lists(st.integers(0, 40), max_size=30))
+def test_cutting_changes_nothing(seed, sizes):
+    rng = np.random.default_rng(seed)
+    parts = (STOP, encode_start(5), encode_identity({"a": 1}), rng.bytes(9), b"\x5a\x02\x08\x02")
+    data = b"".join(parts[i][int(rng.integers(3)) :] for i in rng.integers(0, 5, 20))
+    assert split(data, sizes) == split(data)
+
+
+@pytest.mark.parametrize("header", ["5a01ffff", "5a02ffff", "5a020003", "5a03000a", "5a7f0002", "5a85ffff", "5a5a5a"])
+def test_an_absurd_header_is_not_waited_for(header):
+    assert [m.kind for m in split(bytes.fromhex(header) + STOP)] == [MessageKind.STOP]
+
+
+def test_a_stop_inside_an_unfinished_block_is_understood_at_once():
+    block = encode_trajectory(np.zeros((2, 256)))
+    assert [m.kind for m in split(block[:1000] + STOP)] == [MessageKind.STOP]
+
+
+def test_identity():
+    identity = {"simulated": True, "plant": {"stribeck": 0.3, "name": "Süd"}}
+    (message,) = split(encode_identity(identity))
+    assert message.kind == 0x85
+    assert parse_identity(message) == identity
+    assert json.loads(message.payload) == identity
+
+
+def test_a_trajectory_fills_the_ram_and_no_more():
+    last = parse_trajectory(split(encode_trajectory(np.zeros((2, RAM_SAMPLES))))[-1])
+    assert last.start + last.desired.shape[1] == RAM_SAMPLES
+    for n in (0, RAM_SAMPLES + 1):
+        with pytest.raises(ValueError, match=r"RAM contains 1 \.\.\. 8192 samples \(20.48 s at 2.5 ms\)"):
+            encode_trajectory(np.zeros((2, n)))
+        with pytest.raises(ValueError, match="RAM contains 1"):
+            encode_start(n)
+    for value in (np.nan, 1e39):
+        with pytest.raises(ValueError, match="finite in single precision"):
+            encode_trajectory([[value], [0.0]])
+
+
+NAN = np.array([np.nan, 0], dtype=">f4").tobytes()
+
+
+def gains_message(**changes):
+    return split(encode_gains(replace(PLAIN, **changes)))[0]
+
+
+@pytest.mark.parametrize(
+    ("parse", "message", "found"),
+    [
+        (parse_trajectory, Message(MessageKind.TRAJECTORY, b"\0\0" + NAN), "trajectory: every sample must be finite"),
+        (parse_trajectory, Message(MessageKind.TRAJECTORY, (8191).to_bytes(2) + bytes(16)), "beyond the RAM"),
+        (parse_gains, Message(MessageKind.GAINS, NAN * 3), "kp: must be finite"),
+        (parse_gains, gains_message(kp=(-1.0, 1.0)), "kp: must be finite in single precision and not negative"),
+        (parse_gains, gains_message(kv=(1.0, np.inf)), "kv: must be finite"),
+        (parse_gains, gains_message(pwm_hz=(0.0, 1.0)), "pwm_hz: must be positive"),
+        (parse_start, Message(MessageKind.START, b"\0\0"), "RAM contains 1"),
+        (parse_start, Message(MessageKind.STOP, b""), "message: must be START, got STOP"),
+        (parse_identity, Message(MessageKind.IDENTITY, b"[1]"), "must be a JSON object, got list"),
+        (parse_identity, Message(MessageKind.IDENTITY, b"{"), "must be UTF-8 JSON"),
+        (parse_identity, Message(MessageKind.IDENTITY, b"\xff"), "must be UTF-8 JSON"),
+    ],
+)
+def test_a_wrong_payload_is_refused(parse, message, found):
+    with pytest.raises(ValueError, match=found):
+        parse(message)
+
+
+@pytest.mark.parametrize(
+    ("kind", "length"),
+    [(MessageKind.GAINS, 23), (MessageKind.TRAJECTORY, 2), (MessageKind.TRAJECTORY, 2058), (MessageKind.STOP, 1)],
+)
+def test_a_payload_of_the_wrong_length_is_not_sent(kind, length):
+    with pytest.raises(ValueError, match=f"{kind.name} cannot have {length} bytes"):
+        encode_message(kind, bytes(length))
+
+
+def test_examples_of_the_document():
+    text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
+    examples = [bytes.fromhex(line) for line in text.splitlines() if line.startswith("    ")]
+    assert examples == [encode([[165], [-2]], [[5], [-1023]]), encode_start(3770)]
