@@ -51,8 +51,6 @@ MODULES: dict[str, ModuleType] = {
 }
 #: Causes of differences that the arithmetic leaves.
 CAUSE_OF = {"section3/memory-share": "unlisted memory"}
-#: Causes of differences that the arithmetic leaves.
-CAUSE_OF = {"section3/memory-share": "unlisted memory"}
 _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
