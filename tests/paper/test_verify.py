@@ -15,7 +15,7 @@ from scripts_run import run_script
 from repro.cli import main
 from repro.errors import InputError
 from repro.exhibits import paper
-from repro.paper.ledger import verification
+from repro.paper import verification
 from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
 from repro.pipeline.experiment import load_config
 
