@@ -76,11 +76,11 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "replace(options, cutoff=log.settings.cutoff, friction=True))",
     ): "a log made by Eq. 1 has no friction beyond it to find",
     (
-        "src/repro/paper/checks/torque.py",
+        "src/repro/paper/checks/hardware.py",
         "CONSISTENT if full.value < motor.value else OUTSIDE,",
     ): "the two are not equal",
     (
-        "src/repro/paper/checks/stability_numbers.py",
+        "src/repro/paper/checks/proof.py",
         "CONSISTENT if condition <= 1.0 / scale else CONTRADICTS,",
     ): "the two are not equal",
     (
