@@ -13,7 +13,7 @@ import numpy as np
 import torch
 import yaml
 
-from repro.cnn.checkpoint import load_network
+from repro.cnn.network import load_network
 from repro.identification.algorithm1.listing import filtered, prepare
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import search, select

@@ -20,11 +20,10 @@ import torch
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
-from repro.cnn.factored import DTYPES, FactoredCNN
 from repro.cnn.image import assemble
-from repro.cnn.network import SignalCNN, sigmoid_loss
-from repro.cnn.optimisers import make_optimisers
-from repro.cnn.schedule import TrainingSettings, learning_rate
+from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
+from repro.cnn.schedule import TrainingSettings
+from repro.cnn.train import streamed_recipe
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -65,14 +64,16 @@ def main() -> None:
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
     motion = sample_motion(identification_trajectory(), SignalSettings())
-    sizes, settings = NetworkSettings(), TrainingSettings(steps=args.steps, batch=args.batch, warmup=args.steps // 10)
+    sizes = NetworkSettings()
+    settings = TrainingSettings(steps=args.steps, batch=args.batch, warmup=args.steps // 10, test_samples=1)
     runs = {"plain float32": SignalCNN(sizes)}
     runs |= {f"factored {p}": FactoredCNN(sizes, p) for p in ("float32", "bfloat16")}
     runs["factored bfloat16 still"] = FactoredCNN(sizes, "bfloat16")  # as in most steps of the recipe
     runs["factored bfloat16 still"].conv1.requires_grad_(False)
     for network in runs.values():
         network.load_state_dict(runs["plain float32"].state_dict())
-    optimisers = {name: make_optimisers(network, settings, DTYPES[name.split()[1]]) for name, network in runs.items()}
+    runs["plain float32"].dtype = torch.float32  # of Muon's wide products
+    recipes = {name: streamed_recipe(network, motion, DataSettings(), settings) for name, network in runs.items()}
     seconds = {name: [] for name in runs}
 
     def inputs(name, samples):
@@ -87,13 +88,13 @@ def main() -> None:
         ]
         for name, network in runs.items():
             for step, samples in enumerate(batches, block):
-                for group in (g for o in optimisers[name] for g in o.param_groups):
-                    group["lr"] = learning_rate(step, settings)
+                for group in (g for o in recipes[name].optimisers for g in o.param_groups):
+                    group["lr"] = recipes[name].rate(step)
                 label, ready = torch.from_numpy(samples.residual), inputs(name, samples)
                 began = time.perf_counter()  # building images is not charged to the plain network
                 network.zero_grad()
                 sigmoid_loss(network(*ready), label, 1.0).backward()
-                for optimiser in optimisers[name]:
+                for optimiser in recipes[name].optimisers:
                     optimiser.step()
                 seconds[name].append(time.perf_counter() - began)
     test = [draw_samples(np.random.default_rng((2, k)), 64, motion, DataSettings()) for k in range(32)]

@@ -10,8 +10,7 @@ import numpy as np
 import torch
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import SignalCNN
+from repro.cnn.network import FactoredCNN, SignalCNN
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.metric import metr2ev
 

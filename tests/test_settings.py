@@ -10,11 +10,10 @@ import yaml
 
 from repro import settings
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings
+from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
-from repro.cnn.unmodelled import UnmodelledSettings
 from repro.config import check_config
 from repro.errors import InputError
 from repro.identification.algorithm1.refinement import RefinementSettings

@@ -6,15 +6,19 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from repro.cnn.architecture import NetworkSettings
-from repro.cnn.checkpoint import Progress, load_checkpoint, load_network, save_checkpoint, save_network
-from repro.cnn.optimisers import make_optimisers
-from repro.cnn.schedule import RECIPES, TrainingSettings
-from repro.cnn.weights import read_weights
+from repro.cnn.architecture import NetworkSettings, read_weights
+from repro.cnn.dataset import DataSettings, sample_motion
+from repro.cnn.network import load_network, save_network
+from repro.cnn.schedule import RECIPES, PaperSchedule, TrainingSettings
+from repro.cnn.train import Progress, load_checkpoint, make_recipe, save_checkpoint
 from repro.errors import InputError
+from repro.signals.sampling import SignalSettings
+from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow
 
+SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
+MOTION = sample_motion(identification_trajectory(SIGNALS.duration, SIGNALS.h), SIGNALS)
 OTHER_SIZES = NetworkSettings(image_size=44, maps=4, hidden=(16, 7))
 
 
@@ -129,7 +133,8 @@ def test_weight_that_is_not_finite_is_refused_by_name(weights, value):
 def stepped(seed, recipe="streamed"):
     """A network and optimisers that have state: two steps down random gradients."""
     network = literal.untrained(seed=seed).requires_grad_(True)
-    optimisers = make_optimisers(network, TrainingSettings(recipe=recipe), torch.float32)
+    settings = TrainingSettings(recipe=recipe, test_samples=1, paper=PaperSchedule(images=2, train_share=0.5))
+    optimisers = make_recipe(network, MOTION, DataSettings(), settings).optimisers
     for _ in range(2):
         descend(network, optimisers)
     return network, optimisers

@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.stats import multivariate_normal
 
-from repro.cnn.dataset import DataSettings, draw_samples, draw_torques, sample_motion
+from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_samples, draw_torques, sample_motion
 from repro.cnn.plain import (
     PlainNetwork,
     PlainSettings,
@@ -15,7 +15,6 @@ from repro.cnn.plain import (
     save_plain,
     train_plain,
 )
-from repro.cnn.unmodelled import UnmodelledSettings
 from repro.errors import InputError
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.sampling import SignalSettings
@@ -82,7 +81,7 @@ def test_the_image_cnn_learns_from_the_same_torques():
 
 def test_noise_is_on_the_torque_alone():
     noisy = DataSettings(unmodelled=UnmodelledSettings(noise=0.05))
-    motion = sample_motion(MOTION, SIGNALS, beyond=True)
+    motion = sample_motion(MOTION, SIGNALS, unmodelled=True)
     alpha, beta_bar, _ = draw_torques(np.random.default_rng(5), 200, motion, noisy)
     rest = alpha - np.einsum("jmp,np->njm", motion.torque, beta_bar)
     assert 0.005 < rest.std() < 0.05  # each torque draws its level from zero to 0.05

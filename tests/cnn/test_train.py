@@ -12,9 +12,8 @@ import torch
 
 from repro.cnn import train as training
 from repro.cnn.dataset import DataSettings, Samples, draw_samples, sample_motion
-from repro.cnn.factored import FactoredCNN, on_this_processor
 from repro.cnn.image import assemble
-from repro.cnn.network import sigmoid_loss
+from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.train import evaluate, train
 from repro.errors import InputError
@@ -123,8 +122,8 @@ def test_layer_1_of_the_streamed_recipe_learns_in_the_first_steps_alone():
 
     kept = {}
     with pytest.MonkeyPatch.context() as patch:
-        make = training.make_optimisers
-        patch.setattr(training, "make_optimisers", lambda net, *how: kept.update(net=net) or make(net, *how))
+        make = training.make_recipe
+        patch.setattr(training, "make_recipe", lambda net, *how: kept.update(net=net) or make(net, *how))
         patch.setattr(training, "evaluate", lambda *_: keep() or 0.0)
         run(replace(STREAMED, steps=60, log_every=5))
     for layer, still in (("conv1", True), ("conv2", False), ("fc4", False)):
@@ -345,7 +344,7 @@ def test_without_bfloat16_or_onednn_training_is_in_single_precision(monkeypatch,
 
 
 def test_a_limit_set_for_onednn_is_respected():
-    code = "from repro.cnn.factored import on_this_processor; print(on_this_processor('auto'))"
+    code = "from repro.cnn.network import on_this_processor; print(on_this_processor('auto'))"
     limited = {**os.environ, "ONEDNN_MAX_CPU_ISA": "AVX2"}
     command = [sys.executable, "-c", code]
     run = subprocess.run(command, env=limited, capture_output=True, text=True, check=True)

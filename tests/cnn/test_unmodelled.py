@@ -5,8 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from repro.cnn.dataset import DataSettings, draw_samples, sample_motion, stack_motions
-from repro.cnn.unmodelled import STRIBECK_VELOCITY, UnmodelledSettings, draw_unmodelled
+from repro.cnn.dataset import (
+    STRIBECK_VELOCITY,
+    DataSettings,
+    UnmodelledSettings,
+    draw_samples,
+    draw_unmodelled,
+    sample_motion,
+    stack_motions,
+)
 from repro.model.dynamics import LAMBDA, inverse_dynamics
 from repro.signals.dct import dct2low, dct2sub
 from repro.signals.sampling import SignalSettings
@@ -14,7 +21,7 @@ from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings()
 MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-SAMPLED = sample_motion(MOTION, SIGNALS, beyond=True)
+SAMPLED = sample_motion(MOTION, SIGNALS, unmodelled=True)
 BETA = np.array([[0.3, 0.02, 0.1, 0.9, 0.2, 0.1, 0.05, 0.4, 0.3], [0.6, 0.1, 0.2, 0.3, 0.4, 0.2, 0.1, 0.1, 0.2]])
 
 
@@ -35,7 +42,7 @@ class Fixed:
 
 
 def torque(settings, largest=1.0, **fixed):
-    return draw_unmodelled(Fixed(**fixed), BETA, np.full((2, 1), largest), SAMPLED.beyond, settings)
+    return draw_unmodelled(Fixed(**fixed), BETA, np.full((2, 1), largest), SAMPLED.unmodelled, settings)
 
 
 def subsampled(x):
@@ -58,7 +65,7 @@ def test_a_ripple_turns_with_the_joint(which, cycles):
 def test_a_late_torque_is_the_torque_of_a_moment_ago():
     late = 1e-3
     smooth = BETA * ([1.0] * 7 + [0.0] * 2)  # friction that jumps is not of first order
-    found = draw_unmodelled(Fixed(), smooth, np.ones((2, 1)), SAMPLED.beyond, UnmodelledSettings(delay_s=late))
+    found = draw_unmodelled(Fixed(), smooth, np.ones((2, 1)), SAMPLED.unmodelled, UnmodelledSettings(delay_s=late))
     before = identification_trajectory(SIGNALS.duration, SIGNALS.h / 10)  # to read it between samples
     t = np.maximum(MOTION.time - late, 0.0)
     for arm, change in zip(smooth, found, strict=True):
@@ -73,14 +80,14 @@ def test_noise_is_a_share_of_the_largest_torque():
     rng = np.random.default_rng(0)
     levels = UnmodelledSettings(noise=0.02)
     found = np.stack(
-        [draw_unmodelled(rng, BETA, np.array([[1.0], [3.0]]), SAMPLED.beyond, levels) for _ in range(3000)]
+        [draw_unmodelled(rng, BETA, np.array([[1.0], [3.0]]), SAMPLED.unmodelled, levels) for _ in range(3000)]
     )
     rms = np.sqrt((found**2).mean((0, 2, 3)))
     np.testing.assert_allclose(rms, 0.02 / np.sqrt(3) * np.array([1.0, 3.0]), rtol=0.05)  # uniform on 0 to 0.02
 
 
 def test_nothing_beyond_changes_no_sample():
-    bare = replace(SAMPLED, beyond=None)
+    bare = replace(SAMPLED, unmodelled=None)
     same = [draw_samples(np.random.default_rng(3), 16, each, DataSettings()) for each in (SAMPLED, bare)]
     np.testing.assert_array_equal(same[0].u, same[1].u)
     with pytest.raises(ValueError, match="unmodelled"):
@@ -96,7 +103,7 @@ def test_levels_that_cannot_be_are_refused(level, wrong):
 
 def test_samples_of_many_motions_are_those_of_the_motion_they_drew():
     slow = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    other = sample_motion(replace(slow, dq=0.5 * slow.dq, ddq=0.25 * slow.ddq), SIGNALS, beyond=True)
+    other = sample_motion(replace(slow, dq=0.5 * slow.dq, ddq=0.25 * slow.ddq), SIGNALS, unmodelled=True)
     both = stack_motions([SAMPLED, other])
     levels = DataSettings(unmodelled=UnmodelledSettings(0.2, 0.05, 0.01, 1e-3))
     for data in (DataSettings(), levels):

@@ -12,10 +12,8 @@ from experiment_example import experiment_inputs, short_config
 from render_examples import FIGURES, LAYOUTS
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.checkpoint import save_network
 from repro.cnn.dataset import DataSettings
-from repro.cnn.factored import FactoredCNN
-from repro.cnn.network import SignalCNN
+from repro.cnn.network import FactoredCNN, SignalCNN, save_network
 from repro.cnn.priors import sample_beta
 from repro.exhibits import catalogue, style
 from repro.exhibits.make import made_of

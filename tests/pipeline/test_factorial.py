@@ -11,7 +11,7 @@ import pytest
 from experiment_example import MOTIONS, short_config
 from safetensors.numpy import load_file, save_file
 
-from repro.cnn.checkpoint import load_network
+from repro.cnn.network import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque
 from repro.errors import InputError
 from repro.fpga.controller import simulate

@@ -10,8 +10,8 @@ import torch
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
-from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
+from repro.cnn.network import FactoredCNN
 from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1

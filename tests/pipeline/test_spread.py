@@ -15,7 +15,7 @@ from repro.fpga.plant import Plant
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.spread import chatters, read_spread, simulate_spread, spread_arms
-from repro.signals.limits import peaks
+from repro.signals.programs import peaks
 
 pytestmark = pytest.mark.slow
 

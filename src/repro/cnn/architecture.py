@@ -1,41 +1,31 @@
-"""Sizes of the CNN of Fig. 7 and Table 3, and of its weights; the network itself is `repro.cnn.network`."""
+"""Sizes of the CNN of Fig. 7 and Table 3, and its trained weights as plain arrays; `repro.cnn.network` computes.
+
+Nothing here loads torch, so that a configuration is checked and a kernel drawn without it.
+"""
 
 from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.errors import InputError
+from repro.files import read_tensors
 
 
 @dataclass(frozen=True)
 class NetworkSettings:
-    """Sizes of the network.
+    """Sizes of the network."""
 
-    Attributes
-    ----------
-    image_size : int
-        Side of the input image.
-    maps : int
-        Output maps of each convolution.
-    kernels : tuple of int
-        Kernel sides of the three convolutions.
-    hidden : tuple of int
-        Widths of layers 4 and 5, which the paper's text does not give.
-    sigmoid_gain : float
-        c of Eq. 13.
-    """
-
-    image_size: int = 100
-    maps: int = 10
-    kernels: tuple[int, int, int] = (9, 5, 3)
-    hidden: tuple[int, int] = (100, 50)
-    sigmoid_gain: float = 1.0
+    image_size: int = 100  # side of the input image
+    maps: int = 10  # output maps of each convolution
+    kernels: tuple[int, int, int] = (9, 5, 3)  # sides of the kernels of the three convolutions
+    hidden: tuple[int, int] = (100, 50)  # widths of layers 4 and 5, which the paper's text does not give
+    sigmoid_gain: float = 1.0  # c of Eq. 13
 
     @property
     def pooled(self) -> tuple[int, int, int]:
-        """Sides of the maps after layers 1, 2 and 3.
-
-        Raises
-        ------
-        ValueError
-            If an even side cannot be reached before a 2 x 2 pool, or nothing is left.
-        """
+        """Sides of the maps after layers 1, 2 and 3; ValueError if a map does not fit its 2 x 2 pool."""
         side = self.image_size
         sides = []
         for kernel, pool in zip(self.kernels, (2, 2, 1), strict=True):
@@ -48,13 +38,7 @@ class NetworkSettings:
 
     @property
     def weights(self) -> dict[str, tuple[int, ...]]:
-        """Shape of every weight by its name: kernels (output, input, k, k), matrices (output, input), biases.
-
-        Raises
-        ------
-        ValueError
-            As `pooled` does.
-        """
+        """Shape of every weight by its name: kernels (output, input, k, k), matrices (output, input), biases."""
         k1, k2, k3 = self.kernels
         maps, side = self.maps, self.pooled[2]
         weights: dict[str, tuple[int, ...]] = {
@@ -69,3 +53,22 @@ class NetworkSettings:
         for layer, shape in weights.items():
             shapes |= {f"{layer}.weight": shape, f"{layer}.bias": shape[:1]}
         return shapes
+
+
+def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:
+    """Read finite weights of the shapes ``settings.weights``; `fact`, if given, is what the file's header must state.
+
+    InputError is raised if the file is missing or damaged, or has another network.
+    """
+    weights, metadata = read_tensors(path, "weights of a network")
+    header = [*metadata.values()]
+    expected, found = settings.weights, {name: w.shape for name, w in weights.items()}
+    if expected != found:
+        wrong = sorted(n for n in expected.keys() | found.keys() if expected.get(n) != found.get(n))[0]
+        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
+    if fact is not None and header != [fact]:
+        raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{fact}, of the network asked for")
+    for name, weight in weights.items():
+        if not np.isfinite(weight).all():
+            raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")
+    return weights

@@ -1,6 +1,7 @@
 """Training samples by numeric substitution (Section IV-A): torque = Y beta, on one motion or on many.
 
-A sample is four 100-vectors (the image's factors) for each channel and nine labels; images are never stored.
+A sample is four 100-vectors (the image's factors) for each channel and nine labels; images are never stored. By an
+extension of ours, off by default, torques may also have unmodelled effects: Stribeck friction, ripple, noise and delay.
 """
 
 from collections.abc import Sequence
@@ -12,102 +13,115 @@ from numpy.typing import NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
-from repro.cnn.unmodelled import UnmodelledColumns, UnmodelledSettings, draw_unmodelled, unmodelled_columns
-from repro.model.dynamics import regressor
+from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
-from repro.signals.dct import dct2low, dct2sub
+from repro.signals.dct import dct2dev, dct2low, dct2sub
 from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import Motion
 
 Floats32 = NDArray[np.float32]
+Label = Literal["largest-torque", "physical"]
+LABELS: tuple[Label, ...] = get_args(Label)
+
+#: Cycles a turn of the ripples that training torques may have.
+RIPPLE_CYCLES = (3, 7, 11, 17, 23, 31)
+#: Velocity over which Stribeck friction fades, rad/s.
+STRIBECK_VELOCITY = 0.2
+
+
+@dataclass(frozen=True)
+class UnmodelledSettings:
+    """Upper ends of the unmodelled effects: each sample draws each effect uniformly from zero to it."""
+
+    stribeck: float = 0.0  # fraction by which Coulomb friction is higher near standstill
+    ripple: float = 0.0  # amplitude of a ripple that turns with the joint, over the largest torque
+    noise: float = 0.0  # standard deviation of white noise on the subsampled torque, over the largest torque
+    delay_s: float = 0.0  # delay of the torque, s; to first order
+
+    def __post_init__(self) -> None:
+        """Refuse levels that are negative or not finite."""
+        for name, level in vars(self).items():
+            if not 0 <= level < np.inf:
+                raise ValueError(f"{name}: must be finite and not negative, got {level}.")
+
+    def __str__(self) -> str:
+        """List the levels for a model card."""
+        return ", ".join(f"{name} {level:g}" for name, level in vars(self).items()) if self else "none"
+
+    def __bool__(self) -> bool:
+        """Whether there is anything to draw."""
+        return any(level > 0 for level in vars(self).values())
+
+
+@dataclass(frozen=True)
+class UnmodelledColumns:
+    """Filtered and subsampled torques of the unmodelled effects of a motion, for unit amounts."""
+
+    stribeck: Array  # (2, M), for a Coulomb friction and a fraction of 1
+    ripple: Array  # (2, M, 2 C): sine and cosine of each of the C `RIPPLE_CYCLES`
+    rate: Array  # (2, M, 9): time derivative of the torque, a column for each parameter, 1/s
+
+    def take(self, which: NDArray[np.int64]) -> "UnmodelledColumns":
+        """Select motions, if there is an axis of motions in front."""
+        return UnmodelledColumns(self.stribeck[which], self.ripple[which], self.rate[which])
 
 
 @dataclass(frozen=True)
 class SampledMotion:
-    """What the image needs of a motion, or of K motions that samples draw from.
+    """Regressors of a motion, or of K motions that samples draw from, with K in front of each shape."""
 
-    Attributes
-    ----------
-    torque : array of shape (2, M, 9) or (K, 2, M, 9)
-        Maps beta to the filtered and subsampled torque tau_s: the regressor sent through lines 3 and 7 of
-        Algorithm 1, which are linear.
-    model : array of shape (2, M, 9) or (K, 2, M, 9)
-        Regressor of the subsampled motion: f of Eq. 9. One for all motions where f is taken on the desired motion.
-    beyond : UnmodelledColumns, optional
-        Torques that Eq. 1 does not hold, of the same motions.
-    """
-
+    #: (2, M, 9), from beta to the filtered and subsampled torque tau_s: the regressor sent through lines 3 and 7 of
+    #: Algorithm 1, which are linear.
     torque: Array
-    model: Array
-    beyond: UnmodelledColumns | None = None
+    model: Array  # (2, M, 9), f of Eq. 9; one for all motions if f is evaluated on the desired motion
+    unmodelled: UnmodelledColumns | None = None
 
 
 def sample_motion(
-    motion: Motion, settings: SignalSettings, proper: slice = slice(None), beyond: bool = False
+    motion: Motion, settings: SignalSettings, proper: slice = slice(None), unmodelled: bool = False
 ) -> SampledMotion:
-    """Regressors that training draws its torques and images from.
-
-    Parameters
-    ----------
-    motion : Motion
-        Identification trajectory at full rate.
-    settings : SignalSettings
-        Filter and length.
-    proper : slice
-        Samples kept after filtering: **cut** of Algorithm 1.
-    beyond : bool
-        Whether to add the columns of torques beyond Eq. 1.
-
-    Returns
-    -------
-    SampledMotion
-        Of one motion.
-    """
+    """Compute the regressors of a motion; `proper` is what **cut** of Algorithm 1 keeps after filtering."""
     h, c_f, reading, m = settings.h, settings.c_f, settings.reading, settings.samples
     y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
     tau_s = dct2sub(dct2low(y, h, c_f, reading)[..., proper], m)
     model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], settings)
-    columns = unmodelled_columns(motion.q, motion.dq, y, proper, h, c_f, reading, m) if beyond else None
+    columns = _unmodelled_columns(motion, y, proper, settings) if unmodelled else None
     return SampledMotion(np.moveaxis(tau_s, 0, -1), model, columns)
 
 
+def _unmodelled_columns(motion: Motion, y: Array, proper: slice, s: SignalSettings) -> UnmodelledColumns:
+    """Filter and subsample the unmodelled effects as the torque is; `y` is the regressor (9, 2, N)."""
+    n = np.array(RIPPLE_CYCLES)[:, np.newaxis, np.newaxis]
+    waves = np.stack([np.sin(n * motion.q), np.cos(n * motion.q)], axis=1).reshape(-1, *motion.q.shape)  # (2 C, 2, N)
+    friction = np.tanh(LAMBDA * motion.dq) - np.tanh(motion.dq / STRIBECK_VELOCITY)
+
+    def sampled(x: Array) -> Array:
+        return dct2sub(dct2low(x, s.h, s.c_f, s.reading)[..., proper], s.samples)
+
+    rate = dct2sub(dct2dev(y, s.h, s.c_f, s.reading)[..., proper], s.samples)
+    return UnmodelledColumns(sampled(friction), np.moveaxis(sampled(waves), 0, -1), np.moveaxis(rate, 0, -1))
+
+
 def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) -> SampledMotion:
-    """Motions that samples draw from; `model`, if given, is f's regressor for all of them."""
-    beyond = [motion.beyond for motion in motions if motion.beyond is not None]
-    columns = (np.stack([getattr(each, field.name) for each in beyond]) for field in fields(UnmodelledColumns))
+    """Stack motions that samples draw from; `model`, if given, is f's regressor for all of them."""
+    unmodelled = [motion.unmodelled for motion in motions if motion.unmodelled is not None]
+    columns = (np.stack([getattr(each, f.name) for each in unmodelled]) for f in fields(UnmodelledColumns))
     return SampledMotion(
         np.stack([motion.torque for motion in motions]),
         np.stack([motion.model for motion in motions]) if model is None else model,
-        UnmodelledColumns(*columns) if len(beyond) == len(motions) else None,
+        UnmodelledColumns(*columns) if len(unmodelled) == len(motions) else None,
     )
-
-
-Label = Literal["largest-torque", "physical"]
-LABELS: tuple[Label, ...] = get_args(Label)
 
 
 @dataclass(frozen=True)
 class DataSettings:
-    """Distribution of the training samples.
+    """Distribution of the training samples."""
 
-    Attributes
-    ----------
-    prior : str
-        Where arms come from, see `repro.cnn.priors`.
-    guess : GuessSettings
-        Where guesses come from.
-    image : ImageSettings
-        Divisors of Eq. 9.
-    label : {"largest-torque", "physical"}
-        Unit of parameters in labels and guesses: of the largest torque (default), in which a right guess makes
-        psi equal alpha as Section IV-A says, or SI as the text reads, in which it does not.
-    unmodelled : UnmodelledSettings
-        What torques hold beyond Eq. 1: nothing by default, as in the paper.
-    """
-
-    prior: Prior = "mixture"
+    prior: Prior = "mixture"  # of the arms, see `repro.cnn.priors`
     guess: GuessSettings = field(default_factory=GuessSettings)
     image: ImageSettings = field(default_factory=ImageSettings)
+    #: Unit of parameters in labels and guesses: the largest torque, in which a right guess makes psi equal alpha as
+    #: Section IV-A says, or SI as the text reads, in which it does not.
     label: Label = "largest-torque"
     unmodelled: UnmodelledSettings = field(default_factory=UnmodelledSettings)
 
@@ -119,40 +133,15 @@ class DataSettings:
 
 @dataclass(frozen=True)
 class Samples:
-    """A batch of samples.
+    """A batch of samples."""
 
-    Attributes
-    ----------
-    u, v : arrays of shape (n, 2, 2, M)
-        Factors of the images.
-    residual : array of shape (n, 9)
-        Labels beta_bar - beta_n.
-    """
-
-    u: Floats32
+    u: Floats32  # factors of the images (n, 2, 2, M)
     v: Floats32
-    residual: Floats32
+    residual: Floats32  # labels (n, 9): beta_bar - beta_n
 
 
 def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settings: DataSettings) -> Samples:
-    """Draw training samples.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n : int
-        How many.
-    motion : SampledMotion
-        Regressors of the identification trajectory, or of K motions of which each sample draws one.
-    settings : DataSettings
-        Distribution.
-
-    Returns
-    -------
-    Samples
-        Single precision.
-    """
+    """Draw n training samples in single precision; of K motions, each sample draws one."""
     m = motion.torque.shape[-2]
     alpha, beta_bar, which = draw_torques(rng, n, motion, settings)
     alpha = alpha.astype(np.float32)
@@ -165,28 +154,52 @@ def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settin
 def draw_torques(
     rng: np.random.Generator, n: int, motion: SampledMotion, settings: DataSettings
 ) -> tuple[Array, Array, NDArray[np.int64] | None]:
-    """Torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
+    """Draw torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
     m = motion.torque.shape[-2]
     beta = sample_beta(rng, n, settings.prior)
     many = motion.torque.ndim == 4
     which = rng.integers(len(motion.torque), size=n) if many else None
     tau = _rebuilt(motion.torque, beta, which)  # (n, 2M)
     if settings.unmodelled:
-        if motion.beyond is None:
+        if motion.unmodelled is None:
             raise ValueError("unmodelled: the motion has no torques beyond Eq. 1.")
-        columns = motion.beyond if which is None else motion.beyond.take(which)
+        columns = motion.unmodelled if which is None else motion.unmodelled.take(which)
         largest = np.abs(tau).max(-1, keepdims=True)
         tau = tau + draw_unmodelled(rng, beta, largest, columns, settings.unmodelled).reshape(n, -1)
     largest = np.abs(tau).max(-1, keepdims=True)
-    # psi equals alpha for the right guess only if parameters are read in units of the largest torque.
+    # psi equals alpha for the right guess only if parameters are in units of the largest torque.
     beta_bar = beta / largest if settings.label == "largest-torque" else beta
     return (tau / largest).reshape(n, 2, m), beta_bar, which
 
 
 def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Array:
-    """Y beta of each sample, shape (n, 2 M), on the one motion or on motion ``which`` of K."""
+    """Compute Y beta (n, 2 M) of each sample, on the one motion or on motion ``which`` of K."""
     if columns.ndim == 3 or which is None:
         torque: Array = beta @ columns.reshape(-1, columns.shape[-1]).T
     else:
         torque = np.einsum("nrp,np->nr", columns.reshape(len(columns), -1, columns.shape[-1])[which], beta)
     return torque
+
+
+def draw_unmodelled(
+    rng: np.random.Generator, beta: Array, largest: Array, columns: UnmodelledColumns, settings: UnmodelledSettings
+) -> Array:
+    """Draw the unmodelled torque (n, 2, M), N m, of arms (n, 9) with their largest torque (n, 1), N m.
+
+    The columns are of one motion, or have an axis of length n in front, with the motion of each sample.
+    """
+    n, m = len(beta), columns.stribeck.shape[-1]
+    excess = rng.uniform(0.0, settings.stribeck, (n, 2))
+    torque = (excess * beta[:, 7:])[..., np.newaxis] * columns.stribeck
+    waves = len(RIPPLE_CYCLES)
+    which, phase = rng.integers(waves, size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, (n, 2))
+    amplitude = rng.uniform(0.0, settings.ripple, (n, 2)) * largest
+    weight = np.zeros((n, 2, 2 * waves))
+    np.put_along_axis(weight, 2 * which[..., np.newaxis], (amplitude * np.cos(phase))[..., np.newaxis], -1)
+    np.put_along_axis(weight, 2 * which[..., np.newaxis] + 1, (amplitude * np.sin(phase))[..., np.newaxis], -1)
+    torque += (columns.ripple @ weight[..., np.newaxis])[..., 0]
+    delay = rng.uniform(0.0, settings.delay_s, (n, 1, 1))
+    torque -= delay * (columns.rate @ beta[:, np.newaxis, :, np.newaxis])[..., 0]
+    noise = rng.uniform(0.0, settings.noise, (n, 1)) * largest
+    total: Array = torque + noise[..., np.newaxis] * rng.standard_normal((n, 2, m))
+    return total

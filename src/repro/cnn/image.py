@@ -1,7 +1,8 @@
 """From torque, motion and a guess to the 100 x 100 x 2 image (Eq. 8 and 9), and its colours (Eq. 16).
 
 Each channel of Eq. 9 is a sum of two outer products, so it has rank 2 and is kept as its factors: with
-``u = (psi / m1, psi2 / m2)`` and ``v = (alpha, alpha2)`` the image is ``Z[d] = sum_r u[d, r] v[d, r]^T``.
+``u = (psi / m1, psi2 / m2)`` and ``v = (alpha, alpha2)`` the image is ``Z[d] = sum_r u[d, r] v[d, r]^T``. Only figures
+build the image itself (`assemble`).
 """
 
 from dataclasses import dataclass
@@ -23,18 +24,11 @@ COLOUR_WEIGHTS = ((2 / 3, 0.7 / 3), (2 / 3, 0.0), (2 / 3, 1.0))
 
 @dataclass(frozen=True)
 class ImageSettings:
-    """How Eq. 9 divides its two parts.
+    """How Eq. 9 divides its two parts."""
 
-    Attributes
-    ----------
-    scale : {"shared-max", "channel-max", "constant"}
-        What Z1 is divided by. ``shared-max``: one maximum over both channels, because both torques share
-        theirs (default). ``channel-max``: each channel's own. ``constant``: `constant`, so that a guess
-        wrong by a common factor looks different from a right one (in the ablation).
-    constant : float
-        Divisor of Z1 when `scale` is ``constant``.
-    """
-
+    #: Divisor of Z1. ``shared-max``: one maximum over both channels, because both torques share theirs.
+    #: ``channel-max``: each channel's own. ``constant``: `constant`, so that a guess that is wrong by a common factor
+    #: looks different from a right one (in the ablation).
     scale: Scale = "shared-max"
     constant: float = 4.0
 
@@ -55,7 +49,7 @@ def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
 
 
 def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[Floats, Floats]:
-    """Factors of the image of Eq. 9.
+    """Compute the factors of the image of Eq. 9.
 
     Parameters
     ----------
@@ -95,35 +89,17 @@ def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[
 
 
 def assemble(u: Floats, v: Floats) -> Floats:
-    """Image Z from its factors: ``Z[..., d, i, j] = sum_r u[..., d, r, i] v[..., d, r, j]``.
+    """Build the image Z (..., 2, S, S), ``Z[..., d, i, j] = sum_r u[..., d, r, i] v[..., d, r, j]``, from its factors.
 
-    Parameters
-    ----------
-    u, v : arrays of shape (..., 2, 2, S)
-        Factors from `image_factors`.
-
-    Returns
-    -------
-    array of shape (..., 2, S, S)
-        Channel, row (psi) and column (alpha).
+    Its axes are channel, row (psi) and column (alpha). Training and identification never call this: the network works
+    on the factors.
     """
     image: Floats = np.swapaxes(u, -1, -2) @ v
     return image
 
 
 def colours(image: Floats) -> Floats:
-    """Colour representation of Eq. 16, clipped to the displayable range.
-
-    Parameters
-    ----------
-    image : array of shape (..., 2, S, S)
-        Image of Eq. 9.
-
-    Returns
-    -------
-    array of shape (..., S, S, 3)
-        Red, green and blue from 0 to 1.
-    """
+    """Compute the colours (..., S, S, 3) of Eq. 16, clipped to 0 to 1, of images (..., 2, S, S)."""
     z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
     (red1, red2), (green1, _), (blue1, _) = COLOUR_WEIGHTS
     rgb = np.stack([red1 * z1 + red2 * z2, green1 * z1, blue1 * z1 + z2], -1)

@@ -1,4 +1,4 @@
-"""Optimisers of the two recipes."""
+"""Muon: momentum with orthogonalised steps (Jordan, "Muon: An optimizer for hidden layers", 2024)."""
 
 import math
 from collections.abc import Iterable
@@ -6,17 +6,13 @@ from collections.abc import Iterable
 import torch
 from torch import Tensor
 
-from repro.cnn.network import SignalCNN
-from repro.cnn.schedule import TrainingSettings
-
 #: a, b, c of p(x) = x (a + b x^2 + c x^4): applied three times it lifts singular values from 0.02 on to 0.7 to 1.2.
-#: Jordan, "Muon", 2024.
 QUINTIC = (3.4445, -4.7750, 2.0315)
 QUINTIC_TIMES = 3
 
 
 def _lift(gram: Tensor, times: int) -> Tensor:
-    """Q(G) such that p, applied so many times to X, is Q(G) X."""
+    """Compute Q(G) such that p, applied so many times to X, is Q(G) X."""
     a, b, c = QUINTIC
     factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
     factor.diagonal().add_(a)
@@ -24,22 +20,10 @@ def _lift(gram: Tensor, times: int) -> Tensor:
 
 
 def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
-    """The matrix with its singular values brought near one, its singular vectors kept.
+    """Bring the singular values of a matrix (m, n) near one and keep its singular vectors; quickest with m <= n.
 
     An odd polynomial of X is a polynomial of G = X X^T times X, so the iteration runs on the small G, in single
-    precision, and only two products are as wide as X: the one that forms G, and the last.
-
-    Parameters
-    ----------
-    matrix : tensor of shape (m, n)
-        Quickest with m <= n.
-    dtype : torch.dtype
-        Arithmetic of the two wide products.
-
-    Returns
-    -------
-    tensor of shape (m, n)
-        In `dtype`.
+    precision. Only the product that forms G and the last one are as wide as X; they are in `dtype`.
     """
     x = matrix.to(dtype)
     gram = (x @ x.mT).float()  # (m, m)
@@ -52,15 +36,6 @@ class Muon(torch.optim.Optimizer):
 
     The step of `torch.optim.Muon` with its learning rate matched to Adam's, for kernels too and in the arithmetic
     of the network: the library's always takes bfloat16, which most processors only emulate.
-
-    Parameters
-    ----------
-    weights : iterable of parameters
-        Kernels and matrices.
-    lr : float
-        Learning rate, as for Adam.
-    dtype : torch.dtype
-        Arithmetic of the wide products.
     """
 
     def __init__(self, weights: Iterable[Tensor], lr: float, dtype: torch.dtype) -> None:
@@ -78,32 +53,3 @@ class Muon(torch.optim.Optimizer):
                 ahead = weight.grad.lerp(momentum, group["momentum"]).flatten(1)  # Nesterov's look ahead
                 step = orthogonalised(ahead, group["dtype"])
                 weight.add_(step.view_as(weight), alpha=-0.2 * math.sqrt(max(step.shape)) * group["lr"])
-
-
-def make_optimisers(net: SignalCNN, s: TrainingSettings, dtype: torch.dtype) -> list[torch.optim.Optimizer]:
-    """Gradient descent for the paper's recipe; for the streamed one Muon on all weights, Adam on the biases.
-
-    Muon's orthogonalised steps give a lower loss than Adam after the same number of samples.
-
-    Parameters
-    ----------
-    net : SignalCNN
-        Network to train.
-    s : TrainingSettings
-        Recipe and learning rate.
-    dtype : torch.dtype
-        Arithmetic of the network.
-
-    Returns
-    -------
-    list of torch.optim.Optimizer
-        To be stepped together.
-    """
-    if s.recipe == "paper":
-        return [torch.optim.SGD(net.parameters(), lr=s.paper.learning_rate)]
-    weights = [p for p in net.parameters() if p.ndim > 1]
-    biases = [p for p in net.parameters() if p.ndim == 1]
-    return [
-        torch.optim.Adam(biases, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
-        Muon(weights, s.learning_rate, dtype),
-    ]

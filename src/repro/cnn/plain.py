@@ -1,4 +1,4 @@
-"""A plain network that reads the torque: no image and no guess, the control for Eq. 9.
+"""A plain network from torque to parameters: no image and no guess, the ablation of Eq. 9.
 
 It learns from the same arms and motions as the CNN: the mean and the covariance of the nine parameters given the 200
 torque samples, by the likelihood of a normal distribution (amortised Gaussian posterior, Papamakarios and Murray 2016).

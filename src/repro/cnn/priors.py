@@ -61,27 +61,7 @@ MIXTURE = ((_uniform_beta, 0.5), (_log_uniform_beta, 0.25), (_links_beta, 0.25))
 
 
 def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> Array:
-    """Draw parameter sets of training arms.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n : int
-        How many.
-    prior : {"mixture", "uniform", "log-uniform", "links", "published"}
-        Distribution to draw from.
-
-    Returns
-    -------
-    array of shape (n, 9)
-        Parameters, all positive.
-
-    Raises
-    ------
-    ValueError
-        If the prior is unknown.
-    """
+    """Draw n parameter sets (n, 9) of training arms, all positive."""
     if prior == "mixture":
         counts = rng.multinomial(n, [share for _, share in MIXTURE])
         parts = [draw(rng, int(k)) for (draw, _), k in zip(MIXTURE, counts, strict=True)]
@@ -93,25 +73,13 @@ def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> A
 
 @dataclass(frozen=True)
 class GuessSettings:
-    """How the guesses beta_n of the training images are drawn.
+    """Distribution of the guesses beta_n of the training images."""
 
-    Attributes
-    ----------
-    low, high : float
-        Range of the uniform guesses of M_n images, as published.
-    exact_share : float
-        Share of M_p images, whose guess is right.
-    near_share : float
-        Share of guesses that miss by a normal error of log-uniform size: what refinement meets.
-    near_low, near_high : float
-        Range of that size.
-    """
-
-    low: float = 1e-3
+    low: float = 1e-3  # range of the uniform guesses of M_n images, as published
     high: float = 3.0
-    exact_share: float = 0.1
-    near_share: float = 0.2
-    near_low: float = 3e-3
+    exact_share: float = 0.1  # fraction of M_p images, whose guess is right
+    near_share: float = 0.2  # fraction of guesses with a normal error of log-uniform size, as refinement meets them
+    near_low: float = 3e-3  # range of that size
     near_high: float = 0.5
 
     def __post_init__(self) -> None:
@@ -123,22 +91,7 @@ class GuessSettings:
 
 
 def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:
-    """Guesses for training images: uniform, near and exact in the chosen shares.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    beta_bar : array of shape (n, 9)
-        Right answers in units of the largest torque.
-    settings : GuessSettings
-        Shares and ranges.
-
-    Returns
-    -------
-    array of shape (n, 9)
-        Guesses beta_n.
-    """
+    """Draw guesses (n, 9) for right answers (n, 9) in units of the largest torque: uniform, near and exact ones."""
     n = len(beta_bar)
     kind = rng.uniform(size=(n, 1))
     size = _log_uniform(rng, settings.near_low, settings.near_high, (n, 1))

@@ -1,7 +1,7 @@
 """The method and its network: Tables 1 to 3, Figures 1 to 11."""
 
+from repro.cnn.architecture import read_weights
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.cnn.weights import read_weights
 from repro.exhibits.inputs import Family, Made
 from repro.files import read_csv
 from repro.pipeline import figure_data as data

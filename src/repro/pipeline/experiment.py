@@ -15,8 +15,7 @@ from repro.fpga.sidecar import CaptureMetadata
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.signals.kinematics import ArmGeometry
-from repro.signals.limits import check_limits, permitted_program
-from repro.signals.programs import PROGRAMS, Program, ProgramSettings
+from repro.signals.programs import PROGRAMS, Program, ProgramSettings, check_limits, permitted_program
 from repro.streams import Stream, stream
 
 #: Where the schema lies beside a configuration: the project's folder is the one above config/.
@@ -81,7 +80,7 @@ def limits(config: Config) -> tuple[tuple[float, float], float]:
 
 
 def check_program(config: Config, program: Program) -> None:
-    """Refuse a motion that the arm cannot follow; see `repro.signals.limits.check_limits`."""
+    """Refuse a motion that the arm cannot follow; see `repro.signals.programs.check_limits`."""
     check_limits(program, true_parameters(config), *limits(config))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.cnn.checkpoint import load_network
+from repro.cnn.network import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
 from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.residual import ResidualReader

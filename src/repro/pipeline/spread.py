@@ -21,8 +21,7 @@ from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.pipeline.tracked import draw_arms, tracking_error
 from repro.progress import Progress
-from repro.signals.limits import check_limits
-from repro.signals.programs import VALIDATION, Program
+from repro.signals.programs import VALIDATION, Program, check_limits
 from repro.streams import Stream, stream
 
 #: Arms drawn for each that is wanted.

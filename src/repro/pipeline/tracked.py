@@ -150,13 +150,13 @@ def describe_motions(config: Config) -> str:
 
 def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
     """Motions that a network is trained on."""
-    signals, beyond = signal_settings(config), any(config["data"]["unmodelled"].values())
+    signals, unmodelled = signal_settings(config), any(config["data"]["unmodelled"].values())
     if config["data"]["motions"] == "ideal":
-        return sample_motion(identification_trajectory(signals.duration, signals.h), signals, beyond=beyond)
+        return sample_motion(identification_trajectory(signals.duration, signals.h), signals, unmodelled=unmodelled)
     arms = read_tracked(tracked or Path(), config)
     proper = slice(arms.program.n1, arms.program.n2)
     tracks = (derived_motion(q * RADIANS_PER_COUNT, signals) for q in arms.position)
-    motions = [sample_motion(track, signals, proper, beyond) for track in tracks]
+    motions = [sample_motion(track, signals, proper, unmodelled) for track in tracks]
     if config["algorithm1"]["image_motion"] == "measured":
         return stack_motions(motions)
     sent = derived_motion(arms.program.q, signals)

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from repro.cnn.checkpoint import save_network
-from repro.cnn.factored import on_this_processor
+from repro.cnn.network import on_this_processor, save_network
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.train import train
 from repro.files import write_csv, write_text

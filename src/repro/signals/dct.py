@@ -15,23 +15,7 @@ FREQUENCY_READINGS: tuple[FrequencyReading, ...] = ("rad_per_s", "hertz", "index
 
 
 def spectrum(x: Array) -> Array:
-    """DCT-II spectrum of Eq. 5.
-
-    Parameters
-    ----------
-    x : array of shape (..., N)
-        Signal.
-
-    Returns
-    -------
-    array of shape (..., N)
-        Coefficients; the transform is orthonormal, so norms and inner products are kept.
-
-    Raises
-    ------
-    ValueError
-        If there is no sample or a sample is not finite.
-    """
+    """Compute the DCT-II spectrum (..., N) of Eq. 5, which keeps norms and inner products, of a finite signal."""
     x = np.asarray(x, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] == 0:
         raise ValueError("x: a signal needs at least one sample.")
@@ -41,27 +25,7 @@ def spectrum(x: Array) -> Array:
 
 
 def band_frequency(n: int, h: float, reading: FrequencyReading = "rad_per_s") -> Array:
-    """Frequency omega of each DCT-II band, as the filter of Eq. 6 and 14 reads it.
-
-    Parameters
-    ----------
-    n : int
-        Number of samples N.
-    h : float
-        Sampling period, s.
-    reading : {"rad_per_s", "hertz", "index"}
-        What omega means: pi k / (N h), k / (2 N h), or the band number k itself. The paper does not say.
-
-    Returns
-    -------
-    array of shape (n,)
-        omega for k = 0 ... N-1.
-
-    Raises
-    ------
-    ValueError
-        If `h` is not positive or the reading is unknown.
-    """
+    """Compute omega (n,) of each DCT-II band k: pi k / (n h), k / (2 n h), or k itself; the paper does not say."""
     if not 0 < h < np.inf:
         raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
     k = np.arange(n, dtype=np.float64)
@@ -75,7 +39,7 @@ def band_frequency(n: int, h: float, reading: FrequencyReading = "rad_per_s") ->
 
 
 def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
-    """Gaussian low-pass in the DCT-II domain (Eq. 14).
+    """Low-pass a signal with a Gaussian in the DCT-II domain (Eq. 14).
 
     Parameters
     ----------
@@ -97,6 +61,11 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
     ------
     ValueError
         If `c_f` is negative or not finite, or `x`, `h` or `reading` is not valid.
+
+    Examples
+    --------
+    >>> dct2low(np.full(4, 2.0), h=0.01, c_f=1e-4)  # a constant passes
+    array([2., 2., 2., 2.])
     """
     if not 0 <= c_f < np.inf:
         raise ValueError(f"c_f: the filter coefficient must be finite and not negative, got {c_f}.")
@@ -106,10 +75,10 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
 
 
 def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
-    """Filtered derivative of a sampled signal (Eq. 6).
+    """Compute the filtered derivative of a signal (Eq. 6).
 
-    The backward difference of the first sample would need the one before it, which does not exist; the
-    second sample's difference stands in for it.
+    The backward difference of the first sample would need a sample before it. The second sample's difference stands
+    in for it.
 
     Parameters
     ----------
@@ -117,10 +86,8 @@ def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
         Signal with at least two samples.
     h : float
         Sampling period, s.
-    c_f : float
-        Filter coefficient, not negative.
-    reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in exp(-c_f omega^2).
+    c_f, reading
+        As for `dct2low`.
 
     Returns
     -------
@@ -141,7 +108,7 @@ def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
 
 
 def dct2sub(x: Array, m: int) -> Array:
-    """Subsample to any length by keeping the first M bands of the DCT-II (Fig. 5).
+    """Subsample a signal to any length by keeping the first M bands of its DCT-II (Fig. 5).
 
     Parameters
     ----------

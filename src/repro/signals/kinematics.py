@@ -4,15 +4,11 @@
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
 from repro.model.dynamics import check_motion
 from repro.model.parameters import Array
-
-#: Sign of q2: to which side of the straight arm the elbow bends.
-Elbow = Literal["positive", "negative"]
 
 # A point this share of the reach outside the workspace is put down to rounding.
 _ROUNDING = 1e-12
@@ -20,23 +16,13 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class ArmGeometry:
-    """Link lengths.
-
-    Attributes
-    ----------
-    l1, l2 : float
-        m.
-
-    Raises
-    ------
-    ValueError
-        If a length is not positive and finite.
-    """
+    """Link lengths, m."""
 
     l1: float
     l2: float
 
     def __post_init__(self) -> None:
+        """Refuse a length that is not positive and finite."""
         for name, value in vars(self).items():
             if not 0 < value < np.inf:
                 raise ValueError(f"{name}: a link length must be positive and finite, got {value}.")
@@ -48,56 +34,18 @@ class ArmGeometry:
 
 
 def forward_kinematics(q: Array, geometry: ArmGeometry) -> tuple[Array, Array]:
-    """Where the elbow and the tip are.
-
-    Parameters
-    ----------
-    q : array of shape (..., 2, N)
-        Joint positions, rad.
-    geometry : ArmGeometry
-        Link lengths.
-
-    Returns
-    -------
-    elbow, tip : arrays of shape (..., 2, N)
-        x and y on the axis before the last, m.
-
-    Raises
-    ------
-    ValueError
-        If `q` is not ``(..., 2, N)`` or not finite.
-    """
+    """Compute the positions of elbow and tip, m, each (..., 2, N) with x and y, for joint positions (..., 2, N)."""
     (q,) = check_motion(q)
     q1, q12 = q[..., 0, :], q[..., 0, :] + q[..., 1, :]
     elbow = geometry.l1 * np.stack([np.sin(q1), -np.cos(q1)], -2)
     return elbow, elbow + geometry.l2 * np.stack([np.sin(q12), -np.cos(q12)], -2)
 
 
-def inverse_kinematics(tip: Array, geometry: ArmGeometry, elbow: Elbow = "positive") -> Array:
-    """Joint positions that put the tip on given points.
+def inverse_kinematics(tip: Array, geometry: ArmGeometry) -> Array:
+    """Compute joint positions (..., 2, N), rad, with q2 >= 0, that put the tip on points (..., 2, N), m.
 
-    Parameters
-    ----------
-    tip : array of shape (..., 2, N)
-        x and y of the tip, m.
-    geometry : ArmGeometry
-        Link lengths.
-    elbow : {"positive", "negative"}
-        Sign of q2: which of the two solutions.
-
-    Returns
-    -------
-    array of shape (..., 2, N)
-        rad, q1 within (-pi, pi] and q2 within [-pi, pi]. A path around joint 1 jumps by 2 pi where it passes
-        straight above it.
-
-    Raises
-    ------
-    ValueError
-        If a point is out of reach, `elbow` is unknown, or `tip` is not ``(..., 2, N)`` or not finite.
+    q1 is within (-pi, pi]: a path around joint 1 jumps by 2 pi where it passes straight above it.
     """
-    if elbow not in get_args(Elbow):
-        raise ValueError(f"elbow: must be one of {get_args(Elbow)}, got {elbow!r}.")
     (tip,) = check_motion(tip)
     x, y = tip[..., 0, :], tip[..., 1, :]
     l1, l2, reach = geometry.l1, geometry.l2, geometry.reach
@@ -112,7 +60,5 @@ def inverse_kinematics(tip: Array, geometry: ArmGeometry, elbow: Elbow = "positi
     folded = np.sqrt(np.clip((reach - r) * (reach + r), 0.0, None))
     straight = np.sqrt(np.clip((r - abs(l1 - l2)) * (r + abs(l1 - l2)), 0.0, None))
     q2 = 2.0 * np.arctan2(folded, straight)
-    if elbow == "negative":
-        q2 = -q2
     q1 = np.arctan2(x, -y) - np.arctan2(l2 * np.sin(q2), l1 + l2 * np.cos(q2))
     return np.stack([np.pi - np.mod(np.pi - q1, 2.0 * np.pi), q2], -2)

@@ -20,37 +20,23 @@ TIME_FORMULAS: tuple[TimeFormula, ...] = ("mean-square", "energy")
 
 @dataclass(frozen=True)
 class Similarity:
-    """Similarity as fractions of 1, one value for each signal pair.
-
-    Attributes
-    ----------
-    time, frequency : arrays of shape (...)
-        The two factors of Algorithm 2.
-    """
+    """The two factors of Algorithm 2 (...), as fractions of 1, for each pair of signals."""
 
     time: Array
     frequency: Array
 
     @property
     def total(self) -> Array:
-        """Product of both factors: what the tables call Total."""
+        """Product of both factors, the column Total of the tables."""
         return self.time * self.frequency
 
 
 @dataclass(frozen=True)
 class MetricSettings:
-    """Choices that the lost listing of Algorithm 2 leaves open.
+    """Choices that the lost listing of Algorithm 2 leaves open."""
 
-    Attributes
-    ----------
-    time_formula : {"mean-square", "energy"}
-        Time error: the mean of (x-y)^2 in the signal's own unit, or |x-y|^2 / |x|^2.
-    exponent : float
-        Power that balances the two factors; the paper prints 0.4.
-    """
-
-    time_formula: TimeFormula = "mean-square"
-    exponent: float = 0.4
+    time_formula: TimeFormula = "mean-square"  # time error: mean (x-y)^2 in the signal's unit, or |x-y|^2 / |x|^2
+    exponent: float = 0.4  # power that balances the two factors, as printed
 
     def __post_init__(self) -> None:
         """Refuse an unknown formula or an exponent that is not positive."""
@@ -66,7 +52,7 @@ UNIT_FREE_METRIC = MetricSettings("energy")
 
 
 def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: MetricSettings) -> Similarity:
-    """Both factors from |x-y|^2, |x|^2 and |X/|X| - Y/|Y||^2."""
+    """Compute both factors from |x-y|^2, |x|^2 and |X/|X| - Y/|Y||^2."""
     scale = energy if s.time_formula == "energy" else np.full_like(energy, float(n))
     time = np.clip(1.0 - np.maximum(error_energy, 0.0) / scale, 0.0, 1.0) ** s.exponent
     frequency = np.clip(1.0 - np.sqrt(np.maximum(chord2, 0.0)), 0.0, 1.0) ** s.exponent
@@ -74,7 +60,7 @@ def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: Me
 
 
 def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> Similarity:
-    """Similarity of a rebuilt signal `y` to an actual signal `x`.
+    """Compute the similarity of a rebuilt signal `y` to an actual signal `x` (Algorithm 2).
 
     time = (1 - mean((x-y)^2))^0.4 and frequency = (1 - |X/|X| - Y/|Y||)^0.4 with X, Y the DCT-II
     spectra, each floored at 0; total = time * frequency.
@@ -97,6 +83,12 @@ def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> 
     ------
     ValueError
         If lengths differ, a sample is not finite, or `x` is zero throughout.
+
+    Examples
+    --------
+    >>> x = np.sin(np.linspace(0.0, 6.0, 50))
+    >>> float(metr2ev(x, x).total)
+    1.0
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if x.shape[-1:] != y.shape[-1:]:
@@ -118,24 +110,10 @@ def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> 
 
 
 class TorqueScorer:
-    """``metr2ev`` of many parameter sets against one torque, from inner products alone.
+    """``metr2ev`` of many parameter sets against one torque (2, N) with its regressor (2, N, 9).
 
     For tau_r = Y beta, |tau - tau_r|^2 and <tau, tau_r> are quadratic and linear in beta, so a set costs
     one 9 x 9 form for each joint whatever the length of the signals.
-
-    Parameters
-    ----------
-    tau : array of shape (2, N)
-        Actual torque.
-    y : array of shape (2, N, 9)
-        Regressor of the motion.
-    settings : MetricSettings
-        Formula choices.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not agree, a value is not finite, or a joint's torque is zero throughout.
     """
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
@@ -152,18 +130,7 @@ class TorqueScorer:
         self._cross = np.einsum("jna,jn->ja", y, tau)
 
     def __call__(self, beta: Array) -> Similarity:
-        """Similarity of the torques rebuilt from `beta`.
-
-        Parameters
-        ----------
-        beta : array of shape (..., 9)
-            Parameter sets.
-
-        Returns
-        -------
-        Similarity
-            Arrays of shape (..., 2): one value for each joint.
-        """
+        """Compute the similarity (..., 2) of each joint's torque rebuilt from parameter sets (..., 9)."""
         beta = check_beta(beta)
         cross = beta @ self._cross.T  # (..., 2)
         rebuilt = np.maximum(np.einsum("...a,jab,...b->...j", beta, self._gram, beta, optimize=True), 0.0)

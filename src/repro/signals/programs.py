@@ -1,4 +1,7 @@
-"""Desired positions as the board plays them: the identification run of Eq. 10 and the motions that validate."""
+"""Reference trajectories as the board plays them, and the limits of speed and torque that they keep.
+
+The board calls a reference trajectory a program: the identification run of Eq. 10 (ID) and the motions that validate.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -6,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from repro.errors import InputError
+from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
 from repro.signals.kinematics import ArmGeometry
-from repro.signals.quintic import quintic
-from repro.signals.trajectories import Motion, identification_trajectory
+from repro.signals.trajectories import Motion, identification_trajectory, quintic
 from repro.signals.validation_motions import (
     T1_BANDS,
     RangeOf,
@@ -21,38 +24,23 @@ from repro.signals.validation_motions import (
 
 #: Samples that the board's memory holds.
 MEMORY_SAMPLES = 8192
+#: What the arm can do (Section III, V-C): torque at full PWM of each joint, N m, and joint speed, rad/s.
+TORQUE_LIMIT = (2.7192, 2.7314)
+SPEED_LIMIT = 8.0
 
 
 @dataclass(frozen=True)
 class Program:
-    """Desired positions of one recording.
-
-    Attributes
-    ----------
-    name : str
-        Key of `MOTIONS`, or of a user's own.
-    q : array of shape (2, N)
-        Desired position at each sampling instant, rad; the arm hangs at rest before the first.
-    n1, n2 : int
-        The trajectory proper is ``q[:, n1:n2]``, what **cut** of Algorithm 1 keeps.
-    h : float
-        Sampling period, s.
-
-    Raises
-    ------
-    InputError
-        If there are more samples than the board's memory holds.
-    ValueError
-        If `q` is not a finite ``(2, N)`` or n1 and n2 do not lie in it in this order.
-    """
+    """Reference trajectory of one recording: the trajectory proper is ``q[:, n1:n2]``, what **cut** keeps."""
 
     name: str
-    q: Array
+    q: Array  # desired positions (2, N), rad; the arm hangs at rest before the first
     n1: int
     n2: int
-    h: float
+    h: float  # sampling period, s
 
     def __post_init__(self) -> None:
+        """Refuse positions that are not finite, bounds out of order, and more samples than the memory holds."""
         if self.q.ndim != 2 or self.q.shape[0] != 2 or not np.isfinite(self.q).all():
             raise ValueError(f"q: must be finite of shape (2, N), got shape {self.q.shape}.")
         samples = self.q.shape[1]
@@ -66,63 +54,21 @@ class Program:
 
 @dataclass(frozen=True)
 class ProgramSettings:
-    """What the five programs need.
+    """Settings of the five reference trajectories."""
 
-    Attributes
-    ----------
-    geometry : ArmGeometry
-        Link lengths, for the circle of T2.
-    duration : float
-        Of the trajectory of Eq. 10, s.
-    h : float
-        Sampling period, s.
-    margin : int
-        Samples of Eq. 10 before and after the trajectory proper, which take the filter's edges.
-    lead_in : float
-        Time to bring the hanging arm onto Eq. 10, s.
-    validation_samples : int
-        Length of T1-T4.
-    t1_bands : float
-        DCT-II band at which the filter of T1 has a gain of 1/e.
-    t1_limit : float
-        Range of T1, -t1_limit to t1_limit, rad.
-    t1_range_of : {"motion", "numbers"}
-        What has that range, see `repro.signals.validation_motions.random_motion`.
-    """
-
-    geometry: ArmGeometry = field(default_factory=lambda: ArmGeometry(0.165, 0.150))
-    duration: float = 3.0 * np.pi
-    h: float = 2.5e-3
-    margin: int = 40
-    lead_in: float = 0.75
-    validation_samples: int = MEMORY_SAMPLES
-    t1_bands: float = T1_BANDS
-    t1_limit: float = 1.2
-    t1_range_of: RangeOf = "motion"
+    geometry: ArmGeometry = field(default_factory=lambda: ArmGeometry(0.165, 0.150))  # for the circle of T2
+    duration: float = 3.0 * np.pi  # of the trajectory of Eq. 10, s
+    h: float = 2.5e-3  # sampling period, s
+    margin: int = 40  # samples of Eq. 10 before and after the trajectory proper, which take the filter's edges
+    lead_in: float = 0.75  # time to bring the hanging arm onto Eq. 10, s
+    validation_samples: int = MEMORY_SAMPLES  # length of T1-T4
+    t1_bands: float = T1_BANDS  # DCT-II band at which the filter of T1 has a gain of 1/e
+    t1_limit: float = 1.2  # range of T1, -t1_limit to t1_limit, rad
+    t1_range_of: RangeOf = "motion"  # what has that range, see `random_motion`
 
 
 def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
-    """Positions that bring the arm from rest at q = 0 into a given state.
-
-    Parameters
-    ----------
-    q, dq, ddq : arrays of shape (2,)
-        Position (rad), velocity (rad/s) and acceleration (rad/s^2) one sample after the last one returned.
-    samples : int
-        Number of samples.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    array of shape (2, samples)
-        Samples of a quintic, the first at q = 0, rad.
-
-    Raises
-    ------
-    ValueError
-        If `samples` is less than 1, `h` is not positive or the state is not finite.
-    """
+    """Compute positions (2, samples), rad, from rest at q = 0 into a state of two joints, one sample later."""
     if samples < 1:
         raise ValueError(f"samples: a lead-in needs at least one, got {samples}.")
     time = h * np.arange(samples, dtype=np.float64)
@@ -132,31 +78,7 @@ def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
 def identification_program(
     duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 40, lead_in_s: float = 0.75
 ) -> Program:
-    """Lead-in, margin, trajectory of Eq. 10, margin.
-
-    Parameters
-    ----------
-    duration : float
-        Of the trajectory proper, s.
-    h : float
-        Sampling period, s.
-    margin : int
-        Samples of Eq. 10 before and after the trajectory proper.
-    lead_in_s : float
-        Time from rest to Eq. 10, s.
-
-    Returns
-    -------
-    Program
-        n1 and n2 enclose the trajectory proper.
-
-    Raises
-    ------
-    InputError
-        If it is longer than the board's memory.
-    ValueError
-        If an argument is not valid.
-    """
+    """Build ID: lead-in of `lead_in_s`, margin, trajectory of Eq. 10 over `duration` (s), margin."""
     motion = identification_trajectory(duration, h, margin)
     if not np.isfinite(lead_in_s):
         raise ValueError(f"lead_in_s: must be finite, got {lead_in_s}.")
@@ -171,17 +93,7 @@ Make = Callable[[ProgramSettings, np.random.Generator], Motion]
 
 @dataclass(frozen=True)
 class Entry:
-    """How a validation motion is made.
-
-    Attributes
-    ----------
-    make : callable
-        ``make(settings, rng)`` gives the motion.
-    random : bool
-        Whether it is drawn, and so may be drawn again.
-    published : bool
-        Whether the paper has it.
-    """
+    """A validation motion: the function that samples it, whether it is drawn at random, whether the paper has it."""
 
     make: Make
     random: bool = False
@@ -193,7 +105,7 @@ VALIDATION: dict[str, Entry] = {
     "T1": Entry(
         lambda s, rng: random_motion(rng, s.t1_bands, s.t1_limit, s.t1_range_of, s.validation_samples, s.h), random=True
     ),
-    "T2": Entry(lambda s, _: circle_motion(s.geometry, samples=s.validation_samples, h=s.h)),
+    "T2": Entry(lambda s, _: circle_motion(s.geometry, s.validation_samples, s.h)),
     "T3": Entry(lambda s, _: profile_motion(s.validation_samples, s.h)),
     "T4": Entry(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
 }
@@ -204,29 +116,7 @@ SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
 
 
 def program(name: str, settings: ProgramSettings, rng: np.random.Generator) -> Program:
-    """Desired positions of one of the recordings.
-
-    Parameters
-    ----------
-    name : str
-        One of `PROGRAMS`.
-    settings : ProgramSettings
-        Lengths, filter and geometry.
-    rng : numpy.random.Generator
-        Source of random numbers of a motion that is drawn.
-
-    Returns
-    -------
-    Program
-        Ready for `repro.signals.limits.check_limits`.
-
-    Raises
-    ------
-    InputError
-        If it is longer than the board's memory.
-    ValueError
-        If the name is unknown or a setting is not valid.
-    """
+    """Build the reference trajectory of this name; only a random motion uses `rng`."""
     s = settings
     if name not in PROGRAMS:
         raise ValueError(f"name: must be one of {PROGRAMS}, got {name!r}.")
@@ -234,3 +124,55 @@ def program(name: str, settings: ProgramSettings, rng: np.random.Generator) -> P
         return identification_program(s.duration, s.h, s.margin, s.lead_in)
     motion = VALIDATION[name].make(s, rng)
     return Program(name, motion.q, 0, motion.q.shape[1], s.h)
+
+
+def peaks(desired: Program, beta: Array) -> tuple[Array, Array]:
+    """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm.
+
+    The speed is that of the steps between samples, the first one from q = 0. The torque is that of the inverse dynamics
+    with central differences and the arm's nominal parameters (9,).
+    """
+    q = np.pad(desired.q, ((0, 0), (1, 0)))  # the arm hangs at rest before the first sample
+    step = np.diff(q) / desired.h
+    dq = 0.5 * (step[:, 1:] + step[:, :-1])
+    torque = inverse_dynamics(q[:, 1:-1], dq, np.diff(step) / desired.h, beta)
+    return np.abs(step).max(-1), np.abs(torque).max(-1)
+
+
+def check_limits(
+    desired: Program, beta: Array, torque_limit: tuple[float, float] = TORQUE_LIMIT, speed_limit: float = SPEED_LIMIT
+) -> None:
+    """Raise InputError if a joint would exceed its torque (N m) or speed (rad/s); call it before anything is sent."""
+    speed, torque = peaks(desired, beta)
+    limits = (("speed", "rad/s", speed, (speed_limit, speed_limit)), ("torque", "N m", torque, torque_limit))
+    for quantity, unit, needed, allowed in limits:
+        for joint in range(2):
+            if not needed[joint] <= allowed[joint]:
+                place = f"trajectory {desired.name}: joint {joint + 1} {quantity}"
+                raise InputError.at(place, f"{needed[joint]:.4g} {unit}", f"at most {allowed[joint]:g} {unit}")
+
+
+def permitted_program(
+    name: str,
+    settings: ProgramSettings,
+    rng: np.random.Generator,
+    beta: Array,
+    torque_limit: tuple[float, float] = TORQUE_LIMIT,
+    speed_limit: float = SPEED_LIMIT,
+    draws: int = 100,
+) -> Program:
+    """Build a reference trajectory that keeps the limits; draw a random one up to `draws` times.
+
+    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2. With 45 bands, 2 of
+    10 do. InputError is raised if the last draw breaks a limit.
+    """
+    if draws < 1:
+        raise ValueError(f"draws: must be at least 1, got {draws}.")
+    for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
+        desired = program(name, settings, rng)
+        speed, torque = peaks(desired, beta)
+        if (speed <= speed_limit).all() and (torque <= np.asarray(torque_limit)).all():
+            return desired
+    desired = program(name, settings, rng)
+    check_limits(desired, beta, torque_limit, speed_limit)
+    return desired

@@ -1,4 +1,4 @@
-"""The identification trajectory (Eq. 10, Fig. 6) and the random validation trajectory (Fig. 16)."""
+"""The identification trajectory (Eq. 10, Fig. 6), random trajectories (Fig. 16) and quintic moves."""
 
 from dataclasses import dataclass
 
@@ -25,42 +25,16 @@ RANDOM_RANGE = (0.0, 1.0)
 
 @dataclass(frozen=True)
 class Motion:
-    """A sampled motion of both joints.
+    """A sampled motion of both joints."""
 
-    Attributes
-    ----------
-    time : array of shape (N,)
-        s.
-    q, dq, ddq : arrays of shape (2, N)
-        Position (rad), velocity (rad/s), acceleration (rad/s^2).
-    """
-
-    time: Array
-    q: Array
-    dq: Array
-    ddq: Array
+    time: Array  # (N,), s
+    q: Array  # position (2, N), rad
+    dq: Array  # velocity (2, N), rad/s
+    ddq: Array  # acceleration (2, N), rad/s^2
 
 
 def sample_times(duration: float, h: float) -> Array:
-    """Sampling instants 0, h, 2h, ... covering `duration`.
-
-    Parameters
-    ----------
-    duration : float
-        s.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    array of shape (N,)
-        N = duration / h, rounded to the nearest integer (3770 for 3 pi s at 2.5 ms).
-
-    Raises
-    ------
-    ValueError
-        If an argument is not positive and finite, or fewer than two samples fit.
-    """
+    """Compute the sampling instants (N,) 0, h, 2h, ..., with N = duration / h to the nearest integer; all in s."""
     if not 0 < h < np.inf:
         raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
     if not np.isfinite(duration):
@@ -72,7 +46,7 @@ def sample_times(duration: float, h: float) -> Array:
 
 
 def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 0) -> Motion:
-    """Trajectory of Eq. 10 with its exact derivatives.
+    """Compute the trajectory of Eq. 10 with its exact derivatives.
 
     Played slower or faster it keeps its shape: over `duration` the phase runs from 0 to 3 pi.
 
@@ -119,32 +93,9 @@ def random_trajectory(
     low: float = RANDOM_RANGE[0],
     high: float = RANDOM_RANGE[1],
 ) -> Motion:
-    """Uniform random positions filtered with Eq. 14 (Section V-B).
+    """Filter uniform random positions from `low` to `high`, rad, with Eq. 14 (Section V-B).
 
     Derivatives are taken by Eq. 6 without further filtering: the position is band-limited already.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the random vector.
-    duration, h : float
-        Length and sampling period, s.
-    c_f : float
-        Coefficient of Eq. 14.
-    reading : {"rad_per_s", "hertz", "index"}
-        Unit of omega in Eq. 14.
-    low, high : float
-        Range of the random numbers, rad.
-
-    Returns
-    -------
-    Motion
-        N = duration / h samples.
-
-    Raises
-    ------
-    ValueError
-        If a range, a length or a filter setting is not valid.
     """
     if not -np.inf < low < high < np.inf:
         raise ValueError(f"high: must be finite and above the finite low, got {low} to {high}.")
@@ -152,3 +103,35 @@ def random_trajectory(
     q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, reading)
     dq = dct2dev(q, h, 0.0)
     return Motion(t, q, dq, dct2dev(dq, h, 0.0))
+
+
+# Rows: second and first derivative, and value, of s^3, s^4, s^5 at s = 1. In this order elimination needs no pivoting.
+_END = np.array([[6.0, 12.0, 20.0], [3.0, 4.0, 5.0], [1.0, 1.0, 1.0]])
+
+
+def _upper_coefficients(missing: Array) -> Array:
+    """Solve ``_END c = missing`` (3, J) by elimination: the last bits of a library's solver depend on the processor."""
+    a, c = _END.copy(), missing.copy()
+    for k in range(3):
+        factor = a[k + 1 :, k, None] / a[k, k]
+        a[k + 1 :] -= factor * a[k]
+        c[k + 1 :] -= factor * c[k]
+    for k in (2, 1, 0):
+        c[k] *= 1.0 / a[k, k]
+        c[:k] -= a[:k, k, None] * c[k]
+    return c
+
+
+def quintic(t: Array, duration: float, start: Array, end: Array) -> Array:
+    """Evaluate at times t (N,) the quintic (J, N) from state `start` at time 0 to state `end` at `duration`, s.
+
+    A state (3, J) has position (rad), velocity (rad/s) and acceleration (rad/s^2) of J joints.
+    """
+    if not 0 < duration < np.inf:
+        raise ValueError(f"duration: must be positive and finite, got {duration}.")
+    # In s = t / duration a velocity is scaled by the duration, an acceleration by its square.
+    (p0, v0, a0), goal = np.stack([start, end]) * (duration ** np.arange(3))[:, None]
+    low = np.stack([p0, v0, 0.5 * a0])
+    at_end = np.stack([a0, v0 + a0, low.sum(0)])
+    coefficients = np.concatenate([low, _upper_coefficients(goal[::-1] - at_end)])  # (6, J), ascending
+    return np.asarray(np.polynomial.polynomial.polyval(np.asarray(t) / duration, coefficients))

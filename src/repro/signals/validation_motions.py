@@ -11,9 +11,8 @@ import numpy as np
 
 from repro.model.parameters import Array
 from repro.signals.dct import dct2dev
-from repro.signals.kinematics import ArmGeometry, Elbow, inverse_kinematics
-from repro.signals.quintic import quintic
-from repro.signals.trajectories import Motion, random_trajectory, sample_times
+from repro.signals.kinematics import ArmGeometry, inverse_kinematics
+from repro.signals.trajectories import Motion, quintic, random_trajectory, sample_times
 
 #: Samples of T1-T4: the board's whole memory, 20.48 s at 2.5 ms.
 SAMPLES = 8192
@@ -45,24 +44,16 @@ WINDOW_COEFFICIENT = 0.2
 
 
 def start_and_end_window(time: Array) -> Array:
-    """f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2), T the largest time (Section VI).
+    """Compute f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2) of Section VI, T the largest of the times (N,) in s.
 
-    Parameters
-    ----------
-    time : array of shape (N,)
-        s, from 0 up.
-
-    Returns
-    -------
-    array of shape (N,)
-        0 at both ends, 0.99 and more from 4.8 s after the start to 4.8 s before the end.
+    It is 0 at both ends and above 0.99 from 4.8 s after the start to 4.8 s before the end.
     """
     a = WINDOW_COEFFICIENT
     return np.asarray(1.0 - np.exp(-a * time**2) - np.exp(-a * (time.max() - time) ** 2))
 
 
 def _sampled(time: Array, q: Array, h: float) -> Motion:
-    """Motion through positions of shape (2, N); derivatives by Eq. 6 without filtering."""
+    """Add derivatives by Eq. 6, without filtering, to positions (2, N)."""
     dq = dct2dev(q, h, 0.0)
     return Motion(time, q, dq, dct2dev(dq, h, 0.0))
 
@@ -75,32 +66,11 @@ def random_motion(
     samples: int = SAMPLES,
     h: float = 2.5e-3,
 ) -> Motion:
-    """T1: uniform random numbers, filtered by Eq. 14 and windowed.
+    """Compute T1: uniform random numbers, filtered by Eq. 14 and windowed.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the random numbers.
-    bands : float
-        DCT-II band at which the gain of Eq. 14 is 1/e: 1 / sqrt(c_f) with omega counted in bands.
-    limit : float
-        The range that Section VI prints, -limit to limit, rad.
-    range_of : {"motion", "numbers"}
-        What has this range: each joint's filtered motion, or the random numbers before the filter.
-    samples : int
-        Number of samples N.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    Motion
-        N samples.
-
-    Raises
-    ------
-    ValueError
-        If a range, a length or the number of bands is not valid.
+    `bands` is the DCT-II band at which the gain of Eq. 14 is 1/e: 1 / sqrt(c_f) with omega counted in bands. The range
+    that Section VI prints, -limit to limit (rad), is of each joint's filtered motion, or of the numbers before the
+    filter (`range_of`).
     """
     if not 0 < bands < np.inf:
         raise ValueError(f"bands: must be positive and finite, got {bands}.")
@@ -113,61 +83,20 @@ def random_motion(
     return _sampled(motion.time, q * start_and_end_window(motion.time), h)
 
 
-def circle_motion(
-    geometry: ArmGeometry, elbow: Elbow = "positive", samples: int = SAMPLES, h: float = 2.5e-3
-) -> Motion:
-    """T2: a circle of the tip, a tenth of the reach in radius, windowed in joint space.
+def circle_motion(geometry: ArmGeometry, samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+    """Compute T2: a circle of the tip, a tenth of the reach in radius, windowed in joint space.
 
     The window bends the first and last turn: the arm swings out of rest onto the circle and back.
-
-    Parameters
-    ----------
-    geometry : ArmGeometry
-        Link lengths.
-    elbow : {"positive", "negative"}
-        Sign of q2.
-    samples : int
-        Number of samples N.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    Motion
-        N samples.
-
-    Raises
-    ------
-    ValueError
-        If the links differ so much in length that the circle is out of reach, or a length is not valid.
     """
     time = sample_times(samples * h, h)
     angle = 2.0 * np.pi * CIRCLE_TURNS * time / (samples * h)
     circle = CIRCLE_RADIUS * np.stack([np.sin(angle), -np.cos(angle)])
     tip = geometry.reach * (circle + np.array([[0.0], [-CIRCLE_CENTRE]]))
-    return _sampled(time, inverse_kinematics(tip, geometry, elbow) * start_and_end_window(time), h)
+    return _sampled(time, inverse_kinematics(tip, geometry) * start_and_end_window(time), h)
 
 
 def profile_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
-    """T3: moves from rest to rest, each a quintic, with a hold after each.
-
-    Parameters
-    ----------
-    samples : int
-        Number of samples N.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    Motion
-        N samples, at rest at q = 0 at both ends.
-
-    Raises
-    ------
-    ValueError
-        If `samples` or `h` is not valid.
-    """
+    """Compute T3: quintic moves from rest to rest, with a hold after each; at rest at q = 0 at both ends."""
     time = sample_times(samples * h, h)
     total = samples * h
     moves = PROFILE_LEVELS.shape[1]
@@ -186,25 +115,7 @@ def profile_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
 
 
 def sinusoidal_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
-    """T4: a sinusoid for each joint, windowed.
-
-    Parameters
-    ----------
-    samples : int
-        Number of samples N.
-    h : float
-        Sampling period, s.
-
-    Returns
-    -------
-    Motion
-        N samples.
-
-    Raises
-    ------
-    ValueError
-        If `samples` or `h` is not valid.
-    """
+    """Compute T4: a sinusoid for each joint, windowed."""
     time = sample_times(samples * h, h)
     q = SINE_AMPLITUDE * np.sin(2.0 * np.pi * SINE_FREQUENCY * time)
     return _sampled(time, q * start_and_end_window(time), h)

@@ -16,9 +16,8 @@ import numpy as np
 import torch
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.checkpoint import load_network, save_network
 from repro.cnn.dataset import DataSettings, SampledMotion
-from repro.cnn.factored import FactoredCNN, on_this_processor
+from repro.cnn.network import FactoredCNN, load_network, on_this_processor, save_network
 from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import fingerprint, train
 from repro.errors import InputError

@@ -3,8 +3,8 @@
 import numpy as np
 import torch
 
-from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings, image_factors
+from repro.cnn.network import FactoredCNN
 from repro.identification.algorithm1.listing import Prepared
 from repro.model.parameters import Array
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from repro.cnn.factored import FactoredCNN
 from repro.cnn.image import ImageSettings
+from repro.cnn.network import FactoredCNN
 from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.residual import ResidualReader
