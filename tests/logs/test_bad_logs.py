@@ -34,10 +34,9 @@ from log_example import BETA, text
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm, read_arm
-from repro.logs.describe import describe
+from repro.logs.diagnostics import describe, diagnose
+from repro.logs.load import read_log
 from repro.logs.log import Log
-from repro.logs.reading import read_log
-from repro.logs.suspicions import suspicions
 from repro.logs.uniform import uniform
 from repro.model.dynamics import forward_dynamics
 
@@ -281,6 +280,6 @@ def test_a_free_fall_is_no_other_reading(seed):
         v = v + h * forward_dynamics(x, v, np.zeros(2), BETA)
         x = x + h * v
     log = Log("fall.csv", h * np.arange(len(q)), np.array(q).T, 0.01 * rng.normal(size=(2, len(q))))
-    told = suspicions(log)
-    assert len(told) <= 1
-    assert all("this log can only judge the motion" in line for line in told)
+    warnings = diagnose(log)
+    assert len(warnings) <= 1
+    assert all("this log can only test the motion" in line for line in warnings)

@@ -10,9 +10,9 @@ import pytest
 from log_example import columns, recording, text
 
 from repro.errors import InputError
-from repro.logs import encoding, table
+from repro.logs import table
 from repro.logs.armfile import Arm, read_arm
-from repro.logs.reading import read_log
+from repro.logs.load import read_log
 
 GOOD = columns(recording(np.arange(600) / 200.0))
 
@@ -63,7 +63,7 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
 
     whole = read()
     monkeypatch.setattr(table, "_BLOCK", size)
-    monkeypatch.setattr(encoding, "LONGEST_LINE", 100 * size)
+    monkeypatch.setattr(table, "LONGEST_LINE", 100 * size)
     assert read() == whole
 
 
@@ -83,8 +83,8 @@ def test_a_line_without_an_end_is_refused(file):
 
 def test_a_file_too_large_is_refused_unread(file):
     path = file("time,q1\n")
-    os.truncate(path, encoding.LARGEST + 1)  # takes no room on the disk
-    assert f"size: found {encoding.LARGEST + 1} bytes" in refusal(path)
+    os.truncate(path, table.LARGEST + 1)  # takes no room on the disk
+    assert f"size: found {table.LARGEST + 1} bytes" in refusal(path)
 
 
 def test_missing_columns_are_found_in_the_header(file):
