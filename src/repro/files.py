@@ -1,5 +1,7 @@
 """Result files that are whole or absent: written to a temporary name, then renamed."""
 
+import csv
+import io
 import json
 import os
 import tempfile
@@ -62,10 +64,15 @@ def write_json(path: Path | str, content: object) -> None:
     write_text(path, json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n")
 
 
+def csv_text(frame: pd.DataFrame) -> str:
+    """Format a table without its index, numbers with ten significant digits."""
+    text: str = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+    return text
+
+
 def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
-    """Write a table without its index, numbers with ten significant digits."""
-    text = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
-    write_text(path, text)
+    """Write a table as `csv_text` formats it."""
+    write_text(path, csv_text(frame))
 
 
 #: Bytes of a table that is read whole.
@@ -87,6 +94,30 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     if missing:
         raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
     return frame
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Read the rows of a CSV table as the text they contain: numbers keep the digits they were written with."""
+    try:
+        check_size(path, LARGEST_TABLE, "a CSV table")
+        text = path.read_bytes().decode()
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
+    return parse_rows(text, str(path))
+
+
+def parse_rows(text: str, place: str) -> list[dict[str, str]]:
+    """Split the text of a CSV table into rows; `place` is its name in messages."""
+    try:
+        rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise InputError.at(place, f"text that is not a table ({error})", "a CSV table") from error
+    for number, row in enumerate(rows, start=2):
+        if None in row or None in row.values():
+            raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
+    return rows
 
 
 def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:
