@@ -76,25 +76,17 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "replace(options, cutoff=log.settings.cutoff, friction=True))",
     ): "a log made by Eq. 1 has no friction beyond it to find",
     (
-        "src/repro/paper/ledger/constants.py",
-        "waves = np.stack([np.cos(frequency * time), -np.sin(frequency * time)], axis=1)",
-    ): "of two axes the last is the second",
-    (
-        "src/repro/paper/checks/torque.py",
+        "src/repro/paper/checks/hardware.py",
         "CONSISTENT if full.value < motor.value else OUTSIDE,",
     ): "the two are not equal",
     (
-        "src/repro/paper/checks/stability_numbers.py",
+        "src/repro/paper/checks/proof.py",
         "CONSISTENT if condition <= 1.0 / scale else CONTRADICTS,",
     ): "the two are not equal",
     (
         "src/repro/paper/metric_candidates.py",
         '("cosine", "1 - cos(x, y)", lambda x, y: 1.0 - _cosine(y, x)),',
     ): "a cosine is symmetric",
-    (
-        "src/repro/paper/ledger/counterparts.py",
-        "half = 2 ** (TORQUE_BITS[1].bit_count() - 1)",
-    ): "both joints have as many bits",
     (
         "src/repro/comparison/runs.py",
         "return next((k for k, (p, q) in enumerate(zip(y, x, strict=False)) if p != q), min(len(x), len(y)))",

@@ -25,7 +25,7 @@ import planar_arms
 from repro.fpga.plant import Unmodelled
 from repro.identification.methods.every import METHODS
 from repro.logs.armfile import Arm
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.model.parameters import NAMES
 from repro.ownarm.judge import find, judge

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from repro.errors import InputError
-from repro.paper.ledger.verification import PUBLISHED_NAME, verify_ledger
+from repro.paper.verification import PUBLISHED_NAME, verify_ledger
 from repro.pipeline.experiment import load_config
 
 FOLDERS = ("docs/reference", "data/captures", "data/networks")

@@ -6,6 +6,8 @@ Each RUN is a results folder of the whole workflow that differs from the others 
 
 import argparse
 import os
+from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 from repro import contract
@@ -14,12 +16,44 @@ contract.hold(os.environ)
 
 import pandas as pd
 
-from repro.comparison.spread import measure
-from repro.files import write_csv
+from repro.comparison.classes import Kind, Spread, kind_of, origin
+from repro.comparison.runs import compare_runs
+from repro.errors import InputError
+from repro.files import read_rows, write_csv
 
 SPREAD = Path(__file__).resolve().parent.parent / "src/repro/comparison/spread.csv"
 SHOWN = ("tables/table06", "tables/table07", "tables/table10", "model/training")
 COLUMNS = ("total", "test_loss")
+#: Tables of training images, drawn anew with another ``training.seed`` though no network has a part in them.
+SEEDED = ("figures/fig08.csv", "figures/fig09.csv", "data/mean_torque.csv")
+SPREAD_COLUMNS = ("table", "origin", "column", "runs", "cells", "widest")
+
+
+def measure(runs: Sequence[Path]) -> pd.DataFrame:
+    """Widest range of any one cell over the runs, for each table, origin and column that holds trained numbers."""
+    for a, b in combinations(runs, 2):
+        for file in compare_runs(a, b, Spread({}))[0]:
+            for d in file.found:
+                if d.broken and d.kind is not Kind.TRAINED and file.name not in SEEDED:
+                    raise InputError.at(f"{b / file.name}: {d.place}", d.b, f"{d.a}, as in {a}, for it is not trained")
+    rows = []
+    names = sorted(path.relative_to(runs[0]).as_posix() for glob in ("*.csv", "*/*.csv") for path in runs[0].glob(glob))
+    for name in names:
+        if not all((run / name).exists() for run in runs):
+            continue
+        tables, table = [read_rows(run / name) for run in runs], name.removesuffix(".csv")
+        groups: dict[tuple[str, str], list[float]] = {}
+        for cells in zip(*tables, strict=True):
+            for column in cells[0]:
+                if kind_of(table, cells[0], column) is not Kind.TRAINED:
+                    continue
+                try:
+                    values = [float(row[column]) for row in cells]
+                except ValueError:
+                    continue
+                groups.setdefault((origin(cells[0]), column), []).append(max(values) - min(values))
+        rows += [(table, *key, len(runs), len(ranges), max(ranges)) for key, ranges in groups.items()]
+    return pd.DataFrame(rows, columns=list(SPREAD_COLUMNS))
 
 
 def main():

@@ -9,8 +9,8 @@ import yaml
 
 from repro.files import write_csv
 from repro.model.parameters import NAMES
-from repro.paper.ledger.verification import write_ledger
 from repro.paper.published import PUBLISHED_FILE
+from repro.paper.verification import write_ledger
 from repro.pipeline.experiment import load_config
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -11,7 +11,7 @@ from repro.identification.excitation import excitation
 from repro.identification.methods.every import METHODS
 from repro.identification.parallel import FilterSettings
 from repro.logs.armfile import Arm
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.judge import find, judge

@@ -89,14 +89,6 @@ def test_what_is_within_the_limits_is_read(tmp_path):
     assert str(read_json(path)).count("[") == DEEPEST
 
 
-@pytest.mark.parametrize("content", [b"\xff\xfea\0", "größe: 1".encode("latin-1"), b"\x80\x81\x82"])
-def test_bytes_that_are_no_text_are_refused(tmp_path, content):
-    path = tmp_path / "arm.yaml"
-    path.write_bytes(content)
-    refusal(lambda p: read_yaml(p, "an arm file"), path)
-    refusal(read_json, path)
-
-
 def test_a_pipe_a_device_and_a_folder_are_refused_at_once(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

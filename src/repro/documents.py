@@ -72,7 +72,7 @@ class Loader(yaml.SafeLoader):
         if not levels and isinstance(node, yaml.CollectionNode):
             raise self._refused(node, *_TOO_DEEP)
         if self._left < 0:
-            raise InputError.at(self.name, f"aliases that stand for more than {MOST_VALUES} values", "fewer")
+            raise InputError.at(self.name, f"aliases that expand to more than {MOST_VALUES} values", "fewer")
         if isinstance(node, yaml.MappingNode):
             for key, value in node.value:
                 self._count(key, levels - 1)

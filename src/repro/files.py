@@ -1,5 +1,7 @@
 """Result files that are whole or absent: written to a temporary name, then renamed."""
 
+import csv
+import io
 import json
 import os
 import tempfile
@@ -21,8 +23,8 @@ from repro.errors import InputError
 CSV_FLOAT_FORMAT = "%.10g"
 
 
-def write_whole(path: Path | str, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`."""
+def atomic_write(path: Path | str, write: Callable[[Path], object]) -> None:
+    """Let `write` fill a temporary file next to `path`, then rename it to `path`."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -54,7 +56,7 @@ def write_text(path: Path | str, text: str) -> None:
     def fill(temporary: Path) -> None:
         temporary.write_bytes(text.encode())
 
-    write_whole(path, fill)
+    atomic_write(path, fill)
 
 
 def write_json(path: Path | str, content: object) -> None:
@@ -62,10 +64,15 @@ def write_json(path: Path | str, content: object) -> None:
     write_text(path, json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n")
 
 
+def csv_text(frame: pd.DataFrame) -> str:
+    """Format a table without its index, numbers with ten significant digits."""
+    text: str = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+    return text
+
+
 def write_csv(path: Path | str, frame: pd.DataFrame) -> None:
-    """Write a table without its index, numbers with ten significant digits."""
-    text = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
-    write_text(path, text)
+    """Write a table as `csv_text` formats it."""
+    write_text(path, csv_text(frame))
 
 
 #: Bytes of a table that is read whole.
@@ -73,7 +80,7 @@ LARGEST_TABLE = 2**26
 
 
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
-    """Read a CSV table and check that it has the columns asked for."""
+    """Read a CSV table and check that it has these columns."""
     try:
         check_size(path, LARGEST_TABLE, "a CSV table")
         frame = pd.read_csv(path)
@@ -89,10 +96,34 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     return frame
 
 
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Read the rows of a CSV table as the text they contain: numbers keep the digits they were written with."""
+    try:
+        check_size(path, LARGEST_TABLE, "a CSV table")
+        text = path.read_bytes().decode()
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
+    return parse_rows(text, str(path))
+
+
+def parse_rows(text: str, place: str) -> list[dict[str, str]]:
+    """Split the text of a CSV table into rows; `place` is its name in messages."""
+    try:
+        rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise InputError.at(place, f"text that is not a table ({error})", "a CSV table") from error
+    for number, row in enumerate(rows, start=2):
+        if None in row or None in row.values():
+            raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
+    return rows
+
+
 def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:
-    """Write arrays as safetensors; of several facts in the header the order is any."""
-    laid = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # written as memory lies
-    write_whole(path, lambda temporary: save_file(laid, temporary, header))
+    """Write arrays as safetensors; the header has no fixed order."""
+    contiguous = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # memory is written as it is
+    atomic_write(path, lambda temporary: save_file(contiguous, temporary, header))
 
 
 def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:

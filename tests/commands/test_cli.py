@@ -88,7 +88,7 @@ def test_a_table_can_be_recorded(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
         ("q1_rad,q2_rad\n", "found no rows"),
@@ -96,12 +96,15 @@ def test_a_table_can_be_recorded(tmp_path):
         ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
         ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
         ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
+        ("q1_rad,q2_rad\n0.1,0.2\n", "wave.csv: found 1 rows"),
+        ("q1_rad,q2_rad\n1e308,0\n-1e308,0\n", "row 1, q1_rad"),
+        ("q1_rad,q2_rad\n0,0\n0,-30\n", "row 2, q2_rad"),
     ],
 )
-def test_a_table_that_is_no_motion_is_refused(tmp_path, text, told):
+def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     path = tmp_path / "wave.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=expected) as caught:
         read_program(path)
     assert "\n" not in str(caught.value)
 
@@ -109,19 +112,19 @@ def test_a_table_that_is_no_motion_is_refused(tmp_path, text, told):
 def test_decode_tells_and_writes_a_table(stored, capsys):
     table = stored.with_suffix(".csv")
     assert main(["decode", str(stored)]) == 0
-    told = capsys.readouterr().out
-    assert told.splitlines() == [
+    summary = capsys.readouterr().out
+    assert summary.splitlines() == [
         f"{stored}: T4, source simulated, complete",
         "frames: 200 good of 200 expected (0.5 s)",
         "gaps: 0, about 0 frames lost, 0 bytes skipped",
     ]
     assert not table.exists()
     assert main(["decode", str(stored), "-o", str(table)]) == 0
-    assert capsys.readouterr().out == told
+    assert capsys.readouterr().out == summary
     assert main(["decode", str(stored), "-o", "-"]) == 0
-    printed, summary = capsys.readouterr()
+    printed, repeated = capsys.readouterr()
     assert printed == table.read_text()
-    assert summary == told
+    assert repeated == summary
     frame = pd.read_csv(io.StringIO(printed))
     np.testing.assert_array_equal(frame[["q1_counts", "q2_counts"]].T, read_capture(stored).position)
 
@@ -188,7 +191,7 @@ def test_no_board_writes_nothing(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("drop", "--faults: drop: found '', expected a number"),
         ("drop=x", "--faults: drop: found 'x', expected a number"),
@@ -197,8 +200,8 @@ def test_no_board_writes_nothing(tmp_path, capsys):
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
     ],
 )
-def test_faults_that_make_no_sense_are_refused(text, told):
-    with pytest.raises(InputError, match=told) as caught:
+def test_faults_that_make_no_sense_are_refused(text, expected):
+    with pytest.raises(InputError, match=expected) as caught:
         parse_faults(text)
     assert "\n" not in str(caught.value)
 

@@ -12,7 +12,7 @@ from pytest import approx
 from repro.cli import main
 from repro.commands.record import program_of
 from repro.logs.armfile import read_arm
-from repro.logs.reading import read_log
+from repro.logs.load import read_log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 from repro.pipeline.experiment import load_config
@@ -95,7 +95,7 @@ def test_a_guess_is_read_from_an_identification(tmp_path):
         (("--guess", *BETA), {"torque_limit": None}, "arm.yaml: torque_limit: found nothing, expected two numbers"),
         ((), {"position_limit": [[-1, 1], [1, -1]]}, "position_limit[1]: found [1, -1], expected the lower one first"),
         ((), {"position_limit": [-1, 1]}, "position_limit[0]: found -1, expected two ranges"),
-        ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "let no motion tell the parameters apart, expected wider ones"),
+        ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "no motion separate the parameters, expected wider ones"),
         ((), {"workspace": [[-1, 1], [-1, 1]]}, "link_lengths: found nothing"),
         (("--guess", 1, 2), {}, "--guess: found 1 2, expected parameters.json of repro identify, or nine numbers"),
         (("--guess", *BETA[:8], "nan"), {}, "expected parameters.json of repro identify, or nine numbers"),

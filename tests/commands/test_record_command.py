@@ -8,8 +8,6 @@ from cli_with_fake_board import FRAMES, STOOD_FOR, stub
 from fake_board import PlayedBoard, served
 
 from repro.cli import main
-from repro.commands.record import read_program
-from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.fpga.link import most_bytes
 from repro.fpga.messages import MessageKind
@@ -140,19 +138,3 @@ def test_a_url_behind_which_no_board_is_is_refused(tmp_path, capsys, port):
     assert main(["record", "--port", port, "--trajectory", "T4", "--out", str(tmp_path / "T4.bin")]) == 2
     assert line_about(port, capsys).startswith(f"--port: found '{port}', expected a device")
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("rows", "place"),
-    [
-        ("0.1,0.2\n", "wave.csv: found 1 rows"),
-        ("1e308,0\n-1e308,0\n", "row 1, q1_rad"),
-        ("0,0\n0,-30\n", "row 2, q2_rad"),
-    ],
-)
-def test_a_motion_that_no_encoder_counts_is_refused(tmp_path, rows, place):
-    path = tmp_path / "wave.csv"
-    path.write_text(f"q1_rad,q2_rad\n{rows}")
-    with pytest.raises(InputError) as caught:
-        read_program(path)
-    assert place in str(caught.value)

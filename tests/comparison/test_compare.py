@@ -1,6 +1,8 @@
 """Classes of numbers, and two runs side by side: what may differ, what may not, and where it is."""
 
 import os
+from importlib import import_module
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -8,10 +10,16 @@ import pytest
 from repro.cli import main
 from repro.comparison.classes import ABSOLUTE, MARGIN, RELATIVE, Kind, Spread, kind_of, origin
 from repro.comparison.runs import compare_runs
-from repro.comparison.spread import measure
 from repro.comparison.tables import differences
 from repro.errors import InputError
 from repro.files import read_csv
+
+
+@pytest.fixture
+def measure(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[2] / "benchmarks")
+    return import_module("training_spread").measure
+
 
 SPREAD = Spread({("tables/table10", "algorithm1", "total"): 0.05})
 ROWS = [
@@ -142,7 +150,7 @@ def test_what_is_no_run_is_one_line(tmp_path, capsys):
     assert "line 2: found another number of fields" in capsys.readouterr().err
 
 
-def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path):
+def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measure):
     rows = [*ROWS, {**ROWS[0], "case": "T1", "total": "0.5"}]
     other = [*changed(0, "total", "0.93"), {**ROWS[0], "case": "T1", "total": "0.42"}]
     third = [*changed(0, "total", "0.88"), {**ROWS[0], "case": "T1", "total": "0.45"}]
@@ -158,7 +166,7 @@ def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path):
     assert spread.allowed("tables/table10", ROWS[0], "total") == pytest.approx(MARGIN * 0.08)
 
 
-def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path):
+def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path, measure):
     runs = [run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(1, "total", "0.96"))]
     with pytest.raises(InputError, match=r"line 3, total: found 0\.96, expected 0\.97"):
         measure(runs)

@@ -96,7 +96,7 @@ def test_a_capture_that_cannot_be_replaced_stays(stored, monkeypatch):
         raise OSError("disk full")
 
     before = content_of(stored.parent)
-    monkeypatch.setattr("repro.fpga.capture.write_whole", full)
+    monkeypatch.setattr("repro.fpga.capture.atomic_write", full)
     with pytest.raises(OSError, match="disk full"):
         write_capture(stored, FRAMES[:80], METADATA, overwrite=True)
     assert content_of(stored.parent) == before

@@ -108,25 +108,13 @@ def test_a_batch_is_its_arms_one_by_one() -> None:
     desired = np.stack([identification_program().q[:, :700]] * 3)
     desired[2] *= 0.5
     arms, phase = np.stack([ARM, OTHER, ARM]), np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
-    position, pwm = simulate(Plant(arms, H, ROUGH, phase), TABLE_8, desired)
+    levels = [ROUGH, Unmodelled(stribeck=(0.1, 0.0), ripple=(0.0, 0.3)), Unmodelled()]
+    position, pwm = simulate(Plant(arms, H, levels, phase), TABLE_8, desired)
     for b in range(3):
-        alone = simulate(Plant(arms[b], H, ROUGH, phase[b]), TABLE_8, desired[b])
+        alone = simulate(Plant(arms[b], H, levels[b], phase[b]), TABLE_8, desired[b])
         assert (position[b] == alone[0][0]).all()
         assert (pwm[b] == alone[1][0]).all()
     assert (position[0] != position[2]).any()
-
-
-def test_arms_of_a_batch_may_differ_in_their_levels() -> None:
-    desired = identification_program().q[:, :700]
-    levels = [ROUGH, Unmodelled(stribeck=(0.1, 0.0), ripple=(0.0, 0.3)), Unmodelled()]
-    phase = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
-    position, pwm = simulate(Plant(np.stack([ARM] * 3), H, levels, phase), TABLE_8, desired)
-    for b in range(3):
-        alone = simulate(Plant(ARM, H, levels[b], phase[b]), TABLE_8, desired)
-        assert (position[b] == alone[0][0]).all()
-        assert (pwm[b] == alone[1][0]).all()
-    assert (pwm[0] != pwm[1]).any()
-    assert (pwm[1] != pwm[2]).any()
 
 
 @pytest.mark.parametrize("other", [{"stribeck_velocity": 0.1}, {"ripple_cycles": 3.0}, {"dead_band": 2}])
@@ -135,14 +123,6 @@ def test_arms_of_a_batch_share_everything_but_their_levels(other: dict[str, floa
         Plant(np.stack([ARM, ARM]), H, [ROUGH, replace(ROUGH, **other)])
     with pytest.raises(ValueError, match="one for each arm"):
         Plant(np.stack([ARM, ARM]), H, [ROUGH])
-
-
-def test_exchanged_joints_are_another_arm() -> None:
-    """A level acts on its own joint: the pair in the other order gives another recording."""
-    desired = identification_program().q[:, :900]
-    other = replace(ROUGH, stribeck=ROUGH.stribeck[::-1], ripple=ROUGH.ripple[::-1])
-    first, second = (simulate(Plant(ARM, H, effects), TABLE_8, desired)[1][0] for effects in (ROUGH, other))
-    assert (first != second).any(axis=1).all()
 
 
 def test_without_torque_the_arm_keeps_hanging() -> None:

@@ -12,7 +12,7 @@ from repro.identification.friction import Term, eased, find_terms
 from repro.identification.methods.every import METHODS
 from repro.identification.parallel import FilterSettings
 from repro.identification.solve import solve
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 from repro.ownarm.job import assemble, solve_all

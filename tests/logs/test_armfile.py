@@ -1,4 +1,4 @@
-"""Arm files: every key is read, and what is wrong is told in one line."""
+"""Arm files: every key is read, and what is wrong is found in one line."""
 
 import dataclasses
 
@@ -55,7 +55,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "found"),
     [
         ("colour: red\n", "colour: found an unknown key, expected one of name, columns"),
         ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of time, q1"),
@@ -94,12 +94,12 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         (f"gravity: 1{'0' * 400}\n", "line 1: gravity: found '1000"),
     ],
 )
-def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, told):
+def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, found):
     path = tmp_path / "arm.yaml"
     path.write_text(content)
     with pytest.raises(InputError) as caught:
         read_arm(path)
-    assert told in str(caught.value)
+    assert found in str(caught.value)
     assert "arm.yaml" in str(caught.value)
     assert "\n" not in str(caught.value)
 

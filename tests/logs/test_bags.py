@@ -11,7 +11,7 @@ from log_example import RATE, assert_same, columns, recording, text
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
-from repro.logs.reading import read_log
+from repro.logs.load import read_log
 
 GOOD = recording(np.arange(600) / RATE)
 START = 1_700_000_000_123_456_789

@@ -8,8 +8,8 @@ from log_example import columns, recording, text
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
-from repro.logs.describe import describe
-from repro.logs.reading import read_log
+from repro.logs.diagnostics import describe
+from repro.logs.load import read_log
 from repro.logs.uniform import uniform
 
 

@@ -10,8 +10,8 @@ from log_example import RATE, assert_same, columns, recording
 
 from repro.cli import main
 from repro.logs.armfile import Arm
-from repro.logs.reading import read_log
-from repro.logs.table import in_words
+from repro.logs.load import read_log
+from repro.logs.table import list_lines
 
 GOOD = recording(np.arange(600) / RATE)
 TABLE = columns(GOOD)
@@ -82,7 +82,7 @@ def test_rows_left_out_are_told_by_line(file):
         "1 row equal to the one before left out: line 21",
     )
     assert_same(log, recording(np.delete(GOOD.t, [2, 3, 4, 7])))
-    assert in_words(range(1, 30, 2)) == "lines 1, 3, 5, 7, 9 and 10 more places"
+    assert list_lines(range(1, 30, 2)) == "lines 1, 3, 5, 7, 9 and 10 more places"
 
 
 def test_a_velocity_with_holes_is_no_reason_to_leave_rows_out(file):

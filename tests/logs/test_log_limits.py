@@ -10,9 +10,9 @@ import pytest
 from log_example import columns, recording, text
 
 from repro.errors import InputError
-from repro.logs import encoding, table
+from repro.logs import table
 from repro.logs.armfile import Arm, read_arm
-from repro.logs.reading import read_log
+from repro.logs.load import read_log
 
 GOOD = columns(recording(np.arange(600) / 200.0))
 
@@ -63,7 +63,7 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
 
     whole = read()
     monkeypatch.setattr(table, "_BLOCK", size)
-    monkeypatch.setattr(encoding, "LONGEST_LINE", 100 * size)
+    monkeypatch.setattr(table, "LONGEST_LINE", 100 * size)
     assert read() == whole
 
 
@@ -83,8 +83,8 @@ def test_a_line_without_an_end_is_refused(file):
 
 def test_a_file_too_large_is_refused_unread(file):
     path = file("time,q1\n")
-    os.truncate(path, encoding.LARGEST + 1)  # takes no room on the disk
-    assert f"size: found {encoding.LARGEST + 1} bytes" in refusal(path)
+    os.truncate(path, table.LARGEST + 1)  # takes no room on the disk
+    assert f"size: found {table.LARGEST + 1} bytes" in refusal(path)
 
 
 def test_missing_columns_are_found_in_the_header(file):
@@ -107,7 +107,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "found"),
     [
         ({"tau1": 1e-300 * GOOD["tau1"], "tau2": 1e-300 * GOOD["tau2"]}, "torque of joint 1: found "),
         ({"tau2": 1e-200 * GOOD["tau2"]}, "torque of joint 2: found "),
@@ -117,8 +117,8 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     ids=["tiny torques", "one tiny torque", "huge positions", "digits of another script"],
 )
 @pytest.mark.filterwarnings("error")
-def test_numbers_that_no_arm_gives_are_refused(file, changes, told):
-    assert told in refusal(file(text(GOOD | changes)))
+def test_numbers_that_no_arm_gives_are_refused(file, changes, found):
+    assert found in refusal(file(text(GOOD | changes)))
 
 
 def test_utf32_is_named(file):

@@ -10,8 +10,7 @@ from log_example import RATE, assert_same, log_of, recording
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
-from repro.logs.describe import describe
-from repro.logs.saturation import quantisation_step, saturated_share
+from repro.logs.diagnostics import describe, quantisation_step, saturated_fraction
 from repro.logs.uniform import uniform
 
 GOOD = recording()
@@ -119,5 +118,5 @@ def test_saturation_is_measured(limit):
     tau = np.clip(GOOD.tau, -limit, limit)
     truth = np.mean(np.abs(GOOD.tau) >= limit, axis=1)
     known = np.array([limit, limit])
-    np.testing.assert_allclose(saturated_share(dataclasses.replace(log_of(GOOD), tau=tau)), truth, atol=1e-9)
-    np.testing.assert_allclose(saturated_share(log_of(GOOD, torque_limit=known)), truth, atol=0.002)
+    np.testing.assert_allclose(saturated_fraction(dataclasses.replace(log_of(GOOD), tau=tau)), truth, atol=1e-9)
+    np.testing.assert_allclose(saturated_fraction(log_of(GOOD, torque_limit=known)), truth, atol=0.002)

@@ -12,9 +12,9 @@ from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.recording import to_table
 from repro.logs.armfile import Arm
-from repro.logs.describe import describe
-from repro.logs.header import find_columns
-from repro.logs.reading import read_log
+from repro.logs.columns import find_columns
+from repro.logs.diagnostics import describe
+from repro.logs.load import read_log
 from repro.logs.uniform import uniform
 
 GOOD = recording()

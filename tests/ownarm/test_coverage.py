@@ -9,7 +9,7 @@ from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq
 from repro.identification.bootstrap import bootstrap
 from repro.identification.methods.every import METHODS
 from repro.logs.armfile import Arm
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.ownarm.prepared import Told, make_problem
 from repro.ownarm.settings import Options
 from repro.pipeline.experiment import load_config, program_from_config

@@ -12,9 +12,8 @@ from regression_example import broadband, log_from
 from repro.identification.methods.every import METHODS
 from repro.identification.parallel import prepare
 from repro.identification.scores import relative_rms
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description, quantisation_step
 from repro.logs.log import Log
-from repro.logs.saturation import quantisation_step
 from repro.logs.uniform import uniform
 from repro.model.parameters import NAMES
 from repro.ownarm.job import assemble, solve_all, with_self_test

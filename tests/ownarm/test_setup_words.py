@@ -8,8 +8,8 @@ import yaml
 
 from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
+from repro.logs.load import to_eq1
 from repro.logs.log import Log
-from repro.logs.reading import _to_eq1
 from repro.ownarm.setup import APART, arm_lines, not_shown, told, words
 
 FAULTS = (
@@ -30,7 +30,7 @@ def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
 
     def read(keys):
         file.write_text(yaml.safe_dump(keys))
-        return _to_eq1(raw, read_arm(file))
+        return to_eq1(raw, read_arm(file))
 
     as_it_is = read(common)
     arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)

@@ -7,7 +7,7 @@ from ownarm_problem import ARM, silent
 from regression_example import log_from
 
 from repro.identification.methods.every import METHODS
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.ownarm.job import assemble, solve_all
 from repro.ownarm.prepared import Told, make_problem

@@ -29,21 +29,18 @@ from repro.paper.claims import (
     VERDICTS,
     Basis,
     Margin,
-    Ours,
+    OurValue,
     broken,
     higher,
     judge,
-    ledger,
+    judge_all,
     lower,
     specificity,
 )
-from repro.paper.ledger.causes import CAUSES
-from repro.paper.ledger.constants import second_harmonic
-from repro.paper.ledger.counterparts import ASSERTED, about, compute, counterparts
-from repro.paper.ledger.results import FILES, Results
-from repro.paper.ledger.text import by_basis, markdown, summary
-from repro.paper.published import load_published
-from repro.paper.published_value import PublishedValue
+from repro.paper.ledger import ASSERTED, compute, our_values, refuted_number
+from repro.paper.ledger_page import CAUSES, by_basis, markdown, summary
+from repro.paper.published import PublishedValue, load_published
+from repro.paper.results import FILES, Results
 from repro.pipeline.experiment import load_config
 
 
@@ -52,7 +49,7 @@ def printed(value="97.10", relation="is", kind="stochastic", id_="table07/N1/tot
 
 
 def ours(value, spread=0.0, seeds=1, basis=Basis.NUMERIC, **more):
-    return Ours(value, "t", basis, spread, seeds, **more)
+    return OurValue(value, "t", basis, spread, seeds, **more)
 
 
 #: Five seeds: another run lies within 2.776 x sqrt(1.2) = 3.0414 standard deviations.
@@ -128,14 +125,14 @@ def claims(published, config, folder):
         (printed("1e-3", "about"), ours(1.4e-3, better=lower), REPRODUCED),
         (printed("1e-3", "about"), ours(1.4e-3, better=lower, strict=True), DIFFERS),
         (printed("1e-3", "about"), ours(1e-3, better=lower, strict=True), REPRODUCED),
-        (printed(kind="hardware-only"), Ours(None, ""), HARDWARE),
+        (printed(kind="hardware-only"), OurValue(None, ""), HARDWARE),
         (printed(kind="setting"), ours(1.0, unused=True), NOT_RUN),
         # A contradiction of 0.9 explains a difference of 0.9, and no more.
         (printed(), ours(97.1, contradicts="Its factors give 98.", contradiction=0.9), CONTRADICTS),
         (printed(), ours(98.0, better=higher, contradicts="Its factors give 98.", contradiction=0.9), CONTRADICTS),
         (printed(), ours(99.9, better=higher, contradicts="Its factors give 98.", contradiction=0.9), BETTER),
         (printed(), ours(38.9, better=higher, contradicts="Its factors give 98.", contradiction=0.9), DIFFERS),
-        (printed(), Ours(None, "", contradicts="Its factors give 98."), CONTRADICTS),
+        (printed(), OurValue(None, "", contradicts="Its factors give 98."), CONTRADICTS),
     ],
 )
 def test_each_verdict_at_its_edge(number, side, verdict):
@@ -159,7 +156,7 @@ def test_the_ledger_takes_the_other_cases_from_the_published_numbers():
     cases = {"N1": "97.10", "N2": "97.50", "N4": "99.10"}
     numbers = [printed(value, id_=f"table07/{case}/total/joint1", case=case) for case, value in cases.items()]
     sides = {number.id: ours(float(number.printed) + 0.1, margin=HALF) for number in numbers}
-    rows = ledger(numbers, sides)
+    rows = judge_all(numbers, sides)
     assert rows["verdict"].tolist() == [INCONCLUSIVE, INCONCLUSIVE, REPRODUCED]
     assert specificity(rows, numbers).to_dict("records") == [
         {"basis": "numeric", "what": "similarities", "rows": 1, "pairs": 2, "refused": 2}
@@ -188,7 +185,7 @@ def test_a_row_adds_up(published, value, spread):
 
 
 def test_without_a_number_of_ours_nothing_is_compared():
-    row = judge(printed(kind="hardware-only"), Ours(None, "", note="a clock"))
+    row = judge(printed(kind="hardware-only"), OurValue(None, "", note="a clock"))
     assert all(math.isnan(row[name]) for name in ("ours", "difference", "tolerance"))
     assert (row["tolerance_from"], row["note"], row["asserted"]) == ("", "a clock", "")
     assert row["basis"] == "hardware"
@@ -197,17 +194,17 @@ def test_without_a_number_of_ours_nothing_is_compared():
 def test_a_number_on_one_side_only_is_refused():
     number, side = printed(), ours(1.0)
     with pytest.raises(ValueError, match="table07/N1/total/joint1 has no counterpart"):
-        ledger([number], {})
+        judge_all([number], {})
     with pytest.raises(ValueError, match="table99 has no published number"):
-        ledger([number], {number.id: side, "table99": side})
+        judge_all([number], {number.id: side, "table99": side})
     with pytest.raises(ValueError, match="has no counterpart"):  # an extension does not stand for the method itself
-        ledger([number], {f"{number.id}@refinement": side})
+        judge_all([number], {f"{number.id}@refinement": side})
 
 
 def test_an_extension_has_a_row_of_its_own_below_the_number():
     first, second = printed(), printed(id_="table07/N1/total/joint2")
     sides = {second.id: ours(1.0), f"{first.id}@refinement": ours(98.0, better=higher), first.id: ours(97.1)}
-    rows = ledger([first, second], sides)
+    rows = judge_all([first, second], sides)
     assert sorted(rows["id"][:2]) == [first.id, f"{first.id}@refinement"]
     assert rows.set_index("id")["verdict"].to_dict() == {
         first.id: REPRODUCED, f"{first.id}@refinement": BETTER, second.id: DIFFERS,
@@ -459,7 +456,7 @@ def test_numeric_similarities_say_what_of_the_training_is_ours(published, config
 
 @pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, published):
-    noted = {about(f) for f in findings(published)} - {""}
+    noted = {refuted_number(f) for f in findings(published)} - {""}
     totals = {
         "table07/N1/total/joint2",
         "table10/T2/algorithm1/total/joint2",
@@ -553,20 +550,8 @@ def test_a_damaged_result_is_named(published, config, folder, name, old, new, na
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InputError, match=named) as caught:
-        counterparts(published, config, Results(folder))
+        our_values(published, config, Results(folder))
     assert name in str(caught.value) and "\n" not in str(caught.value)
-
-
-@given(
-    amplitude=st.floats(0.05, 2).flatmap(lambda a: st.sampled_from([a, -a])),
-    frequency=st.floats(0.5, 5),
-    phase=st.floats(0.05, 1.5) | st.floats(1.65, 3.1),
-)
-def test_a_sinusoid_is_taken_apart(amplitude, frequency, phase):
-    t = np.linspace(0, 9.4, 2000)
-    wave = amplitude * np.cos(frequency * t + phase)
-    found = second_harmonic(wave, -(frequency**2) * wave, t)
-    np.testing.assert_allclose(found, (amplitude, frequency, phase), rtol=1e-6)
 
 
 def test_better_is_the_right_way_round():

@@ -10,7 +10,7 @@ import yaml
 
 from repro.comparison.classes import LEDGER, TRAINED_TARGETS, measured_spread
 from repro.paper.claims import Basis, broken, specificity
-from repro.paper.ledger.causes import CAUSES
+from repro.paper.ledger_page import CAUSES
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[2]

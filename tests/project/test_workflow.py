@@ -18,9 +18,9 @@ from claims_example import write_results
 from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
-from repro.paper.ledger.counterparts import compute
-from repro.paper.ledger.results import Results
+from repro.paper.ledger import compute
 from repro.paper.published import load_published
+from repro.paper.results import Results
 
 pytestmark = pytest.mark.slow
 

@@ -19,7 +19,7 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.paper.claims import VERDICTS, Basis, broken
-from repro.paper.ledger.causes import CAUSES
+from repro.paper.ledger_page import CAUSES
 from repro.report import page as page_module
 from repro.report.embed import link, pictures
 from repro.report.ledger import count, differences, read_claims

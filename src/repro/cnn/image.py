@@ -18,6 +18,8 @@ SCALES: tuple[Scale, ...] = ("shared-max", "channel-max", "constant")
 
 #: Added before the logarithms of Eq. 9.
 LOG_OFFSET = 1e-3
+#: Weights of both channels in red, green and blue (Eq. 16).
+COLOUR_WEIGHTS = ((2 / 3, 0.7 / 3), (2 / 3, 0.0), (2 / 3, 1.0))
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ def assemble(u: Floats, v: Floats) -> Floats:
 def colours(image: Floats) -> Floats:
     """Compute the colours (..., S, S, 3) of Eq. 16, clipped to 0 to 1, of images (..., 2, S, S)."""
     z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
-    rgb = np.stack([(2 / 3) * z1 + (0.7 / 3) * z2, (2 / 3) * z1, (2 / 3) * z1 + z2], -1)
+    (red1, red2), (green1, _), (blue1, _) = COLOUR_WEIGHTS
+    rgb = np.stack([red1 * z1 + red2 * z2, green1 * z1, blue1 * z1 + z2], -1)
     shown: Floats = np.clip(rgb, 0.0, 1.0)
     return shown

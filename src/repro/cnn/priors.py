@@ -15,6 +15,8 @@ Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
 PRIORS: tuple[Prior, ...] = get_args(Prior)
 
 LOW, HIGH = 1e-3, 1.0
+#: Ranges that Section IV-A prints, SI units: l1, l2, lc1, lc2 and J1; m1, m2 and J2; friction coefficients.
+PUBLISHED_LENGTH, PUBLISHED_MASS, PUBLISHED_FRICTION = (LOW, 0.1), (LOW, HIGH), (LOW, HIGH)
 
 
 def _log_uniform(rng: np.random.Generator, low: float, high: float, shape: tuple[int, ...]) -> Array:
@@ -43,11 +45,11 @@ def _links_beta(rng: np.random.Generator, n: int) -> Array:
 
 
 def _published_beta(rng: np.random.Generator, n: int) -> Array:
-    """The ranges as printed: l, lc, J1 to 0.1; m, J2 and friction to 1; all from 1e-3."""
-    l1, lc1, lc2, j1 = (rng.uniform(LOW, 0.1, n) for _ in range(4))
-    m1, m2, j2 = (rng.uniform(LOW, HIGH, n) for _ in range(3))
+    """Draw links and friction from the ranges as printed."""
+    l1, lc1, lc2, j1 = (rng.uniform(*PUBLISHED_LENGTH, n) for _ in range(4))
+    m1, m2, j2 = (rng.uniform(*PUBLISHED_MASS, n) for _ in range(3))
     inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
-    return np.concatenate([inertial, rng.uniform(LOW, HIGH, (n, 4))], -1)
+    return np.concatenate([inertial, rng.uniform(*PUBLISHED_FRICTION, (n, 4))], -1)
 
 
 #: All but the mixture.

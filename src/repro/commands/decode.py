@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro decode``."""
-    parser.add_argument("file", type=Path, help="capture NAME.bin, with NAME.json beside it")
+    parser.add_argument("file", type=Path, help="capture NAME.bin, with NAME.json next to it")
     parser.add_argument("-o", "--out", help="table to write, FILE.csv, or - for standard output")
     parser.add_argument("--overwrite", action="store_true", help="replace a table that is there")
 

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro excite``."""
     parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
     parser.add_argument("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
-    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for the motion and what it would tell")
+    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for the motion and its accuracy")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
     parser.add_argument(
         "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.ownarm.outputs import check_folder, put
     from repro.progress import Progress
 
-    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it tells of every glyph
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
     harmonics, noise = arguments.harmonics, np.array(arguments.noise)
     steps, h = round(arguments.duration * arguments.rate), 1.0 / arguments.rate
@@ -82,19 +82,19 @@ def run(arguments: argparse.Namespace) -> int:
             "guess": None if limits.beta is None else limits.beta.tolist(),
         },
         "arm": {**asdict(arm), "file": arguments.arm.name},
-        **{name: told(motion, limits, noise) for name, motion in motions.items()},
+        **{name: summarise_motion(motion, limits, noise) for name, motion in motions.items()},
     }
     if not math.isfinite(content["optimised"]["condition"]):
-        raise InputError.at(str(arguments.arm), "limits that let no motion tell the parameters apart", "wider ones")
+        raise InputError.at(str(arguments.arm), "limits that let no motion separate the parameters", "wider ones")
     given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]
-    files = put(arguments.out, lambda folder: _fill(folder, content, ours, limits), inputs=given)
+    files = put(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
     print(summary(content))
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 
 
 def read_guess(given: list[str] | None) -> "Array | None":
-    """Parameters that ``--guess`` states."""
+    """Read the parameters of ``--guess``."""
     import numpy as np
 
     from repro.documents import read_json
@@ -120,8 +120,8 @@ def read_guess(given: list[str] | None) -> "Array | None":
     return beta
 
 
-def told(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:
-    """What a motion reaches, and what it lets expect."""
+def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:
+    """Give the extremes of a motion and the expected half-widths of its intervals."""
     import numpy as np
 
     from repro.identification.excite import expected
@@ -141,7 +141,7 @@ def told(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]
     }
 
 
-def _fill(folder: Path, content: dict[str, Any], motion: "Motion", limits: "Envelope") -> None:
+def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits: "Envelope") -> None:
     import numpy as np
     import pandas as pd
 
@@ -164,7 +164,7 @@ def _fill(folder: Path, content: dict[str, Any], motion: "Motion", limits: "Enve
 
 
 def summary(content: dict[str, Any]) -> str:
-    """What is reached and what to expect, beside Eq. 10's motion."""
+    """Compare the extremes and the expected accuracy with those of Eq. 10's motion."""
     from repro.model.parameters import UNITS
 
     ours, theirs = content["optimised"], content["eq10"]

@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad",
     )
     parser.add_argument(
-        "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written beside it"
+        "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written next to it"
     )
     parser.add_argument("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
     parser.add_argument(
@@ -74,7 +74,7 @@ def _is_address(url: str) -> bool:
 
 
 def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
-    """Motion of a name or of a table ``FILE.csv``, within what the arm can do."""
+    """Give the motion of a name or of a table ``FILE.csv``, within the limits of the arm."""
     from repro.pipeline.experiment import check_program, program_from_config
     from repro.signals.programs import PROGRAMS
 
@@ -91,7 +91,7 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
 
 
 def read_program(path: Path) -> "Program":
-    """Motion of a table."""
+    """Read the motion of a table."""
     import numpy as np
     import pandas as pd
 

@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def parse_faults(text: str) -> "ErrorRates":
-    """Settings from ``drop=1e-4,flip=1e-4,...``."""
+    """Read error rates such as ``drop=1e-4,flip=1e-4``."""
     from repro.fpga.channel_errors import ErrorRates
 
     names = [field.name for field in fields(ErrorRates)]

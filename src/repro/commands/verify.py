@@ -22,8 +22,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the summary, every asserted claim that fails and everything that does not agree."""
     from repro.fingerprint import told
     from repro.paper.claims import broken
-    from repro.paper.ledger.text import summary
-    from repro.paper.ledger.verification import verify_ledger
+    from repro.paper.ledger_page import summary
+    from repro.paper.verification import verify_ledger
     from repro.pipeline.experiment import load_config
     from repro.pipeline.provenance import recorded_fingerprint
 

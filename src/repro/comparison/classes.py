@@ -8,16 +8,18 @@ computed
 trained
     What depends on a network, a random search or specimens simulated again. Another processor, or another seed, trains
     another network; such a number agrees within `MARGIN` times the widest difference that networks of other seeds and
-    processors were seen to make in its table, method and column (`spread.csv`, `repro.comparison.spread`).
+    processors were seen to make in its table, method and column (`spread.csv`, written by
+    ``benchmarks/training_spread.py``).
 
 A hash of floats tells that they are equal, never that they disagree.
 """
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from importlib import resources
+from pathlib import Path
+
+from repro.files import read_rows
 
 #: Ten digits are written, so numbers a hair apart may be printed one unit of the tenth apart: 1e-9 of them at most.
 #: Least squares is the worst that is computed: rounding (1.1e-16) times the square of the regressor's condition number
@@ -105,7 +107,6 @@ class Spread:
 
 
 def measured_spread() -> Spread:
-    """The spread of the default networks, as `repro.comparison.spread` measured and wrote it."""
-    text = resources.files("repro.comparison").joinpath("spread.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(text.splitlines())
+    """The spread of the default networks, as ``benchmarks/training_spread.py`` measured it."""
+    rows = read_rows(Path(__file__).with_name("spread.csv"))
     return Spread({(row["table"], row["origin"], row["column"]): float(row["widest"]) for row in rows})

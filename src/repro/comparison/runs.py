@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from repro.comparison.classes import Kind, Spread
-from repro.comparison.tables import Difference, differences, read_rows
+from repro.comparison.tables import Difference, differences
 from repro.errors import InputError
+from repro.files import read_rows
 
 #: What is compared byte by byte: recordings and what was sent for them.
 BYTES = ("experiment/*.bin", "experiment/*.program")

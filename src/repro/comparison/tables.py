@@ -1,15 +1,10 @@
 """Two versions of a table, cell by cell."""
 
-import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from repro.comparison.classes import Kind, Spread, kind_of, rounding
-from repro.documents import check_size
-from repro.errors import InputError
-from repro.files import LARGEST_TABLE
 
 Row = Mapping[str, str]
 
@@ -34,20 +29,6 @@ class Difference:
     def rank(self) -> float:
         """Size in units of what is allowed; small where nothing was measured."""
         return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0
-
-
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV as text."""
-    try:
-        check_size(path, LARGEST_TABLE, "a CSV table")
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError.at(str(path), f"no readable table ({error})", "a CSV table") from error
-    for number, row in enumerate(rows, start=2):
-        if None in row or None in row.values():
-            raise InputError.at(f"{path}: line {number}", "another number of fields", "as many as in its header")
-    return rows
 
 
 def differences(table: str, a: Sequence[Row], b: Sequence[Row], spread: Spread) -> Iterator[Difference]:

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import RcKeyType
 
 from repro.exhibits import markup
-from repro.files import write_whole
+from repro.files import atomic_write
 
 #: Widths of one IEEE column and of the full page, inches.
 COLUMN: Final = 3.5
@@ -251,6 +251,6 @@ def save(figure: Figure, title: str, pdf_path: Path, png_path: Path) -> None:
     `house_style`: text and line settings are read while saving.
     """
     undated = {"Title": title, "Creator": None, "Producer": None, "CreationDate": None}
-    write_whole(pdf_path, lambda path: figure.savefig(path, format="pdf", metadata=undated))
+    atomic_write(pdf_path, lambda path: figure.savefig(path, format="pdf", metadata=undated))
     unversioned = {"Title": title, "Software": None}
-    write_whole(png_path, lambda path: figure.savefig(path, format="png", dpi=PNG_DPI, metadata=unversioned))
+    atomic_write(png_path, lambda path: figure.savefig(path, format="png", dpi=PNG_DPI, metadata=unversioned))

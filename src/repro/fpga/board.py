@@ -14,7 +14,7 @@ from repro.fpga.plant import Plant
 
 
 class Board:
-    """A board with its arm, moved on by one sampling period at a time.
+    """A board with its arm, advanced by one sampling period at a time.
 
     Blocks of Fig. 2: **Write Ram** and **Ram-FPGA** are `receive` and the memory it fills, **Read Ram**,
     **Decoder**, **PD**, **PWM gen** and **Aq uart** are `tick`.
@@ -41,7 +41,7 @@ class Board:
 
     @property
     def running(self) -> bool:
-        """Whether the arm is under way."""
+        """Whether the arm is moving."""
         return self._loop is not None
 
     def receive(self, data: bytes) -> bytes:
@@ -84,7 +84,10 @@ class Board:
         self._sample, self._samples = 0, samples
 
     def tick(self) -> bytes:
-        """One sampling period."""
+        """Advance by one sampling period and give its frame, nothing if the arm is not moving.
+
+        After the last sample the motors are off and the trajectory is forgotten: a new start needs a whole program.
+        """
         if self._loop is None:
             return b""
         i = self._sample

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from repro.documents import read_bytes, read_json
 from repro.errors import InputError
-from repro.files import write_json, write_whole
+from repro.files import atomic_write, write_json
 from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.parser import Counts, Gap, StreamParser
 from repro.fpga.sidecar import CaptureMetadata, check_own_sum, check_sidecar, metadata_from, sidecar
@@ -95,7 +95,7 @@ def files_of(path: Path) -> tuple[Path, Path, Path]:
 
 def _write_bytes(path: Path, data: bytes) -> None:
     """Write a file that is whole or absent, read-only afterwards."""
-    write_whole(path, lambda temporary: temporary.write_bytes(data))
+    atomic_write(path, lambda temporary: temporary.write_bytes(data))
     path.chmod(0o444)
 
 

@@ -40,7 +40,7 @@ class ChannelError:
 
 
 class ErrorInjector:
-    """Damages a byte stream; the same seed does the same damage however the stream is cut."""
+    """Damages a byte stream; the damage depends on the seed, not on how the stream is cut."""
 
     def __init__(self, settings: ErrorRates, rng: np.random.Generator) -> None:
         self.log: list[ChannelError] = []
@@ -54,17 +54,17 @@ class ErrorInjector:
         self._losing = 0
 
     def counts(self) -> dict[ErrorKind, int]:
-        """Faults so far by kind."""
+        """Count the errors so far by kind."""
         kinds: tuple[ErrorKind, ...] = ("drop", "flip", "insert", "stall", "disconnect")
         return {kind: sum(error.kind == kind for error in self.log) for kind in kinds}
 
     def take_stall(self) -> float:
-        """Silence due, s, which the caller promises to keep."""
+        """Give the silence that is due, s, for the caller to observe."""
         due, self.stall_s = self.stall_s, 0.0
         return due
 
     def apply(self, data: bytes) -> bytes:
-        """Damage the next bytes."""
+        """Damage the next bytes of the stream."""
         settings, offset = self._settings, self._offset
         if self.disconnected:
             return b""
@@ -81,22 +81,22 @@ class ErrorInjector:
     def _damage(self, data: bytes, offset: int) -> bytes:
         settings = self._settings
         event, bit, value, stall = self._rng.random((len(data), 4)).T
-        struck = (event < settings.drop + settings.flip + settings.insert) | (stall < settings.stall)
+        hit = (event < settings.drop + settings.flip + settings.insert) | (stall < settings.stall)
         parts: list[bytes] = []
         done = 0
-        for i in np.flatnonzero(struck).tolist():
-            parts.append(self._spare(data[done:i]))
+        for i in np.flatnonzero(hit).tolist():
+            parts.append(self._after_stall(data[done:i]))
             if stall[i] < settings.stall:
                 self.stall_s += settings.stall_s
                 self.log.append(ChannelError("stall", offset + i))
                 self._losing = settings.stall_bytes
-            parts.append(self._spare(self._befall(data[i], offset + i, event[i], bit[i], value[i])))
+            parts.append(self._after_stall(self._damage_byte(data[i], offset + i, event[i], bit[i], value[i])))
             done = i + 1
-        parts.append(self._spare(data[done:]))
+        parts.append(self._after_stall(data[done:]))
         return b"".join(parts)
 
-    def _befall(self, byte: int, offset: int, event: float, bit: float, value: float) -> bytes:
-        """What becomes of a byte, by three numbers from 0 to 1."""
+    def _damage_byte(self, byte: int, offset: int, event: float, bit: float, value: float) -> bytes:
+        """Damage one byte, by three numbers from 0 to 1."""
         settings = self._settings
         if event < settings.drop:
             self.log.append(ChannelError("drop", offset))
@@ -109,8 +109,8 @@ class ErrorInjector:
             return bytes([int(256 * value), byte])
         return bytes([byte])
 
-    def _spare(self, data: bytes) -> bytes:
-        """Take away what a stall loses."""
+    def _after_stall(self, data: bytes) -> bytes:
+        """Remove the bytes that a stall loses."""
         lost = min(self._losing, len(data))
         self._losing -= lost
         return data[lost:]

@@ -41,7 +41,7 @@ FIXED_VALUE: Final = IDENTIFIER << 56
 #: Bits of each torque, and -1024 there.
 TORQUE_BITS: Final = (0x7FF << 13, 0x7FF << 2)
 TORQUE_NEVER: Final = (0x400 << 13, 0x400 << 2)
-# From three bits up, how far each field lies above the low 16 bits.
+# From three bits up, the distance of each field above the low 16 bits.
 _SHIFTS: Final = np.array([[43], [27], [11], [0]], dtype=np.uint64)
 
 

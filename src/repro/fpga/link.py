@@ -157,7 +157,7 @@ def _read(line: serial.SerialBase) -> bytes:
 
 
 class Receiver:
-    """Takes bytes until all samples have come or no more do."""
+    """Receives bytes until all samples have come or no more do; `good` counts the frames so far."""
 
     def __init__(
         self,
@@ -174,7 +174,7 @@ class Receiver:
         self._ended: EndReason = ""
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> None:
-        """Receive until there is a reason to end."""
+        """Receive until there is a reason to end; `progress` gets the samples received and expected."""
         began = last = self._clock()
         longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
         try:
@@ -205,13 +205,13 @@ class Receiver:
         progress(self.good, self._samples)
 
     def close(self) -> EndReason:
-        """Decide on the last frames."""
+        """Decide on the last frames; gives why the recording ended before its last sample, empty if it did not."""
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
         return "" if self.good + within >= self._samples else self._ended
 
     def _accept(self, piece: bytes) -> bool:
-        """Add bytes; True once all samples are there, what a board sends after them being cut off."""
+        """Add bytes, without those after the last sample; True once all samples have come."""
         self.data += piece
         self._keep(piece)
         frames = self._parser.feed(piece)
@@ -223,10 +223,10 @@ class Receiver:
         return True
 
     def _all_there(self) -> bool:
-        """Whether the samples would be complete if the parser found frames in all that it holds back."""
+        """Whether the samples are complete if all undecided bytes are frames."""
         counts = self._parser.counts
-        held = counts.received - counts.skipped - FRAME_BYTES * counts.good
-        return counts.good + held // FRAME_BYTES >= self._samples
+        undecided = counts.received - counts.skipped - FRAME_BYTES * counts.good
+        return counts.good + undecided // FRAME_BYTES >= self._samples
 
     def _stamp(self, seconds: float, final: bool = False) -> None:
         if final and self.stamps and self.stamps[-1][0] == len(self.data):

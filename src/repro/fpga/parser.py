@@ -75,7 +75,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Counts:
-    """Use of every byte so far: ``received = 8 good + skipped + held back``; the six reasons add up to `skipped`."""
+    """Use of every byte so far: ``received = 8 good + skipped + undecided``; the six reasons add up to `skipped`."""
 
     received: int = 0
     good: int = 0  # frames accepted
@@ -133,7 +133,7 @@ class StreamParser:
         return self._advance()
 
     def finish(self) -> Frames:
-        """End the stream and decide on the bytes held back; no frames if it was finished before."""
+        """End the stream and decide on the last bytes; no frames if it was finished before."""
         self._finished = True
         frames = self._advance()
         if self._place < len(self._data):

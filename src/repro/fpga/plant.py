@@ -17,11 +17,10 @@ SLOW = 0.2
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """Effects that Eq. 1 does not model."""
+    """Disturbances that Eq. 1 does not model."""
 
-    # Share by which the Coulomb friction of each joint is higher near standstill
-    stribeck: tuple[float, float] = (0.0, 0.0)
-    stribeck_velocity: float = 0.2  # velocity over which that share fades, rad/s
+    stribeck: tuple[float, float] = (0.0, 0.0)  # relative increase of each Coulomb friction near standstill
+    stribeck_velocity: float = 0.2  # velocity at which that increase fades, rad/s
     ripple: tuple[float, float] = (0.0, 0.0)  # amplitude of the torque ripple of each joint, N m
     ripple_cycles: float = 17.0  # ripple cycles in one turn of the joint
     dead_band: int = 0  # PWM counts that do not move the motor
@@ -34,7 +33,7 @@ NOTHING = Unmodelled()
 
 
 class Plant:
-    r"""One arm or a batch of arms under a torque that is held over each sampling period.
+    r"""One arm or a batch of arms under a torque that is constant over each sampling period.
 
     .. math::
         M \ddot q + C \dot q + g + B \dot q + K [(1 + s) \tanh \lambda \dot q - s \tanh(\dot q / v_s)]

@@ -32,7 +32,7 @@ from repro.model.parameters import NAMES, Array
 #: What may be wrong, in the order of the columns: zero of a joint (rad), offset of its torque (N m), and the recorded
 #: torque of joint 2 over the one that Eq. 1 shares with joint 1.
 FAULTS = ("zero1", "zero2", "offset1", "offset2", "scale2")
-#: Zero beyond which this is no small fault but another reading of the log, see `repro.logs.readings`, rad.
+#: Zero beyond which this is no small fault but another reading of the log, see `repro.logs.conventions`, rad.
 FAR = 0.25
 #: Factor beyond which the scale of a torque is no fault of the set-up but a joint that the log tells nothing of.
 LARGE = 3.0

@@ -1,4 +1,4 @@
-"""The arm file: what a recording of this arm means, where its header does not say."""
+"""The arm file: conventions and limits of an arm that the header of a recording does not state."""
 
 import json
 import re
@@ -20,7 +20,7 @@ Pair = tuple[float, float]
 
 # YAML 1.1 takes 1e-3 for text, because it has no point.
 _EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
-#: Magnitudes beyond which no number of an arm is, and below which no limit is; their squares must not overflow.
+#: Largest number of an arm and smallest limit; their squares must not overflow.
 _LARGEST, _SMALLEST = 1e9, 1e-6
 #: Keys whose numbers divide.
 _POSITIVE = ("speed_limit", "torque_limit", "counts_per_turn", "torque_constant", "torque_scale")
@@ -31,21 +31,18 @@ _FLOAT = "tag:yaml.org,2002:float"
 class Arm:
     """How to read an arm's recordings, and what is known of the arm."""
 
-    name: str = "arm"  # name of the arm
-    # Header of the column that holds ``time``, ``q1``, ``q2``, ``dq1``, ``dq2``, ``tau1`` or ``tau2``
-    columns: Mapping[str, str] = field(default_factory=dict)
-    topic: str | None = None  # topic of a bag that holds the joint states; None for the only one
-    # Unit of ``time``, ``position``, ``velocity`` or ``torque``; it wins over the header's
+    name: str = "arm"
+    columns: Mapping[str, str] = field(default_factory=dict)  # header of each signal: time, q1, q2, dq1, ..., tau2
+    topic: str | None = None  # of the joint states in a bag; None for the only one
+    # Unit of time, position, velocity or torque; it has priority over the header's.
     units: Mapping[str, str] = field(default_factory=dict)
     counts_per_turn: Pair | None = None  # encoder counts in a turn of each joint
     torque_constant: Pair | None = None  # torque at each joint, N m, for 1 A or for 1 count of PWM
     torque_offset: Pair = (0.0, 0.0)  # torque recorded where none acts, N m
-    torque_scale: Pair = (1.0, 1.0)  # torque recorded, beyond the offset, over the one that acts
-    sign: Pair = (1.0, 1.0)  # 1, or -1 where position, velocity and torque of a joint count the other way than in Eq. 1
-    # 1, or -1 where the torque alone counts the other way than the position, on top of `sign`
-    torque_sign: Pair = (1.0, 1.0)
-    # Position recorded, rad, where the angle of Eq. 1 is zero: link 1 hangs down, link 2 is in line with it
-    zero: Pair = (0.0, 0.0)
+    torque_scale: Pair = (1.0, 1.0)  # torque recorded, without the offset, over the one that acts
+    sign: Pair = (1.0, 1.0)  # 1, or -1 where position, velocity and torque have the other sign than in Eq. 1
+    torque_sign: Pair = (1.0, 1.0)  # 1, or -1 where the torque alone has the other sign, in addition to `sign`
+    zero: Pair = (0.0, 0.0)  # position recorded, rad, where link 1 hangs down and link 2 is in line with it
     second_joint_absolute: bool = False  # whether ``q2`` was measured from the vertical instead of from link 1
     torque_limit: Pair | None = None  # largest torque of each joint, N m
     position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
@@ -54,8 +51,8 @@ class Arm:
     workspace: tuple[Pair, Pair] | None = None
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
     link_lengths: Pair | None = None  # lengths of the links, m
-    friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: to be found from the data
-    delay: float | None = None  # how much later than recorded the torque acts, s; None: to be found from the data
+    friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: estimated from the data
+    delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
     file: str = "arm file"  # where this was read, for messages
 
 

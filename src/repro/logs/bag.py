@@ -5,8 +5,7 @@ from typing import Any
 
 from repro.documents import check_size
 from repro.errors import InputError
-from repro.logs.encoding import LARGEST
-from repro.logs.table import Table
+from repro.logs.table import LARGEST, Table
 
 #: Most messages, of which each takes some kilobytes of memory.
 MOST_MESSAGES = 200_000
@@ -15,12 +14,12 @@ _KINDS = ("position", "velocity", "effort")
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is that of a bag: one of its files, or its folder."""
+    """Whether a path is a file or the folder of a bag."""
     return path.suffix in (".mcap", ".db3") or (path / "metadata.yaml").is_file()
 
 
 def read_bag(path: Path, topic: str | None) -> Table:
-    """Read the joint states of a bag."""
+    """Read the joint states of a bag: a row for each message, numbered from 1, time in s since the first stamp."""
     if not path.exists():
         raise InputError.at(str(path), "no such file", "a ROS 2 bag")
     files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]
@@ -52,7 +51,7 @@ def read_bag(path: Path, topic: str | None) -> Table:
 
 
 def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
-    """Rows of the messages, each with the time at which it was received, ns."""
+    """Tabulate messages, each with the time at which it was received, ns."""
     if not messages:
         raise InputError.at(f"{path}: {topic}", "no messages", "joint states")
     notes = [f"{len(messages)} messages of {topic}, counted as lines"]

@@ -10,7 +10,7 @@ from repro.model.parameters import Array
 
 @dataclass(frozen=True)
 class Log:
-    """What was recorded, in SI units and the angles of Eq. 1."""
+    """A recording in SI units and the angles of Eq. 1."""
 
     name: str  # file name without folders
     t: Array  # (N,), time of each sample, s: strictly increasing, not necessarily uniform
@@ -23,14 +23,14 @@ class Log:
     breaks: tuple[int, ...] = ()  # samples that begin a new piece behind a long gap, of a log that was made even
 
     def piece(self, begin: int, end: int) -> "Log":
-        """The samples from one number to before another."""
+        """Cut out samples ``begin ... end - 1``."""
         cut = slice(begin, end)
         dq = None if self.dq is None else self.dq[:, cut]
         return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=())
 
     @property
     def pieces(self) -> tuple["Log", ...]:
-        """What is between the breaks; a log without is one piece."""
+        """The log cut at its breaks."""
         if not self.breaks:
             return (self,)
         return tuple(self.piece(*edges) for edges in pairwise((0, *self.breaks, self.t.size)))
@@ -41,6 +41,10 @@ class Log:
         return max(self.pieces, key=lambda piece: piece.t.size)
 
 
+#: Shortest log, s, and fewest samples.
+SHORTEST, FEWEST = 2.0, 200
+#: Range of positions below which a joint does not move, rad.
+STILL = 0.02
 #: Half the time that a difference spans, s.
 HALF_SPAN = 0.02
 
@@ -50,12 +54,12 @@ def period(log: Log) -> float:
     return float(np.median(np.diff(log.t)))
 
 
-def spanned(log: Log) -> int:
-    """Samples to each side that a difference spans."""
+def half_window(log: Log) -> int:
+    """Number of samples to each side that a difference spans."""
     return max(1, round(HALF_SPAN / period(log)))
 
 
 def speed(log: Log) -> Array:
-    """Velocity by central differences over about 40 ms."""
-    w = spanned(log)
+    """Velocity (2, N - 2 w) by central differences over about 40 ms, rad/s; w is `half_window`."""
+    w = half_window(log)
     return np.asarray((log.q[:, 2 * w :] - log.q[:, : -2 * w]) / (log.t[2 * w :] - log.t[: -2 * w]))

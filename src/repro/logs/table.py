@@ -1,5 +1,6 @@
-"""A CSV file as columns of numbers, read a block of lines at a time; faults are reported by line and column."""
+"""A CSV file as columns of numbers, read a block of lines at a time; errors are reported by line and column."""
 
+import codecs
 import csv
 import math
 import re
@@ -11,71 +12,91 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.documents import check_size
 from repro.errors import InputError
-from repro.logs.encoding import EXPECTED, check_text, numbered_lines
 from repro.model.parameters import Array
 
 #: Most rows and columns of a log.
 MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000
-#: Lines of comments before the header.
+#: Largest file, and most bytes without a line end.
+LARGEST, LONGEST_LINE = 512 << 20, 1 << 20
+#: Most lines of comments before the header.
 _HEAD = 1000
 #: Lines that are read at a time.
 _BLOCK = 20_000
+_EXPECTED = "a CSV table: a header, then rows of numbers"
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-#: Numbers with a decimal comma, and those that may as well be whole ones with digits in groups.
+#: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
 _COMMA, _GROUPS = re.compile(r"[+-]?\d*,\d*([eE][+-]?\d+)?"), re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
-#: What programs write where there is no number.
+#: Cells that programs write where there is no number.
 _EMPTY = frozenset(("", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none", "na", "n/a"))
+_CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+_OTHER_FORMATS = {
+    (b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff"): ("UTF-32 text", "UTF-8 text, a CSV table"),
+    (b"\xff\xfe", b"\xfe\xff"): ("UTF-16 text", "UTF-8 text, a CSV table"),
+    (b"PK", b"\x1f\x8b"): ("a compressed file or a spreadsheet", _EXPECTED),
+}
 
 #: Line of the file, from 1, and as many cells as the header has, of each row.
 Rows = list[tuple[int, list[str]]]
+#: Line, column and text of a cell.
+_Cell = tuple[int, str, str]
 
 
 @dataclass(frozen=True)
 class Table:
     """Cells of a CSV file."""
 
-    file: str  # where it was read, for messages
-    header: tuple[str, ...]  # names of the columns
+    file: str  # for messages
+    header: tuple[str, ...]
     blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
     size: int  # lines of the file
     notes: tuple[str, ...] = ()  # how it was read, where not as usual
 
     def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
-        """Columns as numbers."""
-        found = [_Column(f"column {self.header[index]}") for index in columns]
+        """Read k columns as numbers (k, N), NaN for empty cells, with the line of each row (N,) and notes."""
+        readers = [_Column(f"column {self.header[index]}") for index in columns]
         lines: list[int] = []
         for rows in self.blocks():
             lines += [line for line, _ in rows]
             if len(lines) > MOST_ROWS:
                 expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
                 raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
-            for column, index in zip(found, columns, strict=True):
+            for column, index in zip(readers, columns, strict=True):
                 column.add([(line, cells[index]) for line, cells in rows])
-        commas, bad, expected = [c.comma for c in found if c.comma], [], "a finite number"
-        if commas and any(c.point for c in found):
-            bad, expected = commas, "a point, as in other numbers"
-        elif commas and all(c.grouped for c in found):
-            bad, expected = commas, "commas that are clearly for decimals, not for groups of digits: write a point"
-        bad = bad or [c.underscore for c in found if c.underscore] or [c.wrong for c in found if c.wrong]
-        if bad:
-            line, name, cell = bad[0]
-            raise InputError.at(f"{self.file}: line {line}, {name}", repr(cell[:40]), expected)
-        values = np.stack([np.concatenate(c.values) for c in found])
-        return values, np.array(lines), ("numbers have a decimal comma",) if commas else ()
+        self._check(readers)
+        values = np.stack([np.concatenate(column.values) for column in readers])
+        notes = ("numbers have a decimal comma",) if any(column.comma for column in readers) else ()
+        return values, np.array(lines), notes
+
+    def _check(self, columns: Sequence["_Column"]) -> None:
+        """Refuse cells that are no finite numbers, and commas that could be for decimals or for groups of digits."""
+        commas = [column.comma for column in columns if column.comma]
+        underscores = [column.underscore for column in columns if column.underscore]
+        if commas and any(column.point for column in columns):
+            cell, expected = commas[0], "a point, as in other numbers"
+        elif commas and all(column.grouped for column in columns):
+            cell = commas[0]
+            expected = "commas that are clearly for decimals, not for groups of digits: write a point"
+        elif invalid := underscores or [column.wrong for column in columns if column.wrong]:
+            cell, expected = invalid[0], "a finite number"
+        else:
+            return
+        line, name, text = cell
+        raise InputError.at(f"{self.file}: line {line}, {name}", repr(text[:40]), expected)
 
 
 @dataclass
 class _Column:
-    """Numbers of a column, and the first cell of each fault: its line, its column and its text."""
+    """Numbers of a column, and its first cell of each kind of error."""
 
     name: str
     values: list[Array] = field(default_factory=list)
     point: bool = False  # whether a cell has one
-    grouped: bool = True  # whether each comma may be for groups of digits
-    comma: tuple[int, str, str] | None = None
-    underscore: tuple[int, str, str] | None = None  # python takes 1_000 for a number
-    wrong: tuple[int, str, str] | None = None
+    grouped: bool = True  # whether each comma could be for groups of digits
+    comma: _Cell | None = None
+    underscore: _Cell | None = None  # python takes 1_000 for a number
+    wrong: _Cell | None = None
 
     def add(self, cells: list[tuple[int, str]]) -> None:
         """Append the cells of some lines."""
@@ -107,30 +128,19 @@ class _Column:
 
 
 def read_table(path: Path) -> Table:
-    """Read the header of a CSV file and check its beginning; `Table.numbers` reads the rest."""
+    """Read the header of a CSV file and check its first rows; `Table.numbers` reads the rest.
+
+    Cells are separated by commas, semicolons, tabs, bars or blanks. Lines that begin with # may precede the header, and
+    the last of them may be the header.
+    """
     size = check_text(path)
     if size > 2 * MOST_ROWS + _HEAD:  # half of the lines may be blank
         raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")
-    comment, lines = "", _filled(path)
-    first = next(lines, None)
-    while first and first[1].startswith("#"):
-        comment, first = first[1].lstrip("# "), next(lines, None)
-    if first is None:
-        raise InputError.at(str(path), "no header" if comment else "an empty file", EXPECTED)
-    (begin, header), second = first, next(lines, None)
-    place, nameless = f"{path}: line {begin}", _is_numbers(header)
-    unnamed = InputError.at(place, f"numbers ({header[:40]})", "a header that names the columns")
-    if nameless:
-        header, second = comment, first
-        if _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
-            raise unnamed
-    if second is None:
-        raise InputError.at(str(path), "a header and no samples", EXPECTED)
-    begin, row = second
-    separator = _separator(place, header, row)
+    (place, header), (begin, row) = _head(path)
+    separator = _separator(f"{path}: line {place}", header, row)
     names = tuple(cell.strip() for cell in _cells(header, separator))
-    if nameless and len(names) != len(_cells(row, separator)):
-        raise unnamed
+    if place == begin and len(names) != len(_cells(row, separator)):
+        raise _unnamed(path, begin, row)
     if len(names) > MOST_COLUMNS:
         raise InputError.at(f"{path}: header", f"{len(names)} columns", f"at most {MOST_COLUMNS}")
     twice = [name for k, name in enumerate(names) if name and name in names[:k]]
@@ -138,53 +148,83 @@ def read_table(path: Path) -> Table:
         raise InputError.at(f"{path}: header", f"the column {twice[0]!r} twice", "names that differ")
 
     def blocks() -> Iterator[Rows]:
-        lines = (each for each in _filled(path) if each[0] >= begin)
-        while block := list(islice(lines, _BLOCK)):
-            rows = [(number, _cells(line, separator)) for number, line in block]
-            for k, (number, cells) in enumerate(rows):
-                if len(cells) != len(names):
-                    last = k == len(rows) - 1 and next(lines, None) is None
-                    ended = block[k][1].rstrip(" ").endswith(separator)
-                    raise _ragged(f"{path}: line {number}", len(cells), len(names), ended, last)
-            yield rows
+        return _blocks(path, begin, separator, len(names))
 
-    next(blocks())  # rows of another length are a clearer fault than a missing column
+    next(blocks())  # rows of another length are a clearer error than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
     return Table(str(path), names, blocks, size, notes)
 
 
+def _head(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
+    """Find the header and the first row, each with its line; a header in a comment has the line of the row."""
+    comment, lines = "", _filled(path)
+    first = next(lines, None)
+    while first and first[1].startswith("#"):
+        comment, first = first[1].lstrip("# "), next(lines, None)
+    if first is None:
+        raise InputError.at(str(path), "no header" if comment else "an empty file", _EXPECTED)
+    if _is_numbers(first[1]):
+        if _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
+            raise _unnamed(path, *first)
+        return (first[0], comment), first
+    second = next(lines, None)
+    if second is None:
+        raise InputError.at(str(path), "a header and no samples", _EXPECTED)
+    return first, second
+
+
+def _unnamed(path: Path, line: int, row: str) -> InputError:
+    return InputError.at(f"{path}: line {line}", f"numbers ({row[:40]})", "a header that names the columns")
+
+
+def _blocks(path: Path, begin: int, separator: str, n_columns: int) -> Iterator[Rows]:
+    """Give the rows from line `begin` on, a block at a time; refuse a row of another length."""
+    lines = (line for line in _filled(path) if line[0] >= begin)
+    while block := list(islice(lines, _BLOCK)):
+        rows = [(number, _cells(line, separator)) for number, line in block]
+        for k, (number, cells) in enumerate(rows):
+            if len(cells) != n_columns:
+                last = k == len(rows) - 1 and next(lines, None) is None
+                ended = block[k][1].rstrip(" ").endswith(separator)
+                raise _ragged(f"{path}: line {number}", len(cells), n_columns, ended, last)
+        yield rows
+
+
 def _filled(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines of a file that are not blank, with their numbers."""
-    return ((number, line) for number, line in numbered_lines(path) if line.strip())
+    """Give the lines that are not blank, without their ends, with their numbers from 1."""
+    with path.open(encoding="utf-8-sig") as file:
+        for number, line in enumerate(file, 1):
+            if line.strip():
+                yield number, line.removesuffix("\n")
 
 
-def in_words(lines: Sequence[int] | NDArray[np.int64]) -> str:
-    """Lines in words: runs, the first few of many."""
+def list_lines(lines: Sequence[int] | NDArray[np.int64]) -> str:
+    """Write lines as runs, the first few of many."""
     runs = np.split(np.array(lines), np.flatnonzero(np.diff(lines) > 1) + 1)
-    words = [f"{run[0]} to {run[-1]}" if run.size > 1 else str(run[0]) for run in runs]
-    more = f" and {len(words) - 5} more places" if len(words) > 6 else ""
-    return f"line{'s' * (len(lines) > 1)} {', '.join(words[:5] if more else words)}{more}"
+    texts = [f"{run[0]} to {run[-1]}" if run.size > 1 else str(run[0]) for run in runs]
+    more = f" and {len(texts) - 5} more places" if len(texts) > 6 else ""
+    return f"line{'s' * (len(lines) > 1)} {', '.join(texts[:5] if more else texts)}{more}"
 
 
 def _separator(place: str, header: str, row: str) -> str:
-    """What separates the cells: what the header holds and makes numbers of as many cells of a row."""
-    there = [separator for separator in _SEPARATORS if separator in header.strip() and separator != " "]
+    """Find the character in the header that cuts the row into as many cells, each a number or a word."""
+    present = [separator for separator in _SEPARATORS if separator in header.strip() and separator != " "]
     fits = []
-    for separator in there:
+    for separator in present:
         cells = _cells(row, separator)
         clear = all(_is_number(cell.replace(",", ".")) or re.search("[^\\W\\d]", cell) for cell in cells)
         if clear and len(cells) == len(_cells(header, separator)):
             fits.append(separator)
     if len(fits) > 1:
-        words = " or ".join(_SEPARATORS[separator] for separator in fits)
-        raise InputError.at(place, f"columns that may be separated by {words}", "one of them")
-    if not there and not header.strip().count(" "):
+        names = " or ".join(_SEPARATORS[separator] for separator in fits)
+        raise InputError.at(place, f"columns that may be separated by {names}", "one of them")
+    if not present and not header.strip().count(" "):
         raise InputError.at(place, f"one column ({header.strip()[:40]})", "columns separated by commas")
-    return max(fits or there or " ", key=header.count)
+    return max(fits or present or " ", key=header.count)
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    """Cells of a line."""
+    """Cut a line into cells."""
     if separator == " ":
         line = " ".join(line.split())
     if '"' not in line:
@@ -196,7 +236,7 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _number(cell: str, otherwise: float = math.nan) -> float:
-    """A cell's number; NaN, text and digits of other scripts alike are something else."""
+    """Read a number; NaN, text and digits of other scripts give `otherwise`."""
     try:
         value = float(cell) if cell.isascii() else math.nan
     except ValueError:
@@ -205,17 +245,17 @@ def _number(cell: str, otherwise: float = math.nan) -> float:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell holds a number, or nothing at all."""
+    """Whether a cell is a number or empty."""
     return cell.strip().lower() in _EMPTY or not math.isnan(_number(cell))
 
 
 def _is_numbers(line: str) -> bool:
-    """Whether a line holds nothing but numbers, whatever separates them."""
+    """Whether a line contains nothing but numbers, whatever separates them."""
     return all(_is_number(cell) for cell in re.split(r'[\s,;|"]', line))
 
 
 def _ragged(place: str, found: int, expected: int, ended: bool, last: bool) -> InputError:
-    """What to say of a row of another length than the header."""
+    """Report a row of another length than the header."""
     hint = ""
     if found == expected + 1 and ended:
         hint = " (a separator at its end)"
@@ -224,3 +264,44 @@ def _ragged(place: str, found: int, expected: int, ended: bool, last: bool) -> I
     elif last and found < expected:
         hint = " (the last line, cut off: delete it)"
     return InputError.at(place, f"{found} cells{hint}", f"{expected}, as in the header")
+
+
+def check_text(path: Path) -> int:
+    """Count the lines of a file; refuse one that is missing, empty, too large, no UTF-8 text, or has no line ends."""
+    try:
+        if not check_size(path, LARGEST, _EXPECTED):
+            raise InputError.at(str(path), "an empty file", _EXPECTED)
+        with path.open("rb") as file:
+            return _check_blocks(str(path), iter(lambda: file.read(LONGEST_LINE), b""))
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
+
+
+def _check_blocks(name: str, blocks: Iterator[bytes]) -> int:
+    decoder, offset, lines, incomplete = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
+    for block in blocks:
+        if not offset:
+            for beginnings, (found, expected) in _OTHER_FORMATS.items():
+                if block.startswith(beginnings):
+                    raise InputError.at(name, found, expected)
+        if control := _CONTROL.search(block):
+            byte, place = block[control.start()], offset + control.start()
+            raise InputError.at(name, f"binary data (byte 0x{byte:02x} at offset {place})", _EXPECTED)
+        try:
+            decoder.decode(block)
+        except UnicodeDecodeError as error:
+            raise _not_utf8(name, incomplete + block, error, lines) from error
+        if len(block) == LONGEST_LINE and b"\n" not in block and b"\r" not in block:
+            raise InputError.at(f"{name}: line {lines}", f"{LONGEST_LINE} bytes without a line end", _EXPECTED)
+        incomplete, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
+    try:
+        decoder.decode(b"", final=True)
+    except UnicodeDecodeError as error:
+        raise _not_utf8(name, incomplete, error, lines) from error
+    return lines
+
+
+def _not_utf8(name: str, data: bytes, error: UnicodeDecodeError, lines: int) -> InputError:
+    line = lines + data.count(b"\n", 0, error.start)
+    found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
+    return InputError.at(name, found, "UTF-8 text, a CSV table")

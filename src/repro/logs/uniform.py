@@ -7,72 +7,71 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from repro.errors import InputError
-from repro.logs.checks import FEWEST, SHORTEST
-from repro.logs.log import Log, period
+from repro.logs.log import FEWEST, SHORTEST, Log, period
 from repro.model.parameters import Array
 
 #: Most samples in a row that may be missing and are bridged.
 LONGEST_BRIDGE = 5
 #: Period from one sample to the next, in typical ones, above which samples are missing.
 GAP = 2.5
-#: Deviation from even spacing, in periods, that is none.
+#: Deviation from even spacing, in periods, that is ignored.
 _EVEN = 1e-3
-#: Samples that follow sooner, in periods, tell nothing new but a wild slope.
+#: Samples that follow sooner, in periods, add nothing but a wrong slope.
 _TOO_CLOSE = 0.25
 
 
 def missing_samples(log: Log) -> Array:
-    """How many samples are missing before each but the first."""
+    """Count the samples missing before each but the first (N - 1,)."""
     periods = np.diff(log.t) / period(log)
     return np.where(periods > GAP, np.rint(periods) - 1.0, 0.0)
 
 
 def uniform(log: Log) -> Log:
-    """Resample to the typical period, each piece between long gaps on its own."""
+    """Resample to the typical period, each piece between long gaps by itself; `log` itself if it is even."""
     if log.breaks:
         return log
-    pieces, notes = stretches(log)
-    made = [_even(piece) for piece in pieces]
-    if len(made) == 1 and made[0][0] is log:
+    pieces, notes = segments(log)
+    resampled = [_even(piece) for piece in pieces]
+    if len(resampled) == 1 and resampled[0][0] is log:
         return log
     bridged = sum(int(missing_samples(piece).sum()) for piece in pieces)
     if bridged:
         notes.append(f"{bridged} missing samples are bridged by interpolation")
-    notes += max(made, key=lambda one: one[0].t.size)[1]
-    even = [one for one, _ in made]
+    notes += max(resampled, key=lambda pair: pair[0].t.size)[1]
+    even = [piece for piece, _ in resampled]
 
-    def beside(name: str) -> Array:
-        return np.concatenate([getattr(one, name) for one in even], axis=-1)
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(piece, name) for piece in even], axis=-1)
 
-    breaks = tuple(int(n) for n in np.cumsum([one.t.size for one in even[:-1]]))
-    dq, t = None if log.dq is None else beside("dq"), beside("t") - log.t[0]
-    return replace(log, t=t, q=beside("q"), tau=beside("tau"), dq=dq, breaks=breaks, notes=(*log.notes, *notes))
+    breaks = tuple(int(n) for n in np.cumsum([piece.t.size for piece in even[:-1]]))
+    dq, t = None if log.dq is None else joined("dq"), joined("t") - log.t[0]
+    return replace(log, t=t, q=joined("q"), tau=joined("tau"), dq=dq, breaks=breaks, notes=(*log.notes, *notes))
 
 
-def stretches(log: Log) -> tuple[list[Log], list[str]]:
-    """Pieces of a log between its long gaps."""
+def segments(log: Log) -> tuple[list[Log], list[str]]:
+    """Cut a log at its long gaps; gives the pieces that are long enough, and notes."""
     gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
     if not gaps.size:
         return [log], []
     pieces = [log.piece(*edges) for edges in pairwise([0, *(int(k) + 1 for k in gaps), log.t.size])]
     seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
     used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
-    told = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
+    summary = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
     if not any(used):
         samples = pieces[int(np.argmax(seconds))].t.size
-        found = f"{told}, {max(seconds):.3g} s ({samples} samples) between them"
+        found = f"{summary}, {max(seconds):.3g} s ({samples} samples) between them"
         raise InputError.at(f"{log.name}: time", found, f"{SHORTEST:g} s ({FEWEST} samples) without a long gap")
-    lengths = ", ".join(f"{s:.4g}" for s, one in zip(seconds, used, strict=True) if one)
+    lengths = ", ".join(f"{s:.4g}" for s, kept in zip(seconds, used, strict=True) if kept)
     short = f"; {used.count(False)} too short, left out" if not all(used) else ""
-    note = f"{told}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
-    return [piece for piece, one in zip(pieces, used, strict=True) if one], [note]
+    note = f"{summary}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
+    return [piece for piece, kept in zip(pieces, used, strict=True) if kept], [note]
 
 
 def _even(piece: Log) -> tuple[Log, list[str]]:
-    """A piece without long gaps at even times, and how that was done; itself if it is even."""
+    """Resample a piece without long gaps at even times, with notes; itself if it is even."""
     n, h = piece.t.size, period(piece)
     notes: list[str] = []
-    even = _line(piece.t)
+    even = _linear_fit(piece.t)
     deviation = float(np.abs(piece.t - even).max())
     step = _resolution(piece.t)
     if deviation <= _EVEN * h:
@@ -81,7 +80,7 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
         rate = (n - 1) / (even[-1] - even[0])
         notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
         return replace(piece, t=piece.t[0] + even - even[0]), notes
-    kept = _apart(piece.t, _TOO_CLOSE * h)
+    kept = _at_least_apart(piece.t, _TOO_CLOSE * h)
     if kept.size < n:
         notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
     last = piece.t[kept[-1]]
@@ -95,22 +94,22 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
     return replace(piece, t=t, q=q, tau=tau, dq=dq), notes
 
 
-def _line(t: Array) -> Array:
-    """Evenly spaced instants nearest to those given, in the mean square."""
+def _linear_fit(t: Array) -> Array:
+    """Fit evenly spaced instants by least squares."""
     k = np.arange(t.size) - 0.5 * (t.size - 1)
     return np.asarray(t.mean() + k * (k @ t) / (k @ k))
 
 
 def _resolution(t: Array) -> float:
-    """Power of ten, s, that all times are multiples of; the finest looked for is 1 ns."""
+    """Find the power of ten, s, of which all times are multiples, 1 ns at the finest."""
     for digits in range(1, 9):
         if float(np.abs(t - np.round(t, digits)).max()) < 1e-9:
             return 10.0**-digits
     return 1e-9
 
 
-def _apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Indices of samples that are all at least so far from the one before."""
+def _at_least_apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Pick samples each at least so far from the one before."""
     if float(np.diff(t).min()) >= least:
         return np.arange(t.size)
     kept = [0]

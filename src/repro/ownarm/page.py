@@ -12,7 +12,7 @@ from jinja2 import Environment
 from markupsafe import Markup, escape
 
 from repro.exhibits.markup import unit
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
 from repro.ownarm.numbers import percent, printed, significant

@@ -19,10 +19,10 @@ from repro.identification.setup import Fault, columns_of_faults, corrected, find
 from repro.identification.solve import solve
 from repro.identification.standstill import without_rest, without_standstill
 from repro.logs.armfile import Arm
-from repro.logs.describe import Description, describe
+from repro.logs.conventions import quiet_joints
+from repro.logs.diagnostics import Description, describe
+from repro.logs.load import read_log
 from repro.logs.log import Log, period
-from repro.logs.reading import read_log
-from repro.logs.readings import quiet_joints
 from repro.logs.uniform import uniform
 from repro.model.parameters import Array
 from repro.ownarm.settings import Options

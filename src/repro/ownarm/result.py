@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from repro.identification.cutoff import Cutoff
 from repro.identification.friction import Term
 from repro.identification.setup import Fault
-from repro.logs.describe import Description
+from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
 from repro.ownarm.selftest import SelfTest
 

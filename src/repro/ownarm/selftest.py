@@ -21,9 +21,9 @@ from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.setup import corrected, values_of
 from repro.logs.armfile import Arm
+from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period
-from repro.logs.saturation import quantisation_step
-from repro.logs.uniform import stretches, uniform
+from repro.logs.uniform import segments, uniform
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepared import Problem, Ready, Told, make_ready, together
@@ -134,7 +134,7 @@ def _from_zero(log: Log) -> Log:
 def made_log(ready: Ready, beta: Array, rng: np.random.Generator) -> Told:
     """The log, or its longest piece, as it would have been recorded of an arm with known parameters."""
     s, log = ready.settings, _from_zero(ready.told.log.longest)
-    pieces = stretches(ready.told.recorded or ready.told.log)[0]
+    pieces = segments(ready.told.recorded or ready.told.log)[0]
     piece = _from_zero(max(pieces, key=lambda one: one.t.size))
     even, h, top = uniform(piece), period(log), wide(s, period(log))
     moved = motion(log.q, h, s)

@@ -14,7 +14,7 @@ from enum import StrEnum
 import pandas as pd
 from scipy import stats
 
-from repro.paper.published_value import PublishedValue
+from repro.paper.published import PublishedValue
 
 #: Verdicts, best first.
 REPRODUCED, BETTER, DIFFERS = "reproduced", "better", "differs"
@@ -79,13 +79,13 @@ EXACT = Margin(0.0, math.inf)
 
 
 @dataclass(frozen=True)
-class Ours:
+class OurValue:
     """Our side of one published number."""
 
     value: float | None  # in the published unit; None if only the hardware can tell
     target: str  # target of the workflow that makes it; empty without a value
     basis: Basis | None = None  # None: by the published kind, hardware without a value
-    spread: float = 0.0  # standard deviation over the seeds, in the published unit
+    std: float = 0.0  # standard deviation over the seeds, in the published unit
     seeds: int = 1
     margin: Margin = EXACT
     better: Callable[[float, float], bool] | None = None  # of the published and our number, where one can be better
@@ -108,15 +108,15 @@ def lower(published: float, ours: float) -> bool:
     return ours < published
 
 
-def _interval(printed: PublishedValue, ours: Ours) -> float:
+def _interval(printed: PublishedValue, ours: OurValue) -> float:
     """Half width of the prediction interval of one further run, with the rounding of the print."""
     if ours.seeds < 2:
         return printed.half_step
     t = float(stats.t.ppf(0.5 + 0.5 * LEVEL, ours.seeds - 1))
-    return printed.half_step + t * ours.spread * math.sqrt(1.0 + 1.0 / ours.seeds)
+    return printed.half_step + t * ours.std * math.sqrt(1.0 + 1.0 / ours.seeds)
 
 
-def _tolerance(printed: PublishedValue, ours: Ours) -> tuple[float, str]:
+def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     if ours.strict:
         return 0.0, NONE
     interval = _interval(printed, ours)
@@ -126,7 +126,7 @@ def _tolerance(printed: PublishedValue, ours: Ours) -> tuple[float, str]:
     return interval, PREDICTION if interval > printed.half_step else PRINT
 
 
-def _compared(printed: PublishedValue, ours: Ours, value: float, tolerance: float, others: Iterable[float]) -> str:
+def _compared(printed: PublishedValue, ours: OurValue, value: float, tolerance: float, others: Iterable[float]) -> str:
     """Verdict on two numbers that can be compared."""
     slack = tolerance + _ROUNDING * abs(printed.value)
     wide = not ours.strict and _interval(printed, ours) - printed.half_step > ours.margin.of(printed.value)[1]
@@ -141,7 +141,7 @@ def _compared(printed: PublishedValue, ours: Ours, value: float, tolerance: floa
 
 
 def _verdict(
-    printed: PublishedValue, ours: Ours, basis: Basis, value: float, tolerance: float, others: Iterable[float]
+    printed: PublishedValue, ours: OurValue, basis: Basis, value: float, tolerance: float, others: Iterable[float]
 ) -> str:
     if ours.unused:
         return NOT_RUN
@@ -154,12 +154,12 @@ def _verdict(
     return verdict
 
 
-def basis_of(printed: PublishedValue, ours: Ours) -> Basis:
+def basis_of(printed: PublishedValue, ours: OurValue) -> Basis:
     """What a comparison rests on."""
     return ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
 
 
-def judge(printed: PublishedValue, ours: Ours, others: Iterable[float] = ()) -> dict[str, object]:
+def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
     basis = basis_of(printed, ours)
     row: dict[str, object] = {
@@ -202,10 +202,10 @@ def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...
     }
 
 
-def ledger(numbers: Iterable[PublishedValue], ours: Mapping[str, Ours]) -> pd.DataFrame:
-    """The whole ledger."""
+def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -> pd.DataFrame:
+    """Judge every number of the paper's own; one row for each of our values."""
     own = [number for number in numbers if number.kind != LEFT_OUT]
-    sides: dict[str, list[tuple[str, Ours]]] = {number.id: [] for number in own}
+    sides: dict[str, list[tuple[str, OurValue]]] = {number.id: [] for number in own}
     for name, side in ours.items():
         base = name.partition(EXTENSION)[0]
         if base not in sides:

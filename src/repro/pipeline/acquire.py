@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from repro.errors import InputError
-from repro.files import write_whole
+from repro.files import atomic_write
 from repro.fpga.capture import Capture, files_of, read_capture, write_capture
 from repro.fpga.link import record
 from repro.fpga.messages import encode_start
@@ -57,7 +57,7 @@ def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
     check_recorded(capture, program_from_config(config, motion))
     _check_set_up(capture, config)
     for there, here in zip(files_of(stored), files_of(out), strict=True):
-        write_whole(here, partial(shutil.copyfile, there))
+        atomic_write(here, partial(shutil.copyfile, there))
 
 
 def _check_set_up(capture: Capture, config: Config) -> None:

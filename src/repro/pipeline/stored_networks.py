@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from repro.errors import InputError
-from repro.files import read_tensors, write_text, write_whole
+from repro.files import atomic_write, read_tensors, write_text
 from repro.pipeline.job import Config
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
@@ -68,5 +68,5 @@ def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     if digest not in card:
         raise InputError.at(f"{weights}: SHA-256", digest, f"that of {stored['card'].name}")
     for what in ("weights", "history"):
-        write_whole(out[what], partial(shutil.copyfile, stored[what]))
+        atomic_write(out[what], partial(shutil.copyfile, stored[what]))
     write_text(out["card"], f"{card}\nThis run did not train it: stored network, `{weights.as_posix()}`.\n")

@@ -20,8 +20,7 @@ from repro.paper.claims import (
     VERDICTS,
     Basis,
 )
-from repro.paper.ledger.causes import CAUSES, Cause
-from repro.paper.ledger.text import EXTENSIONS
+from repro.paper.ledger_page import CAUSES, EXTENSIONS, Cause
 from repro.report.inputs import ReportInputs, read_rows
 
 COLUMNS = (

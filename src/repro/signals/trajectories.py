@@ -9,6 +9,21 @@ from repro.signals.dct import FrequencyReading, dct2dev, dct2low
 
 
 @dataclass(frozen=True)
+class Harmonic:
+    """One sinusoid of Eq. 10."""
+
+    amplitude: float  # rad
+    frequency: float  # rad/s
+    phase: float  # rad
+
+
+#: Second harmonics of Eq. 10: a cosine for joint 1, a sine for joint 2.
+SECOND_HARMONIC = (Harmonic(0.1, 2.5, 3.0), Harmonic(-0.1, 2.5, 3.0))
+#: Range of the random numbers of Section V-B, rad.
+RANDOM_RANGE = (0.0, 1.0)
+
+
+@dataclass(frozen=True)
 class Motion:
     """A sampled motion of both joints."""
 
@@ -61,9 +76,11 @@ def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, 
     t = h * np.arange(-margin, n + margin, dtype=np.float64)
     rate = 3.0 * np.pi / duration  # phase per second
     p = rate * t
-    q = np.stack([np.sin(p) + 0.1 * np.cos(2.5 * p + 3.0), -np.cos(p) - 0.1 * np.sin(2.5 * p + 3.0)])
-    dq = np.stack([np.cos(p) - 0.25 * np.sin(2.5 * p + 3.0), np.sin(p) - 0.25 * np.cos(2.5 * p + 3.0)])
-    ddq = np.stack([-np.sin(p) - 0.625 * np.cos(2.5 * p + 3.0), np.cos(p) + 0.625 * np.sin(2.5 * p + 3.0)])
+    (a, b), (v, w) = SECOND_HARMONIC, (s.amplitude * s.frequency for s in SECOND_HARMONIC)
+    x, y = (s.frequency * p + s.phase for s in SECOND_HARMONIC)
+    q = np.stack([np.sin(p) + a.amplitude * np.cos(x), -np.cos(p) + b.amplitude * np.sin(y)])
+    dq = np.stack([np.cos(p) - v * np.sin(x), np.sin(p) + w * np.cos(y)])
+    ddq = np.stack([-np.sin(p) - v * a.frequency * np.cos(x), np.cos(p) - w * b.frequency * np.sin(y)])
     return Motion(t, q, rate * dq, rate**2 * ddq)
 
 
@@ -73,8 +90,8 @@ def random_trajectory(
     h: float,
     c_f: float,
     reading: FrequencyReading,
-    low: float = 0.0,
-    high: float = 1.0,
+    low: float = RANDOM_RANGE[0],
+    high: float = RANDOM_RANGE[1],
 ) -> Motion:
     """Filter uniform random positions from `low` to `high`, rad, with Eq. 14 (Section V-B).
 

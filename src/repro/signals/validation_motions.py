@@ -39,13 +39,17 @@ PROFILE_HOLD = 0.05
 SINE_AMPLITUDE = np.array([[1.0], [1.0]])  # rad
 SINE_FREQUENCY = np.array([[0.25], [0.4]])  # Hz
 
+#: Coefficient of the window f_g at the start and at the end (Section VI), 1/s^2.
+WINDOW_COEFFICIENT = 0.2
+
 
 def start_and_end_window(time: Array) -> Array:
     """Compute f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2) of Section VI, T the largest of the times (N,) in s.
 
     It is 0 at both ends and above 0.99 from 4.8 s after the start to 4.8 s before the end.
     """
-    return np.asarray(1.0 - np.exp(-0.2 * time**2) - np.exp(-0.2 * (time.max() - time) ** 2))
+    a = WINDOW_COEFFICIENT
+    return np.asarray(1.0 - np.exp(-a * time**2) - np.exp(-a * (time.max() - time) ** 2))
 
 
 def _sampled(time: Array, q: Array, h: float) -> Motion:

@@ -1,19 +1,16 @@
 """The published test arms: can they exist, and could the published ranges have made them?"""
 
-import math
-
 import numpy as np
 
 from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links, is_positive_definite
-from repro.paper.checks.finding import CONSISTENT, NOT_POSSIBLE, OUTSIDE, Finding
-from repro.paper.published import NUMERIC_CASES, Published
+from repro.paper.checks.finding import CONSISTENT, NOT_POSSIBLE, OUTSIDE, Finding, compares
+from repro.paper.published import NUMERIC_CASES, Published, parameter_id
 
 RANGES = tuple(f"section4a/{name}-{end}" for name in ("length", "mass") for end in ("low", "high"))
 
 
 def _ids(case: str, method: str, names: tuple[str, ...]) -> tuple[str, ...]:
-    table = "table04" if case in NUMERIC_CASES[:2] else "table05"
-    return tuple(f"{table}/{case}/{method}/{name}" for name in names)
+    return tuple(parameter_id(case, method, name) for name in names)
 
 
 def definiteness(p: Published) -> list[Finding]:
@@ -27,18 +24,16 @@ def definiteness(p: Published) -> list[Finding]:
             if method == "algorithm1":
                 note = f"Line 22 of Algorithm 1 rejects what is not physically possible. {note}".strip()
             found.append(
-                Finding(
-                    f"definite/{case}/{method}",
-                    f"Table {4 if case in NUMERIC_CASES[:2] else 5}",
+                compares(
+                    (f"definite/{case}/{method}", f"Table {4 if case in NUMERIC_CASES[:2] else 5}"),
                     f"inertia matrix of {case}, {words}: positive definite for every q2",
                     f"I3 (I1 - I3) - I2^2/4 = {i3:.4f} x ({i1:.4f} - {i3:.4f}) - {i2:.4f}^2/4 = {determinant:.4f}",
                     determinant,
                     0.0,
-                    math.nan,
-                    "kg^2 m^4",
                     CONSISTENT if is_positive_definite(beta) else NOT_POSSIBLE,
-                    note,
-                    _ids(case, method, ("I1", "I2", "I3")),
+                    unit="kg^2 m^4",
+                    uses=_ids(case, method, ("I1", "I2", "I3")),
+                    note=note,
                 )
             )
     return found
@@ -79,18 +74,16 @@ def training_ranges(p: Published) -> list[Finding]:
         outside = int(((v < low[k]) | (v > high[k])).sum())
         farthest = v[np.argmax(np.maximum(v - high[k], low[k] - v))] if outside else v.max()
         found.append(
-            Finding(
-                f"range/{name.replace(' ', '')}",
-                "Section IV-A",
+            compares(
+                (f"range/{name.replace(' ', '')}", "Section IV-A"),
                 f"{name} of N1 to N4 within what the ranges of the training links allow",
                 f"{formula} = {high[k]:.4g}, >= {low[k]:.3g}; N1 to N4: {', '.join(f'{x:.4f}' for x in v)}",
                 float(high[k]),
                 float(farthest),
-                math.nan,
-                "kg m^2/s^2" if name[0] == "g" else "kg m^2",
                 OUTSIDE if outside else CONSISTENT,
-                f"{outside} of 4 arms lie outside; the value printed here is the farthest." if outside else "",
-                (*RANGES, *(i for case in NUMERIC_CASES for i in _ids(case, "true", parts))),
+                unit="kg m^2/s^2" if name[0] == "g" else "kg m^2",
+                uses=(*RANGES, *(i for case in NUMERIC_CASES for i in _ids(case, "true", parts))),
+                note=f"{outside} of 4 arms lie outside; the value printed here is the farthest." if outside else "",
             )
         )
     return [*found, _friction(p, true), _link_one(p, true), _reach(p)]
@@ -100,18 +93,15 @@ def _friction(p: Published, true: Array) -> Finding:
     """Friction b and k of the true sets against the range of the friction coefficients."""
     low, high = p["section4a/friction-low"], p["section4a/friction-high"]
     least, most = float(true[:, 5:].min()), float(true[:, 5:].max())
-    return Finding(
-        "range/friction",
-        "Section IV-A",
+    return compares(
+        ("range/friction", "Section IV-A"),
         "friction of N1 to N4 within the published range",
         f"{low.printed} <= {least:.4f} and {most:.4f} <= {high.printed}",
         most,
         high.value,
-        math.nan,
-        "SI",
         CONSISTENT if low.value <= least and most <= high.value else OUTSIDE,
-        "",
-        (low.id, high.id, *(i for case in NUMERIC_CASES for i in _ids(case, "true", NAMES[5:]))),
+        unit="SI",
+        uses=(low, high, *(i for case in NUMERIC_CASES for i in _ids(case, "true", NAMES[5:]))),
     )
 
 
@@ -119,18 +109,16 @@ def _link_one(p: Published, true: Array) -> Finding:
     """Length of link 1 that I2 and g2 imply: I2 / g2 = 2 l1 / g whatever the masses."""
     l1 = true[:, 1] * STANDARD_GRAVITY / (2.0 * true[:, 4])
     limit = p["section4a/length-high"]
-    return Finding(
-        "range/l1",
-        "Section IV-A",
+    return compares(
+        ("range/l1", "Section IV-A"),
         "length of link 1 that N1 to N4 imply",
         f"l1 = I2 g / (2 g2) = {', '.join(f'{x:.2f}' for x in l1)} m; range ends at {limit.printed} m",
         float(l1.min()),
         limit.value,
-        math.nan,
-        "m",
         OUTSIDE if (l1 > limit.value).any() else CONSISTENT,
-        "Found is the shortest. Eq. 1 fixes the ratio, so no masses can mend it.",
-        (limit.id, *(i for case in NUMERIC_CASES for i in _ids(case, "true", ("I2", "g2")))),
+        unit="m",
+        uses=(limit, *(i for case in NUMERIC_CASES for i in _ids(case, "true", ("I2", "g2")))),
+        note="Found is the shortest. Eq. 1 fixes the ratio, so no masses can mend it.",
     )
 
 
@@ -138,17 +126,15 @@ def _reach(p: Published) -> Finding:
     """Reach of the real arm against link lengths of the training data."""
     tip, speed, limit = p["section3/tip-speed"], p["section3/joint-speed"], p["section4a/length-high"]
     reach, longest = tip.value / speed.value, 3.0 * limit.value
-    return Finding(
-        "range/reach",
-        "Section III",
+    return compares(
+        ("range/reach", "Section III"),
         "reach of the real arm within the training range of the lengths",
         f"{tip.printed} / {speed.printed} = {reach:.3f} m = l1 + l2 (joint 1 at full speed) or l1 + 2 l2 (both); "
         f"the ranges allow {2.0 * limit.value:.3g} or {longest:.3g} m",
         reach,
         longest,
-        math.nan,
-        "m",
         CONSISTENT if reach <= longest else OUTSIDE,
-        "Held against the larger of the two.",
-        (tip.id, speed.id, limit.id),
+        unit="m",
+        uses=(tip, speed, limit),
+        note="Held against the larger of the two.",
     )

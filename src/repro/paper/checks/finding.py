@@ -1,10 +1,12 @@
-"""What a check of the paper against itself returns, and the words for its outcome."""
+"""Result of a check of the paper against itself, its verdicts, and builders of results."""
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import pandas as pd
+
+from repro.paper.published import PublishedValue
 
 #: Outcomes of a check.
 CONSISTENT = "consistent"
@@ -36,11 +38,11 @@ class Finding:
     """Result of one check."""
 
     id: str  # stable name, for example ``composition/table10``
-    place: str  # where the statement stands
+    place: str  # where the statement is printed
     what: str  # what is checked, in words
     arithmetic: str  # the calculation, with its numbers
-    found: float  # what the calculation gives and what it is held against, in `unit`; nan where there is no number
-    printed: float
+    found: float  # what the calculation gives, in `unit`; nan where there is no number
+    printed: float  # what it is compared with, in `unit`
     tolerance: float  # by how much rounding lets them differ; nan where they are not compared as values
     unit: str  # unit of `found` and `printed`
     verdict: str  # one of `VERDICTS`
@@ -57,11 +59,64 @@ def agreement(found: float, printed: float, tolerance: float, otherwise: str = C
     return CONSISTENT if abs(found - printed) <= tolerance * (1.0 + _ROUNDING) else otherwise
 
 
-def remark(
-    id_: str, place: str, what: str, arithmetic: str, verdict: str, note: str = "", numbers: tuple[str, ...] = ()
+#: What a finding is about: a published number, or an id of its own and a place.
+Subject = PublishedValue | tuple[str, str]
+#: Published numbers that a check uses, or their ids.
+Uses = Iterable[PublishedValue | str]
+
+
+def equals(
+    subject: Subject,
+    what: str,
+    arithmetic: str,
+    found: float,
+    *,
+    printed: float | None = None,
+    tolerance: float | None = None,
+    unit: str | None = None,
+    uses: Uses = (),
+    note: str = "",
+    otherwise: str = CONTRADICTS,
 ) -> Finding:
-    """Finding about words or symbols, which has no numbers to compare."""
-    return Finding(id_, place, what, arithmetic, math.nan, math.nan, math.nan, "", verdict, note, numbers)
+    """Compare a calculated number with a printed one, by default with the subject to its last printed digit."""
+    if isinstance(subject, PublishedValue):
+        printed = subject.value if printed is None else printed
+        tolerance = subject.half_step if tolerance is None else tolerance
+        unit = subject.unit if unit is None else unit
+    if printed is None or tolerance is None or unit is None:
+        raise ValueError(f"{subject}: printed, tolerance and unit are needed where no published number has them.")
+    verdict = agreement(found, printed, tolerance, otherwise)
+    return Finding(*_subject(subject), what, arithmetic, found, printed, tolerance, unit, verdict, note, _ids(uses))
+
+
+def compares(
+    subject: Subject,
+    what: str,
+    arithmetic: str,
+    found: float,
+    printed: float,
+    verdict: str,
+    *,
+    unit: str,
+    tolerance: float = math.nan,
+    uses: Uses = (),
+    note: str = "",
+) -> Finding:
+    """Report a calculated number next to a printed one, by default a limit, with the verdict of the check."""
+    return Finding(*_subject(subject), what, arithmetic, found, printed, tolerance, unit, verdict, note, _ids(uses))
+
+
+def remark(subject: Subject, what: str, arithmetic: str, verdict: str, note: str = "", uses: Uses = ()) -> Finding:
+    """Report on words or symbols, which have no numbers to compare."""
+    return compares(subject, what, arithmetic, math.nan, math.nan, verdict, unit="", uses=uses, note=note)
+
+
+def _subject(subject: Subject) -> tuple[str, str]:
+    return (subject.id, subject.place) if isinstance(subject, PublishedValue) else subject
+
+
+def _ids(uses: Uses) -> tuple[str, ...]:
+    return tuple(use if isinstance(use, str) else use.id for use in uses)
 
 
 def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:

@@ -1,6 +1,5 @@
-"""The ledger on disk against everything it was made from: what is not as it was is named."""
+"""Write the claims ledger with the check sums of its sources, and verify it: every difference is named."""
 
-import csv
 import errno
 import hashlib
 import io
@@ -15,13 +14,16 @@ import pandas as pd
 from repro.comparison.classes import Spread
 from repro.comparison.tables import differences
 from repro.errors import InputError
-from repro.files import CSV_FLOAT_FORMAT, write_csv, write_text
+from repro.files import csv_text, parse_rows, write_text
 from repro.paper.claims import broken, specificity
-from repro.paper.ledger.counterparts import compute
-from repro.paper.ledger.results import Results
-from repro.paper.ledger.text import markdown, summary
+from repro.paper.ledger import compute
+from repro.paper.ledger_page import markdown, summary
 from repro.paper.published import PUBLISHED_FILE, Published, load_published
+from repro.paper.results import Results
 
+_LOG = logging.getLogger(__name__)
+
+CLAIMS, PAGE, SOURCES = "claims.csv", "claims.md", "claims.sha256"
 #: Name of the published numbers in the list: where they lie in the project's folder.
 PUBLISHED_NAME = "src/repro/paper/published.csv"
 _WHOLE = "# every file in "
@@ -58,18 +60,18 @@ def _seal(lines: str) -> str:
 
 
 def _files_in(name: str, folder: Path, path: Path) -> set[str]:
-    """Names of every file in a folder of that name, except the list itself."""
+    """Name every file in a folder of that name, except the list itself."""
     inside = (file for file in folder.rglob("*") if file.is_file() and file.resolve() != path.resolve())
     return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
 
 
 def _name(file: Path, root: Path) -> str:
-    """Name of a file in the list: from the project's folder if it is in there."""
+    """Name a file as the list does: relative to the project's folder if it is in there."""
     return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
 
 
 def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
-    """Folders that a list covers completely, and its check sums by name."""
+    """Read the folders that a list covers completely, and its check sums by name."""
     seal, _, lines = _text(path).partition("\n")
     if f"{seal}\n" != _seal(lines):
         raise InputError.at(f"{path}: line 1", seal or "nothing", _seal(lines).strip())
@@ -79,7 +81,7 @@ def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
 
 
 def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
-    """Files of a list that are missing or changed, and files in its folders that it does not contain."""
+    """List the files that are missing or changed, and files in the list's folders that it does not contain."""
     folders, listed = read_sources(path)
     # Where the ledger was when the list was written: a copy of the results is checked itself, not its original.
     own = next((Path(name).parent for name in listed if Path(name).name == CLAIMS), None)
@@ -90,31 +92,27 @@ def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED
         return published if name == PUBLISHED_NAME else root / name
 
     inside = {name for folder in folders for name in _files_in(folder, place(folder), path)}
-    said = []
+    problems = []
     for name in sorted(listed.keys() | inside):
         file = place(name)
         shown = file if name != PUBLISHED_NAME and file.resolve() != (root / name).resolve() else name
         try:
             found = _digest(file)
         except OSError as error:
-            said.append(f"{shown}: found {error.strerror or 'an unreadable file'}, expected the file that {path} lists")
+            reason = error.strerror or "an unreadable file"
+            problems.append(f"{shown}: found {reason}, expected the file that {path} lists")
             continue
         if name not in listed:
-            said.append(f"{shown}: found a file, expected only those that {path} lists")
+            problems.append(f"{shown}: found a file, expected only those that {path} lists")
         elif found != listed[name]:
-            said.append(f"{shown}: SHA-256: found {found}, expected the {listed[name]} of {path}")
-    return said
+            problems.append(f"{shown}: SHA-256: found {found}, expected the {listed[name]} of {path}")
+    return problems
 
 
-def stored(config: Mapping[str, Any]) -> list[Path]:
-    """Folders of the project that a run reads instead of measuring or training."""
+def _stored_folders(config: Mapping[str, Any]) -> list[Path]:
+    """List the folders of the project that a run reads instead of measuring or training."""
     places = ((config["experiment"], "captures"), (config["training"], "networks"))
     return [Path(section[folder]) for section, folder in places if section["source"] == "stored"]
-
-
-_LOG = logging.getLogger(__name__)
-
-CLAIMS, PAGE, SOURCES = "claims.csv", "claims.md", "claims.sha256"
 
 
 def write_ledger(
@@ -133,23 +131,24 @@ def write_ledger(
     """
     numbers = load_published(published)
     claims = compute(numbers, config, Results(results))
-    write_csv(results / CLAIMS, claims)
-    write_text(results / PAGE, _page(_csv(claims), numbers))
+    text = csv_text(claims)
+    write_text(results / CLAIMS, text)
+    write_text(results / PAGE, _page(text, numbers))
     files = [*files, results / CLAIMS, results / PAGE]
-    write_sources(results / SOURCES, files, [*folders, *stored(config)], root, published)
+    write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root, published)
     return claims
 
 
 def verify_ledger(
     results: Path, config: Mapping[str, Any], root: Path = Path(), published: Path = PUBLISHED_FILE
 ) -> tuple[pd.DataFrame | None, list[str]]:
-    """Check every source of a ledger, compute it again and compare it with the one on disk, cell by cell."""
+    """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
     problems = changed_sources(results / SOURCES, root, published)
     try:
         numbers = load_published(published)
         claims = compute(numbers, config, Results(results))
-    except (InputError, ValueError) as error:  # ValueError: a published number without a counterpart, or none for ours
+    except (InputError, ValueError) as error:  # ValueError: a value without a published number, or none for it
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
     if not problems and page != _page(table, numbers):
@@ -158,51 +157,31 @@ def verify_ledger(
 
 
 def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
-    """Cells of a written ledger that are not those of a computed one, beyond what rounding makes of them."""
+    """List the cells of a written ledger that differ from a computed one by more than rounding."""
     header, found = ",".join(claims.columns), text.partition("\n")[0].strip()
     if found != header:
         return [f"{place}: header: found {found or 'nothing'}, expected {header}"]
-    written, computed = (_rows(each, place) for each in (text, _csv(claims)))
+    written, computed = (parse_rows(each, place) for each in (text, csv_text(claims)))
     theirs, ours = ({row["id"]: row for row in rows} for rows in (written, computed))
-    said = []
-    for name in ours.keys() | theirs.keys():
-        if name not in theirs or name not in ours:
-            found, expected = ("no row", "one") if name not in theirs else ("a row", "none")
-            said.append(f"{place}: {name}: found {found}, expected {expected}")
-            continue
+    problems = [f"{place}: {name}: found no row, expected one" for name in ours.keys() - theirs.keys()]
+    problems += [f"{place}: {name}: found a row, expected none" for name in theirs.keys() - ours.keys()]
+    for name in ours.keys() & theirs.keys():
         # Both follow from the same files, so that even what was trained is no more than computed here.
         for d in differences("", [theirs[name]], [ours[name]], Spread({})):
             if d.broken:
                 column, by = d.place.rpartition(", ")[2], "" if math.isinf(d.size) else f", {d.size:.2g} away"
-                said.append(f"{place}: {name}: {column}: found {d.a or 'nothing'}, expected {d.b or 'nothing'}{by}")
-    if not said and [row["id"] for row in written] != [row["id"] for row in computed]:
-        said.append(f"{place}: found rows in another order or twice, expected that of the published numbers")
-    return sorted(said)
-
-
-def _csv(claims: pd.DataFrame) -> str:
-    return claims.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+                problems.append(f"{place}: {name}: {column}: found {d.a or 'nothing'}, expected {d.b or 'nothing'}{by}")
+    if not problems and [row["id"] for row in written] != [row["id"] for row in computed]:
+        problems.append(f"{place}: found rows in another order or twice, expected that of the published numbers")
+    return sorted(problems)
 
 
 def _page(text: str, numbers: Published) -> str:
-    claims = _written(text)
-    return markdown(claims, specificity(claims, numbers))
-
-
-def _written(text: str) -> pd.DataFrame:
-    """The ledger as its CSV has it, ten digits of each number: what the page shows."""
+    """Format the page from the text of the table, so that both show the same ten digits."""
     claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
     for column in ("ours", "difference", "tolerance"):
         claims[column] = pd.to_numeric(claims[column])
-    return claims
-
-
-def _rows(text: str, place: str) -> list[dict[str, str]]:
-    rows = list(csv.DictReader(io.StringIO(text)))
-    for number, row in enumerate(rows, start=2):
-        if None in row or None in row.values():
-            raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
-    return rows
+    return markdown(claims, specificity(claims, numbers))
 
 
 def _text(path: Path) -> str:

@@ -1,14 +1,65 @@
-"""Which column holds which signal, and in what unit, from the header and the arm file."""
+"""Signals of a recording: the column of each, its unit, and the factor to SI, from the header and the arm file."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from repro.errors import InputError
-from repro.logs.armfile import Arm
-from repro.logs.units import KINDS, SPELLINGS, Kind, Signal, si_unit, squeeze, unit_named
+from repro.logs.armfile import Arm, Pair
+
+Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
+Kind = Literal["time", "position", "velocity", "torque"]
+
+#: Signals of a log and what kind each is.
+KINDS: Final[dict[Signal, Kind]] = {
+    "time": "time",
+    "q1": "position",
+    "q2": "position",
+    "dq1": "velocity",
+    "dq2": "velocity",
+    "tau1": "torque",
+    "tau2": "torque",
+}
+
+_SECOND = ("/s", "s", "/sec", "persec", "ps", "pers", "/second", "s1", "s^1")
+
+#: How headers spell each unit, after `squeeze`; the first unit of a kind is its SI unit.
+SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
+    "time": {
+        "s": ("s", "sec", "secs", "second", "seconds"),
+        "ms": ("ms", "msec", "millis", "millisecond", "milliseconds"),
+        "us": ("us", "usec", "micros", "microsecond", "microseconds"),
+        "ns": ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
+        "min": ("min", "mins", "minute", "minutes"),
+    },
+    "position": {
+        "rad": ("rad", "rads", "radian", "radians"),
+        "deg": ("deg", "degs", "degree", "degrees", "°"),
+        "counts": ("counts", "count", "cts", "cnt", "ticks", "tick", "inc", "lsb"),
+    },
+    "velocity": {
+        "rad/s": tuple(f"{unit}{s}" for unit in ("rad", "radians") for s in _SECOND),
+        "deg/s": tuple(f"{unit}{s}" for unit in ("deg", "degrees", "°") for s in _SECOND),
+        "rpm": ("rpm", "r/min", "rev/min", "1/min"),
+        "counts/s": tuple(f"{unit}{s}" for unit in ("counts", "count", "cts", "ticks") for s in _SECOND),
+    },
+    "torque": {
+        "N m": ("nm", "newtonmeter", "newtonmetre", "newtonmeters", "newtonmetres"),
+        "mN m": ("mnm", "millinewtonmeter", "millinewtonmetre"),
+        "A": ("a", "amp", "amps", "ampere", "amperes"),
+        "mA": ("ma", "milliamp", "milliamps"),
+        "counts": ("counts", "count", "cts", "cnt", "pwm", "lsb", "ticks"),
+    },
+}
+
+_FACTORS: Final = {
+    **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
+    **{"rad": 1.0, "deg": math.pi / 180.0, "rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
+    **{"N m": 1.0, "mN m": 1e-3},
+}
 
 _POSITION = ("q", "pos", "position", "theta", "angle")
 _VELOCITY = ("dq", "qd", "qdot", "dotq", "vel", "velocity", "dtheta", "thetadot", "omega", "speed")
@@ -17,7 +68,7 @@ _CURRENT = ("current", "cur")
 _PWM = ("pwm",)
 _JOINT_NAMES = ("shoulder", "elbow")
 
-#: Column of `repro decode` that says whether the simulated board made a recording.
+#: Column of `repro decode` that states whether the simulated board made a recording.
 SIMULATED: Final = "simulated"
 
 _BRACKETS = re.compile(r"(.+?)\s*[\[({]\s*([^\d\s].*?)\s*[\])}]\Z")
@@ -28,12 +79,12 @@ class Column:
     """Where a signal is."""
 
     index: int  # column of the table
-    header: str  # its header
-    unit: str | None  # one of `repro.logs.units.SPELLINGS`; None if nothing says
+    header: str
+    unit: str | None  # one of `SPELLINGS`; None if nothing states it
 
 
 def _names() -> dict[str, tuple[Signal, str | None]]:
-    """Squeezed names of columns, each with its signal and the unit that the name implies."""
+    """List the squeezed names of columns, each with its signal and the unit that the name implies."""
     names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(
         ("time", "t", "timestamp", "timestamps"), ("time", None)
     )
@@ -60,32 +111,35 @@ _NAMES: Final = _names()
 
 
 def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signal, Column], tuple[str, ...]]:
-    """Find the columns of a log."""
+    """Find the column of each signal, both velocities or none, and note what was assumed and ignored.
+
+    Columns and units of the arm file have priority over the header.
+    """
     notes: list[str] = []
-    found = _mapped(header, arm, file)
+    chosen = _mapped(header, arm, file)
     candidates: dict[Signal, list[Column]] = {}
     for index, name in enumerate(header):
         match = _match(name)
-        if match and match[0] not in found and index not in {column.index for column in found.values()}:
+        if match and match[0] not in chosen and index not in {column.index for column in chosen.values()}:
             candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, match, arm, file)))
     for signal, columns in candidates.items():
-        found[signal] = _one(signal, columns, file, notes)
-    missing = [signal for signal in KINDS if signal not in found and KINDS[signal] != "velocity"]
+        chosen[signal] = _choose(signal, columns, file, notes)
+    missing = [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]
     if missing:
-        raise _missing(missing, header, found, file)
+        raise _missing(missing, header, chosen, file)
     for signal, other in (("dq1", "dq2"), ("dq2", "dq1")):
-        if signal in found and other not in found:
-            notes.append(f"{found.pop(signal).header} is ignored, because the other joint has no velocity column")
-    used = {column.index for column in found.values()}
+        if signal in chosen and other not in chosen:
+            notes.append(f"{chosen.pop(signal).header} is ignored, because the other joint has no velocity column")
+    used = {column.index for column in chosen.values()}
     ignored = [name for index, name in enumerate(header) if name and index not in used and name != SIMULATED]
     if ignored:
         notes.append(f"columns ignored: {_listed(ignored)}")
-    return _with_units(found, file, notes), tuple(notes)
+    return _with_units(chosen, file, notes), tuple(notes)
 
 
 def _mapped(header: Sequence[str], arm: Arm, file: str) -> dict[Signal, Column]:
-    """Columns that the arm file names."""
-    found: dict[Signal, Column] = {}
+    """Find the columns that the arm file names."""
+    chosen: dict[Signal, Column] = {}
     for signal, kind in KINDS.items():
         if signal not in arm.columns:
             continue
@@ -96,12 +150,12 @@ def _mapped(header: Sequence[str], arm: Arm, file: str) -> dict[Signal, Column]:
             raise InputError.at(f"{arm.file}: columns.{signal}", repr(name), expected)
         match = _match(name)
         implied = match if match and KINDS[match[0]] == kind else (signal, *_any_unit(name, kind))
-        found[signal] = Column(header.index(name), name, _unit(name, (signal, *implied[1:]), arm, file))
-    return found
+        chosen[signal] = Column(header.index(name), name, _unit(name, (signal, *implied[1:]), arm, file))
+    return chosen
 
 
 def _split(header: str) -> Iterator[tuple[str, str]]:
-    """Ways to take a header for a name and a unit: without one, in brackets, behind a slash, as a suffix."""
+    """Split a header into name and unit in every way: without unit, in brackets, behind a slash, as a suffix."""
     yield header, ""
     brackets = _BRACKETS.match(header)
     if brackets:
@@ -114,7 +168,7 @@ def _split(header: str) -> Iterator[tuple[str, str]]:
 
 
 def _match(header: str) -> tuple[Signal, str, bool] | None:
-    """Signal, spelling of its unit, and whether the unit is known; None for a header that names no signal."""
+    """Give signal, spelling of the unit, and whether that is known; None for a header that names no signal."""
     unknown: tuple[Signal, str, bool] | None = None
     for name, unit in _split(header):
         signal, implied = _NAMES.get(squeeze(name), (None, None))
@@ -124,19 +178,20 @@ def _match(header: str) -> tuple[Signal, str, bool] | None:
             return signal, implied or "", True
         if unit_named(unit, KINDS[signal]):
             return signal, unit, True
-        if unknown is None and re.search(r"[\[({/]", header):  # a suffix may be any word; what is set apart is a unit
+        # A suffix may be any word, but brackets and slashes enclose a unit.
+        if unknown is None and re.search(r"[\[({/]", header):
             unknown = (signal, unit, False)
     return unknown
 
 
 def _any_unit(header: str, kind: Kind) -> tuple[str, bool]:
-    """Unit in a header of any name."""
+    """Find the unit in a header of any name."""
     units = [unit for _, unit in _split(header) if unit and unit_named(unit, kind)]
     return (units[0], True) if units else ("", True)
 
 
 def _unit(header: str, match: tuple[Signal, str, bool], arm: Arm, file: str) -> str | None:
-    """Unit of a column; None if neither the header nor the arm file says."""
+    """Give the unit of a column; None if neither the header nor the arm file states it."""
     signal, spelling, known = match
     kind = KINDS[signal]
     if kind in arm.units:
@@ -147,8 +202,8 @@ def _unit(header: str, match: tuple[Signal, str, bool], arm: Arm, file: str) -> 
     return unit_named(spelling, kind) if spelling else None
 
 
-def _one(signal: Signal, columns: list[Column], file: str, notes: list[str]) -> Column:
-    """The one column of a signal; one in an SI unit stands before raw counts and currents of the same."""
+def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) -> Column:
+    """Choose the column of a signal; one in an SI unit has priority over raw counts and currents."""
     if len(columns) == 1:
         return columns[0]
     si = [column for column in columns if column.unit == si_unit(KINDS[signal])]
@@ -162,7 +217,7 @@ def _one(signal: Signal, columns: list[Column], file: str, notes: list[str]) -> 
 
 
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:
-    """What to say of signals without a column."""
+    """Report signals without a column."""
     used = {column.header for column in found.values()}
     free = {squeeze(name): name for name in header if name and name not in used}
     near = []
@@ -178,13 +233,13 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
 
 
 def _listed(names: Sequence[str]) -> str:
-    """Names in a row, the first few of many."""
+    """Join the first few names."""
     few = [name[:40] for name in names[:10]]
     return ", ".join(few) + (f" and {len(names) - len(few)} more" if len(names) > len(few) else "")
 
 
 def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dict[Signal, Column]:
-    """Columns in the order of `KINDS`, each with a unit: its own, or SI if neither joint states one."""
+    """Complete the units: SI where neither joint states one. Columns come in the order of `KINDS`."""
     complete: dict[Signal, Column] = {}
     assumed: dict[str, list[str]] = {}
     for signal, kind in KINDS.items():
@@ -198,10 +253,46 @@ def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dic
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
             assumed.setdefault(unit, []).append(column.header)
         complete[signal] = Column(column.index, column.header, unit)
-    told = [f"{', '.join(names)} in {unit}" for unit, names in assumed.items()]
-    if told:
-        notes.append(f"the header states no unit for some columns; assumed: {'; '.join(told)}")
+    if assumed:
+        units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
+        notes.append(f"the header states no unit for some columns; assumed: {units}")
     converted = [f"{c.header} from {c.unit}" for s, c in complete.items() if c.unit != si_unit(KINDS[s])]
     if converted:
         notes.append(f"converted to SI: {', '.join(converted)}")
     return complete
+
+
+def squeeze(text: str) -> str:
+    """Remove case, spaces, dots and dashes from a name or unit."""
+    return re.sub(r"[\s_.·⋅*-]", "", text).lower().replace("µ", "u").replace("μ", "u")
+
+
+def unit_named(text: str, kind: Kind) -> str | None:
+    """Give the unit of a spelling; None if this kind is not measured in it."""
+    plain = squeeze(text)
+    return next((unit for unit, spellings in SPELLINGS[kind].items() if plain in spellings), None)
+
+
+def si_unit(kind: Kind) -> str:
+    """Give the SI unit of a kind of signal."""
+    return next(iter(SPELLINGS[kind]))
+
+
+def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> float:
+    """Give the SI value of one `unit` of a signal; InputError if it needs a constant that the arm file lacks."""
+    if unit in _FACTORS:
+        return _FACTORS[unit]
+    joint = int(signal[-1]) - 1
+    if KINDS[signal] == "torque":
+        constant = _needed(arm, "torque_constant", arm.torque_constant, f"{signal} of {log} is in {unit}")
+        return constant[joint] * (1e-3 if unit == "mA" else 1.0)
+    return (
+        2.0 * math.pi / _needed(arm, "counts_per_turn", arm.counts_per_turn, f"{signal} of {log} is in {unit}")[joint]
+    )
+
+
+def _needed(arm: Arm, key: str, value: Pair | None, reason: str) -> Pair:
+    """Give a value of the arm file that a unit needs."""
+    if value is None:
+        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {reason}")
+    return value

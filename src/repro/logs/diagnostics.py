@@ -1,0 +1,312 @@
+"""What a log contains, and what may be wrong with it: facts and warnings, before anything is identified."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from repro.logs.armfile import Arm
+from repro.logs.conventions import better_convention, late_torque
+from repro.logs.log import STILL, Log, half_window, period, speed
+from repro.logs.uniform import GAP, missing_samples
+from repro.model.parameters import Array
+
+#: Most steps of a change that is used: rounding of printed numbers adds up.
+_MOST_STEPS = 50.0
+#: Fewest samples at an extreme value that can be a limit.
+_FEWEST_AT_LIMIT = 5
+#: Ratio of samples at the extreme value to those one step below it, if it is a limit.
+_LIMIT_RATIO = 4.0
+_TURN: Final = 2.0 * np.pi
+#: Ratios of recorded velocity to differentiated position that have a known cause.
+_RATIOS: Final = (
+    (
+        57.296,
+        "velocity in deg/s, taken for rad/s (or position in rad, taken for deg): "
+        "give units.velocity or units.position in the arm file",
+    ),
+    (
+        1.0 / 57.296,
+        "position in deg, taken for rad (or velocity in rad/s, taken for deg/s): "
+        "give units.position or units.velocity in the arm file",
+    ),
+    (9.549, "velocity in rpm, taken for rad/s: give units.velocity: rpm in the arm file"),
+    (1000.0, "time in ms, taken for s: give units.time: ms in the arm file"),
+    (1e-3, "time in s, taken for ms: give units.time: s in the arm file"),
+    (1.0 / 60.0, "time in s, taken for min: give units.time: s in the arm file"),
+    (60.0, "time in min, taken for s: give units.time: min in the arm file"),
+)
+
+
+def quantisation_step(x: Array) -> float | None:
+    """Find the smallest change of which most changes are multiples; None if there is none."""
+    changes = np.abs(np.diff(x))
+    changes = changes[changes > 1e-9 * np.abs(x).max(initial=0.0)]
+    if changes.size < 20:
+        return None
+    small = changes[changes <= _MOST_STEPS * changes.min()]
+    if small.size < max(20, 0.3 * changes.size):
+        return None
+    step = float(small.min())
+    for _ in range(3):  # what was printed with few digits is a multiple on average
+        step = float(small.sum() / np.rint(small / step).sum())
+    apart = np.abs(small / step - np.rint(small / step))
+    return step if float((apart < 0.1).mean()) > 0.9 else None
+
+
+def saturated_fraction(log: Log) -> tuple[float, float]:
+    """Fraction of the samples whose torque is at its limit, for each joint.
+
+    An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
+    it.
+    """
+    if log.torque_limit is not None:
+        known = np.mean(np.abs(log.tau) >= 0.999 * log.torque_limit[:, np.newaxis], axis=1)
+        return float(known[0]), float(known[1])
+    return _fraction_at_extremes(log.tau[0]), _fraction_at_extremes(log.tau[1])
+
+
+def _fraction_at_extremes(tau: Array) -> float:
+    """Fraction of samples at the extreme values, if they accumulate there."""
+    largest = float(np.abs(tau).max())
+    step = quantisation_step(tau) or 1e-6 * largest
+    fraction = 0.0
+    for side in (tau, -tau):
+        top = float(side.max())
+        if top < 0.5 * largest or largest == 0.0:
+            continue
+        at_top = int(np.count_nonzero(side > top - 0.5 * step))
+        below = int(np.count_nonzero(side > top - 1.5 * step)) - at_top
+        if at_top >= _FEWEST_AT_LIMIT and at_top > _LIMIT_RATIO * below:
+            fraction += at_top / tau.size
+    return fraction
+
+
+def still_joint(log: Log) -> str | None:
+    """Report a joint that does not move."""
+    for joint, moved in enumerate(np.ptp(log.q, axis=1), 1):
+        if moved < STILL:
+            return (
+                f"joint {joint} does not move ({moved:.2g} rad), so its friction and inertia are not excited: "
+                "record a motion of both joints"
+            )
+    return None
+
+
+def large_range(log: Log) -> str | None:
+    """Report positions of many turns."""
+    joint = int(np.argmax(np.ptp(log.q, axis=1)))
+    moved = float(np.ptp(log.q[joint]))
+    if moved <= 4.0 * _TURN:
+        return None
+    return (
+        f"joint {joint + 1} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
+        "give units.position in the arm file"
+    )
+
+
+def odd_speed(log: Log) -> str | None:
+    """Report a speed that hardly any arm has."""
+    top = float(np.percentile(np.abs(speed(log)), 99.9, axis=1).max())
+    if top > 100.0:
+        return (
+            f"a joint turns at {top:.3g} rad/s: check the units of position and time (units.position, units.time "
+            "in the arm file)"
+        )
+    if top < 0.05:
+        return (
+            f"the fastest motion is {top:.2g} rad/s, too slow to show inertia: check the unit of time, or record a "
+            "faster motion"
+        )
+    return None
+
+
+def slow_sampling(log: Log) -> str | None:
+    """Report a motion that is too fast for the rate."""
+    step = float(np.percentile(np.abs(np.diff(log.q, axis=1)), 99.0, axis=1).max())
+    if step <= 0.3:
+        return None
+    return (
+        f"joints turn by up to {step:.2g} rad from one sample to the next ({1.0 / period(log):.4g} Hz): "
+        "record at a higher rate"
+    )
+
+
+def position_jump(log: Log) -> str | None:
+    """Report a position that jumps, other than by a full turn."""
+    dt = np.diff(log.t)
+    for joint, q in enumerate(log.q, 1):
+        steps = np.where(dt < GAP * period(log), np.abs(np.diff(q)), 0.0)
+        usual = median_filter(steps, 11, mode="nearest")
+        jumps = np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))
+        if jumps.size:
+            k = int(jumps[0])
+            return (
+                f"the position of joint {joint} jumps by {steps[k]:.3g} rad at {log.t[k + 1]:.4g} s "
+                f"({jumps.size} such): check the encoder, or cut the log there"
+            )
+    return None
+
+
+def velocity_disagrees(log: Log) -> str | None:
+    """Report velocities that are not the derivative of the positions."""
+    if log.dq is None:
+        return None
+    w = half_window(log)
+    derived = speed(log)
+    recorded = uniform_filter1d(log.dq, 2 * w + 1, axis=1)[:, w:-w]
+    match = np.array([[_correlation(r, d) for d in derived] for r in recorded])
+    if min(match[0, 1], match[1, 0]) > 0.9 > max(match[0, 0], match[1, 1]):
+        return (
+            "the velocity columns of joints 1 and 2 are swapped (each is the derivative of the other position): "
+            "give columns.dq1 and columns.dq2 in the arm file"
+        )
+    for joint in range(2):
+        problem = _velocity_problem(match[joint, joint], recorded[joint], derived[joint])
+        if problem:
+            return f"velocity of joint {joint + 1}: {problem}"
+    return None
+
+
+def _velocity_problem(match: float, recorded: Array, derived: Array) -> str | None:
+    """Compare the velocity of one joint with its differentiated position."""
+    if match < -0.8:
+        return "the opposite sign of the differentiated position: check the signs of both columns"
+    if match < 0.8:
+        return (
+            f"it is not the derivative of the position (correlation {match:.2f}): check which columns they are, and "
+            "the unit of time"
+        )
+    ratio = float(recorded @ derived / (derived @ derived))
+    if 0.8 < ratio < 1.25:
+        return None
+    for known, cause in _RATIOS:
+        if 0.9 < ratio / known < 1.1:
+            return f"{ratio:.3g} times the differentiated position, as with {cause}"
+    return f"{ratio:.3g} times the differentiated position: check the units of position, velocity and time"
+
+
+def _correlation(a: Array, b: Array) -> float:
+    """Correlation coefficient, zero for a constant."""
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def torque_in_counts(log: Log) -> str | None:
+    """Report torques that look like counts or mN m."""
+    for joint, tau in enumerate(log.tau, 1):
+        largest = float(np.abs(tau).max())
+        if largest > 100.0 and np.array_equal(tau, np.rint(tau)):
+            return (
+                f"the torque of joint {joint} is whole numbers up to {largest:.0f}, taken for N m: if these are "
+                "counts, give units.torque: counts and torque_constant in the arm file"
+            )
+        if largest > 1000.0:
+            return (
+                f"the torque of joint {joint} is up to {largest:.4g} N m: if this is mN m, give units.torque: mN m in "
+                "the arm file"
+            )
+    return None
+
+
+def saturated(log: Log) -> str | None:
+    """Report torques at the drive's limit."""
+    fractions = saturated_fraction(log)
+    joint = int(np.argmax(fractions))
+    if fractions[joint] <= 0.05:
+        return None
+    return (
+        f"the torque of joint {joint + 1} is saturated in {100.0 * fractions[joint]:.0f} % of the samples, where the "
+        "recorded torque may not be the one that acted: record a slower motion"
+    )
+
+
+#: Checks of single signals, in the order of the warnings.
+IN_SIGNALS: Final[tuple[Callable[[Log], str | None], ...]] = (
+    still_joint,
+    large_range,
+    odd_speed,
+    slow_sampling,
+    position_jump,
+    torque_in_counts,
+    saturated,
+)
+#: Checks of signals against each other, which a jump or a joint at rest would mislead.
+BETWEEN_SIGNALS: Final[tuple[Callable[[Log], str | None], ...]] = (velocity_disagrees, better_convention, late_torque)
+
+
+def diagnose(log: Log) -> tuple[str, ...]:
+    """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
+    jumps = position_jump(log) is not None and large_range(log) is None  # degrees seem to jump, too
+    misled = jumps or still_joint(log) is not None
+    warnings = (check(log) for check in (IN_SIGNALS if misled else IN_SIGNALS + BETWEEN_SIGNALS))
+    return tuple(warning for warning in warnings if warning is not None)
+
+
+@dataclass(frozen=True)
+class Description:
+    """Facts about a log, and warnings."""
+
+    name: str  # file name
+    # What was found and its value with unit: rate, length, motion range, gaps, saturation, quantisation
+    facts: tuple[tuple[str, str], ...]
+    notes: tuple[str, ...] = ()  # assumptions and conversions on reading
+    warnings: tuple[str, ...] = ()  # what may spoil the result, one line each
+    simulated: bool = False  # whether the simulated board made it
+
+
+#: Speed below which a joint is at rest, rad/s.
+AT_REST = 0.02
+
+
+def describe(log: Log, arm: Arm) -> Description:
+    """Describe a log as read, before resampling."""
+    facts = (("arm", arm.name), *_timing(log), *_motion(log), *_torque(log))
+    return Description(log.name, facts, log.notes, diagnose(log), log.simulated)
+
+
+def _timing(log: Log) -> Iterator[tuple[str, str]]:
+    """Give samples, length, rate and gaps."""
+    h = period(log)
+    low, high = 1e3 * np.percentile(np.diff(log.t), (1.0, 99.0))
+    missing = missing_samples(log)
+    gaps = int(np.count_nonzero(missing))
+    yield "samples", str(log.t.size)
+    yield "length", f"{log.t[-1] - log.t[0]:.4g} s"
+    yield "rate", f"{1.0 / h:.4g} Hz (98 % of the periods {low:.4g} to {high:.4g} ms)"
+    worst = f", the longest {1e3 * float(np.diff(log.t).max()):.4g} ms" if gaps else ""
+    yield "gaps", f"{gaps}, {missing.sum():.0f} samples missing{worst}" if gaps else "none"
+
+
+def _motion(log: Log) -> Iterator[tuple[str, str]]:
+    """Give range, speed, rest and encoder steps of each joint."""
+    moving = np.abs(speed(log))
+    for joint, q in enumerate(log.q):
+        low, high = float(q.min()), float(q.max())
+        in_degrees = f"{np.rad2deg(low):.1f} to {np.rad2deg(high):.1f} deg"
+        rest = float(np.mean(moving[joint] < AT_REST))
+        yield f"position of joint {joint + 1}", f"{low:.3f} to {high:.3f} rad ({in_degrees})"
+        yield f"top speed of joint {joint + 1}", f"{moving[joint].max():.3g} rad/s"
+        yield f"at rest, joint {joint + 1}", f"{100.0 * rest:.1f} % of the time"
+        yield f"step of position {joint + 1}", _step(q, "rad")
+    yield "velocity", "none recorded" if log.dq is None else "recorded"
+
+
+def _torque(log: Log) -> Iterator[tuple[str, str]]:
+    """Give range, step and saturation of each torque."""
+    limit = log.torque_limit
+    for joint, (tau, fraction) in enumerate(zip(log.tau, saturated_fraction(log), strict=True)):
+        of = "" if limit is None else f" (limit {limit[joint]:.4g} N m)"
+        rms = float(np.sqrt(np.mean(tau**2)))
+        yield f"torque of joint {joint + 1}", f"{tau.min():.4g} to {tau.max():.4g} N m, RMS {rms:.4g} N m"
+        yield f"step of torque {joint + 1}", _step(tau, "N m")
+        yield f"saturation of torque {joint + 1}", f"{100.0 * fraction:.1f} % of the samples{of}"
+
+
+def _step(x: Array, unit: str) -> str:
+    """Write the quantisation step."""
+    step = quantisation_step(x)
+    return "none seen" if step is None else f"{step:.3g} {unit}"

@@ -1,0 +1,204 @@
+"""Read a file as a `Log`: columns, units, signs and zeros; refuse what cannot be identified from."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.errors import InputError
+from repro.fpga.capture import read_capture
+from repro.fpga.recording import recording_of
+from repro.logs.armfile import Arm
+from repro.logs.bag import is_bag, read_bag
+from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
+from repro.logs.diagnostics import saturated_fraction
+from repro.logs.log import FEWEST, SHORTEST, STILL, Log
+from repro.logs.table import list_lines, read_table
+from repro.logs.uniform import segments
+from repro.model.parameters import Array
+
+#: Rates that an arm is recorded at, Hz.
+_SLOWEST, _FASTEST = 5.0, 20e3
+#: Rates that most arms are recorded at, Hz.
+_LIKELY = (20.0, 10e3)
+#: Largest magnitudes of a time (in the file), a position (rad), a velocity (rad/s) and a torque (N m).
+_LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
+#: Smallest of the largest torques of a joint, N m: the square of a smaller one underflows.
+_SMALLEST = 1e-12
+#: Fraction of samples at the torque limit above which a drive is always saturated.
+_ALWAYS = 0.9
+#: Steps within this fraction of a full turn are the wrap of an angle.
+_WRAP = 0.05
+
+
+def read_log(path: Path, arm: Arm) -> Log:
+    """Read a recording.
+
+    Parameters
+    ----------
+    path : Path
+        Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table.
+    arm : Arm
+        Conventions that the recording does not state itself. Columns and units are not for captures.
+
+    Returns
+    -------
+    Log
+        SI, angles of Eq. 1.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column or unit is missing or unclear, a cell is no number, time does not
+        increase, the recording is too short, the arm does not move, a torque is constant, or gaps leave no
+        stretch that is long enough.
+    """
+    if path.is_dir() and not is_bag(path):
+        raise InputError.at(str(path), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
+    raw = _from_capture(path, arm) if path.suffix == ".bin" else _from_table(path, arm)
+    limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
+    with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
+        log = replace(to_eq1(raw, arm), torque_limit=limit)
+    _check_signals(log, str(path))
+    segments(log)  # refuses a log that is all gaps
+    return log
+
+
+def _from_capture(path: Path, arm: Arm) -> Log:
+    """Read a capture, which states its units itself."""
+    capture = read_capture(path)
+    metadata, recording = capture.metadata, recording_of(capture)
+    t = np.asarray(metadata.h * np.arange(metadata.samples), dtype=np.float64)
+    _check_time(t, t, "s", str(path), range(1, metadata.samples + 1))
+    notes = [f"capture of the motion {metadata.motion}"]
+    if arm.columns or arm.units:
+        notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
+    if recording.n_interpolated:
+        notes.append(f"{recording.n_interpolated} lost samples are interpolated")
+    simulated = metadata.source == "simulated"
+    limit = np.array(metadata.control.full_torque)
+    return Log(path.name, t, recording.q, recording.tau, None, tuple(notes), simulated, limit)
+
+
+def _from_table(path: Path, arm: Arm) -> Log:
+    """Read a table or bag in SI, signs and zeros as recorded."""
+    table = read_bag(path, arm.topic) if is_bag(path) else read_table(path)
+    columns, notes = find_columns(table.header, arm, table.file)
+    values, lines, more = table.numbers([column.index for column in columns.values()])
+    kept, left_out = _full_rows(table.file, lines, list(columns), values)
+    notes = (*table.notes, *more, *notes, *left_out)
+    recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
+    factors = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) for signal in recorded}
+    si = {signal: factors[signal] * values for signal, values in recorded.items()}
+    time = si["time"]
+    _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
+    if time[0] != 0.0:
+        notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
+    pairs: Sequence[tuple[Signal, Signal]] = (("q1", "q2"), ("tau1", "tau2"), ("dq1", "dq2"))
+    q, tau, dq = (np.stack([si[a], si[b]]) if a in si and b in si else None for a, b in pairs)
+    assert q is not None
+    assert tau is not None
+    simulated = SIMULATED in table.header and bool(np.any(table.numbers([table.header.index(SIMULATED)])[0] != 0.0))
+    return Log(path.name, time - time[0], q, tau, dq, notes, simulated)
+
+
+def _full_rows(
+    file: str, lines: NDArray[np.int64], signals: Sequence[Signal], values: Array
+) -> tuple[NDArray[np.intp], list[str]]:
+    """Select rows without an empty cell that are no copy of the row before, with notes on the others."""
+    needed = [KINDS[signal] != "velocity" for signal in signals]
+    empty = np.isnan(values[needed]).any(0)
+    kept, notes = np.flatnonzero(~empty), []
+    if kept.size < min(FEWEST, empty.size):
+        found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows"
+        row = int(np.argmax(empty))
+        raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {FEWEST} full rows")
+    full = values[:, kept]
+    with np.errstate(over="ignore"):  # the size of numbers is checked later
+        copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
+    for rows, reason in ((np.flatnonzero(empty), "with empty cells"), (kept[copies], "equal to the one before")):
+        if rows.size:
+            plural, where = "s" * (rows.size > 1), list_lines(lines[rows])
+            notes.append(f"{rows.size} row{plural} {reason} left out: {where}")
+    if np.isnan(full).any():
+        notes.append("velocity is ignored, because it has empty cells of its own")
+    return kept[~copies], notes
+
+
+def to_eq1(log: Log, arm: Arm) -> Log:
+    """Correct signs, zeros and wraps, and make joint 2 relative to link 1."""
+    sign = np.array(arm.sign)[:, np.newaxis]
+    q, wraps = _unwrapped(log.q)
+    q = sign * (q - np.array(arm.zero)[:, np.newaxis])
+    offset, scale = (np.array(pair)[:, np.newaxis] for pair in (arm.torque_offset, arm.torque_scale))
+    tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * (log.tau - offset) / scale
+    dq = None if log.dq is None else sign * log.dq
+    notes = list(log.notes)
+    for joint, count in enumerate(wraps, 1):
+        if count:
+            notes.append(f"position of joint {joint} wraps by a full turn {count} times; unwrapped")
+    if arm.second_joint_absolute:
+        q = np.stack([q[0], q[1] - q[0]])
+        dq = None if dq is None else np.stack([dq[0], dq[1] - dq[0]])
+        notes.append("q2 was measured from the vertical; q1 is subtracted")
+    return replace(log, q=q, tau=tau, dq=dq, notes=tuple(notes))
+
+
+def _unwrapped(q: Array) -> tuple[Array, tuple[int, ...]]:
+    """Remove steps of a full turn between two samples, and count them on each joint."""
+    turn = 2.0 * np.pi
+    steps = np.diff(q, axis=1)
+    turns = np.where(np.abs(np.abs(steps) - turn) < _WRAP * turn, np.sign(steps), 0.0)
+    whole = np.concatenate([np.zeros((2, 1)), np.cumsum(turns, axis=1)], axis=1)
+    return q - turn * whole, tuple(int(n) for n in np.count_nonzero(turns, axis=1))
+
+
+def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:
+    """Refuse too few samples, times that do not increase, and rates that no arm is recorded at."""
+    if time.size < FEWEST:
+        raise InputError.at(file, f"{time.size} samples", f"at least {FEWEST}")
+    if np.abs(recorded).max() > _LARGEST_TIME:
+        raise InputError.at(f"{file}: time", f"{np.abs(recorded).max():.3g} {unit}", f"at most {_LARGEST_TIME:g}")
+    steps = np.diff(recorded)
+    wrong = np.flatnonzero(steps <= 0.0)
+    if wrong.size:
+        k = int(wrong[0])
+        now, before = (f"{value:.10g} {unit}" for value in (recorded[k + 1], recorded[k]))
+        digits = " (too few digits?)" if np.all(steps[wrong] == 0.0) and wrong.size > 0.05 * steps.size else ""
+        found = f"{now} twice{digits}" if steps[k] == 0.0 else f"{now} after {before}"
+        raise InputError.at(f"{file}: line {lines[k + 1]}, time", found, "time that increases")
+    rate = 1.0 / float(np.median(np.diff(time)))
+    if not _SLOWEST <= rate <= _FASTEST:
+        period = float(np.median(steps))
+        found = f"a period of {period:.4g} {unit}, so a rate of {rate:.4g} Hz"
+        rates = {other: 1.0 / (period * si_factor("time", other, Arm())) for other in SPELLINGS["time"]}
+        likely = [f"{other} ({hz:.4g} Hz)" for other, hz in rates.items() if _LIKELY[0] <= hz <= _LIKELY[1]]
+        unless = f"unless time is in {' or '.join(likely)}: then give" if likely else "or another unit of time:"
+        expected = f"{_SLOWEST:g} to {_FASTEST:g} Hz, {unless} units.time in the arm file"
+        raise InputError.at(f"{file}: time", found, expected)
+    if time[-1] - time[0] < SHORTEST:
+        raise InputError.at(file, f"{time[-1] - time[0]:.3g} s", f"at least {SHORTEST:g} s")
+
+
+def _check_signals(log: Log, file: str) -> None:
+    """Refuse absurd magnitudes, an arm that does not move, and torques that are constant or always at the limit."""
+    for signal, (kind, most, unit) in zip((log.q, log.dq, log.tau), _LARGEST, strict=True):
+        if signal is not None and np.abs(signal).max() > most:
+            raise InputError.at(f"{file}: {kind}", f"{np.abs(signal).max():.3g} {unit}", f"at most {most:g} {unit}")
+    moved = np.ptp(log.q, axis=1)
+    if moved.max() < STILL:
+        found = f"an arm that does not move ({moved[0]:.2g} and {moved[1]:.2g} rad)"
+        raise InputError.at(f"{file}: position", found, f"joints that move by {STILL:g} rad and more")
+    for joint, tau in enumerate(log.tau, 1):
+        if np.ptp(tau) == 0.0:
+            found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
+            raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque that changes")
+        if np.abs(tau).max() < _SMALLEST:
+            found = f"{np.abs(tau).max():.3g} N m at most"
+            raise InputError.at(f"{file}: torque of joint {joint}", found, f"a torque of {_SMALLEST:g} N m and more")
+    for joint, fraction in enumerate(saturated_fraction(log), 1):
+        if fraction > _ALWAYS:
+            found = f"saturated throughout ({100.0 * fraction:.0f} % of the samples at the limit)"
+            raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque below the drive's limit")

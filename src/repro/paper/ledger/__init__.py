@@ -1,1 +1,0 @@
-"""Our side of every published number: from result files, the configuration and arithmetic."""

@@ -1,0 +1,74 @@
+"""Where our value of a published number comes from: the grammar of the column ``ours``."""
+
+import importlib.util
+from dataclasses import replace
+
+import pytest
+
+from repro.errors import InputError
+from repro.paper.our_values import declared_value, evaluate
+from repro.paper.published import Published, load_published
+from repro.paper.results import SOURCES
+
+CONFIG = {"training": {"recipe": "streamed", "paper": {"images": 40}}, "arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
+NUMBER = load_published()["section3/joints"]
+
+
+def value_of(ours, note=""):
+    number = replace(NUMBER, ours=ours, note=note)
+    return declared_value(number, Published((number,)), CONFIG, {"check": 2.5})
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("arm.lengths[1]*1e3", 100.0),
+        ("len(arm.lengths) - 2**3/4", 0.0),
+        ("-sum(arm.lengths)", -0.30000000000000004),
+        ("arm['a-b'].c", 7),
+        ("(255 >> 4).bit_count()", 4),
+        ("round(2.6)", 3),
+    ],
+)
+def test_expressions_are_arithmetic_on_names(expression, value):
+    assert evaluate(expression, CONFIG) == value
+
+
+@pytest.mark.parametrize(
+    ("ours", "note", "value", "shown"),
+    [
+        ("config:arm.lengths[0]", "more", 0.2, "config/config.yaml: arm.lengths, more"),
+        ("config:len(arm['a-b'])", "", 1.0, "config/config.yaml: arm.a-b"),
+        ("schedule:training.paper.images", "paper's", 40.0, "config/config.yaml: training.paper.images, paper's"),
+        ("const:fpga.frames:PWM_LIMIT", "counts", 1023.0, "counts; repro.fpga.frames"),
+        ("arithmetic:audit['check']/2", "{audit['check']:.3f} / {printed['section3/joints']}", 1.25, "2.500 / 2"),
+        ("bench", "a clock", None, "a clock"),
+    ],
+)
+def test_each_source_has_its_value_and_note(ours, note, value, shown):
+    found = value_of(ours, note)
+    assert (found.value, found.note) == (value, shown)
+    assert found.unused == ours.startswith("schedule")
+
+
+@pytest.mark.parametrize(
+    "ours",
+    [
+        "", "guess:1", "config:arm.nothing", "config:arm.lengths[9]", "const:no.module:X", "const:fpga.frames:__name__",
+        "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +",
+    ],
+)  # fmt: skip
+def test_what_is_no_source_is_named_with_its_number(ours):
+    with pytest.raises(InputError, match="section3/joints: ours") as caught:
+        value_of(ours)
+    assert "\n" not in str(caught.value)
+
+
+def test_every_number_of_the_papers_own_has_a_source_that_exists():
+    for number in load_published():
+        source, _, rest = number.ours.partition(":")
+        assert bool(source) == (number.kind != "other-work"), number.id
+        if source == "const":
+            assert importlib.util.find_spec("repro." + rest.partition(":")[0]), number.id
+        if source == "result":
+            assert rest.partition(":")[0] in SOURCES, number.id
