@@ -338,7 +338,7 @@ def test_each_network_of_a_job_is_checked_against_the_training_that_it_expects(w
     using = {
         rule.name: rule for rule in working if any("/model/cnn" in f for told in rule.input for f in of_a_job(told))
     }
-    drawing = {"draw_network_training_weights"}
+    drawing = {"draw_network_training_weights", "ablation_run"}  # the ablation reads what it is given
     assert using.keys() - drawing == {"identify_numeric", "identify_experiment", "score_spread", "check_coverage"}
     for name in using.keys() - drawing:
         assert of_a_job(using[name].params.trained_as), name
