@@ -11,7 +11,7 @@ from repro.documents import read_json
 from repro.errors import InputError
 from repro.exhibits.inputs import Family, Inputs, Made, arm_scores
 from repro.files import read_csv
-from repro.identification.registry import OPPONENTS
+from repro.identification.method import BASELINES
 from repro.pipeline.both_metrics import both_metrics
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.experiment_runs import CASE
@@ -72,7 +72,7 @@ MADE: Family = {
     ("figure", "coverage"): Made(lambda i, _: read_csv(i["ranks"][0], RANKS), coverage.figure),
     ("table", "intervals"): Made(lambda i, _: read_csv(i["intervals"][0], INTERVALS), coverage.intervals),
     ("table", "verdict"): Made(
-        lambda i, _: comparisons(_spread(i), CONTENDERS, tuple(OPPONENTS)), experiment_tables.verdict
+        lambda i, _: comparisons(_spread(i), CONTENDERS, tuple(BASELINES)), experiment_tables.verdict
     ),
     ("figure", "spread"): Made(lambda i, _: _drawn_spread(i), spread.spread),
     ("table", "both_metrics"): Made(_both_metrics, experiment_tables.both_metrics),
