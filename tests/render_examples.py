@@ -17,8 +17,9 @@ from matplotlib.transforms import Bbox
 
 from repro.errors import InputError
 from repro.exhibits import catalogue, style
-from repro.exhibits.make import draw, lay_out, made_of
-from repro.exhibits.study import COVERAGE, RANKS, why_table
+from repro.exhibits.causes import why_table
+from repro.exhibits.make import draw, lay_out
+from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
 from repro.pipeline import schematics_data
@@ -31,8 +32,8 @@ CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")
 
 #: Drawings and layouts by the name of the exhibit.
-FIGURES = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "figure"}
-LAYOUTS = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "table"}
+FIGURES = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "figure"}
+LAYOUTS = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "table"}
 
 
 def long_table(panels: dict[str, tuple[str, ...]], x: np.ndarray, y: Callable[[int], np.ndarray]) -> pd.DataFrame:

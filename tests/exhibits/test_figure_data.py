@@ -16,7 +16,6 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.network import FactoredCNN, SignalCNN, save_network
 from repro.cnn.priors import sample_beta
 from repro.exhibits import catalogue, style
-from repro.exhibits.make import made_of
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
@@ -45,7 +44,7 @@ MEDIAN = 3
 
 SECTIONS = {(f"{e.kind}s", e.name): e.sections for e in catalogue.EXHIBITS}
 FIGURE_DATA, TABLE_DATA = (
-    {e.name: made_of(e).numbers for e in catalogue.EXHIBITS if e.kind == kind} for kind in ("figure", "table")
+    {e.name: e.numbers for e in catalogue.EXHIBITS if e.kind == kind} for kind in ("figure", "table")
 )
 
 

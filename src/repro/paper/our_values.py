@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from repro.cnn import architecture, image, priors
-from repro.comparison.classes import LEDGER
+from repro.comparison.tolerances import LEDGER
 from repro.errors import InputError
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability

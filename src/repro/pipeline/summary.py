@@ -9,6 +9,9 @@ from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 
+#: Columns of the scores of the experiment on the arm.
+SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
+
 
 def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
     """Seed that stands for a case and method: the one whose ID similarity is the median."""

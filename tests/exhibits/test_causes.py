@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from repro.exhibits.study import crossed, why_table
+from repro.exhibits.causes import crossed, why_table
 
 CELLS = {
     "algorithm1": ("ideal", "measured"),
