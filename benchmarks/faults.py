@@ -55,7 +55,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "(0.55, _BOX_ROW),",
     ): "an arrow begins where it leaves its box, at the same height",
     (
-        "src/repro/pipeline/start.py",
+        "src/repro.pipeline.job.py",
         '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',
     ): "changes the speed alone, and hardly",
     (
