@@ -234,6 +234,15 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def inches(width: float, height: float) -> tuple[Figure, Axes]:
+    """Make a figure without axes lines, in which everything is placed in inches from its lower left corner."""
+    figure = new_figure(width, height)
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
+    axes.set_axis_off()
+    return figure, axes
+
+
 def few_ticks(axes: Axes) -> None:
     """Put at most five round numbers on the y axis."""
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
