@@ -13,11 +13,11 @@ from claims_example import make_project
 from scripts_run import run_script
 
 from repro.cli import main
+from repro.config import load_config
 from repro.errors import InputError
 from repro.exhibits import paper_audit
 from repro.paper import verification
 from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
-from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow
 
