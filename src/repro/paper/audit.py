@@ -132,7 +132,13 @@ def _coulomb_friction(c: Check) -> Finding:
     t1, t4, joint2 = (math.sqrt(bounds[cell]) for cell in (("T1", 1), ("T4", 1), ("T1", 2)))
     least, friction = min(t1, t4), 2.0 * math.sqrt(c.coupling) / c.epsilon
     verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE
-    texts = {"t1": t1, "t4": t4, "joint2": joint2, "friction": friction, "k1": appendix.FreeChoices().k1}
+    texts: dict[str, Any] = {
+        "t1": t1,
+        "t4": t4,
+        "joint2": joint2,
+        "friction": friction,
+        "k1": appendix.FreeChoices().k1,
+    }
     return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, **texts)
 
 
