@@ -20,9 +20,9 @@ from repro.exhibits import catalogue, style
 from repro.exhibits.causes import why_table
 from repro.exhibits.make import draw, lay_out
 from repro.exhibits.many_arms import COVERAGE, RANKS
+from repro.exhibits.schematics import words
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
-from repro.pipeline import schematics_data
 from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.paired import COLUMNS as PAIRED
@@ -267,10 +267,10 @@ def readings_frame() -> pd.DataFrame:
 MOTION = dict.fromkeys(("position", "velocity", "acceleration"), ("joint1", "joint2"))
 
 FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
-    "fig01": schematics_data.arm,
-    "fig02": schematics_data.hardware,
-    "fig03": schematics_data.control,
-    "fig04": schematics_data.method,
+    "fig01": lambda: words("fig01"),
+    "fig02": lambda: words("fig02"),
+    "fig03": lambda: words("fig03"),
+    "fig04": lambda: words("fig04"),
     "fig05": subsampling_frame,
     "fig06": lambda: waves(MOTION),
     "fig07": network_frame,
@@ -393,7 +393,7 @@ def audit_frame() -> pd.DataFrame:
 
 
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
-    "table01": schematics_data.related_work,
+    "table01": lambda: words("table01"),
     "table02": lambda: pd.DataFrame(
         {"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS}
     ),

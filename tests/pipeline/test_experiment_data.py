@@ -19,7 +19,7 @@ from experiment_example import (
     short_config,
 )
 
-from repro.exhibits import arm_experiment
+from repro.exhibits import arm_experiment, schematics
 from repro.identification.algorithm1.listing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
@@ -31,7 +31,6 @@ from repro.pipeline.experiment_data import (
     identification_figure,
     motions_figure,
     paths_figure,
-    setup_figure,
     shown_estimates,
     stability_table,
     validation_figure,
@@ -170,8 +169,7 @@ def test_figures_23_and_24_show_the_two_methods_that_are_compared(inputs):
 
 
 def test_figure_18_tells_the_configuration():
-    settings = program_settings(CONFIG)
-    frame = setup_figure(control_constants(CONFIG), settings.geometry, settings.h).set_index(["component", "label"])
+    frame = schematics.fig18.numbers({}, CONFIG).set_index(["component", "label"])
     assert frame["value"]["arm", "l1"] == "0.165"
     assert frame["value"]["uplink", "-"].tolist() == ["64 bit", "400"]
     assert frame["value"]["motors", "joint 1"] == "8/1023"

@@ -1,5 +1,8 @@
+EXHIBITS_FOLDER = HERE.parent / "src/repro/exhibits"
+
 # What tables and figures (src/repro/exhibits) are computed from.
 SOURCES = {
+    "diagrams": {"diagrams": sorted(map(str, (EXHIBITS_FOLDER / "diagrams").iterdir()))},
     "ID": {"captures": captures(["ID"])},
     "validation": {"captures": captures(VALIDATION)},
     "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},

@@ -4,7 +4,7 @@ import pandas as pd
 
 from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
 from repro.files import read_csv
-from repro.identification.registry import OPPONENTS
+from repro.identification.method import BASELINES
 from repro.pipeline.job import Config
 from repro.pipeline.paired import comparisons
 from repro.render import coverage, experiment_tables, spread
@@ -81,7 +81,7 @@ def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
     specimens of several simulated arms: in how many comparisons (motion and joint) each is better or worse, and by how
     much. Every comparison with its intervals is in the CSV.
     """
-    return comparisons(_spread(inputs), CONTENDERS, tuple(OPPONENTS))
+    return comparisons(_spread(inputs), CONTENDERS, tuple(BASELINES))
 
 
 @figure("spread", "Similarity over many simulated arms", EXPERIMENT, spread.spread, inputs=("spread",), trained="all")

@@ -1,12 +1,14 @@
-"""The numeric tests N1 to N4: Tables 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
+"""The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
 from collections.abc import Sequence
 
 import pandas as pd
 
 from repro.cnn.schedule import HISTORY_COLUMNS
-from repro.exhibits.declare import ABLATION, NUMERIC, SIGNALS, VALIDATION, Inputs, figure, table
+from repro.exhibits.declare import ABLATION, MODEL, NUMERIC, SIGNALS, VALIDATION, Inputs, figure, table
+from repro.exhibits.markup import Table, formula, plain, unit
 from repro.files import read_csv
+from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.pipeline import figure_data
 from repro.pipeline.identified import every_seed, read_identifications, read_scores
 from repro.pipeline.job import Config
@@ -40,6 +42,23 @@ def _torques(
         cases,
         in_frequency=in_frequency,
     )
+
+
+def description(frame: pd.DataFrame) -> Table:
+    """Dynamic parameters (Table 2)."""
+    columns = ["parameter", "description", "expression", "unit"]
+    rows = [
+        (formula(name), plain(description), formula(expression), unit(si))
+        for name, description, expression, si in frame[columns].itertuples(index=False)
+    ]
+    header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
+    return Table("Table 2", "tab:table02", plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
+
+
+@table(2, "Dynamic parameters", MODEL, description)
+def table02(_: Inputs, __: Config) -> pd.DataFrame:
+    """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
+    return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
 
 
 @figure(5, "Subsampling technique", SIGNALS, lines.subsampling, sections=_NUMERIC)

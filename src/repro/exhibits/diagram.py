@@ -1,10 +1,13 @@
-"""Boxes and arrows: words from a table, places from a layout (Fig. 2-4)."""
+"""Boxes and arrows (Figures 2 to 4): words from a table, places from ``diagrams/layouts.yaml``."""
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import yaml
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
@@ -12,7 +15,14 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.markup import formula, plain
-from repro.render.layout import INSET, Box, Layout, Route
+
+#: Words and layouts of the drawings.
+DIAGRAMS = Path(__file__).parent / "diagrams"
+
+Point = tuple[float, float]
+
+#: From the edge of a box to its words, in.
+INSET = 0.05
 
 _FILLS: Mapping[str, str] = {
     "block": style.FILL_LIGHT,
@@ -34,6 +44,62 @@ _INFERRED: Mapping[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1
 _LEADING = 0.0175  # from one line of words to the next, in for each point of type
 _LETTER = 0.0061  # mean width of a letter, in for each point of type
 _WORD = re.compile(r"(?:`[^`]*`|[^\s`])+")
+
+
+def layout_of(name: str) -> dict[str, Any]:
+    """Places of everything in a drawing, in inches from its lower left corner."""
+    layout: dict[str, Any] = yaml.safe_load((DIAGRAMS / "layouts.yaml").read_text(encoding="utf-8"))[name]
+    return layout
+
+
+@dataclass(frozen=True)
+class Box:
+    """Where a box is: its rectangle, or the one around a diamond."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+    # a decision is a diamond, a frame a dashed rectangle behind other boxes with its words at the top
+    shape: str = "block"
+
+    @property
+    def room(self) -> tuple[float, float]:
+        """Width and height for words; a diamond gives a line in its middle most of its width."""
+        part = 0.78 if self.shape == "decision" else 1.0
+        return part * self.width - 2 * INSET, self.height - INSET
+
+
+@dataclass(frozen=True)
+class Route:
+    """Where a link runs."""
+
+    corners: Sequence[Point]  # from edge to edge
+    label: Point | None = None  # where its label is; None where it has none
+    side: str = "center"  # which part of the label is there
+    flow: str = "inner"  # what it carries, which gives its colour
+    both: bool = False  # whether it points both ways
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Places of everything in a diagram of boxes and arrows."""
+
+    size: tuple[float, float]  # of the figure
+    type_size: float  # points
+    boxes: Mapping[str, Box]  # frames come before what is on them
+    routes: Mapping[str, Route]
+    junctions: Sequence[Point] = ()  # where a link branches off another
+    legend: Mapping[str, str] | None = None  # texts by a flow, a shape, or ``inferred``
+    columns: int = 5  # of the legend
+
+    @classmethod
+    def read(cls, name: str) -> "Layout":
+        """Read the layout of a figure."""
+        content = layout_of(name)
+        boxes = {key: Box(*place) for key, place in content.pop("boxes").items()}
+        routes = {key: Route(**route) for key, route in content.pop("routes").items()}
+        return cls(boxes=boxes, routes=routes, **content)
 
 
 def _rendered(word: str) -> tuple[str, int]:
@@ -116,20 +182,18 @@ def _draw_link(axes: Axes, route: Route, label: str, inferred: bool, size: float
         axes.text(*route.label, label, fontsize=size, ha=route.side, va="center", style=look)
 
 
-def draw_diagram(frame: pd.DataFrame, layout: Layout) -> Figure:
-    """Draw a diagram."""
+def draw_diagram(frame: pd.DataFrame, target: str) -> Figure:
+    """Draw the diagram of a figure."""
+    layout = Layout.read(target)
     lines, links = _read(frame, layout)
-    figure = style.new_figure(layout.width, layout.height)
-    figure.set_layout_engine("none")  # everything is placed in inches
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, layout.width), ylim=(0.0, layout.height))
-    axes.set_axis_off()
+    figure, axes = style.inches(*layout.size)
     for name, box in layout.boxes.items():
         _draw_box(axes, name, box, lines[name], layout.type_size)
     for name, route in layout.routes.items():
         _draw_link(axes, route, *links[name], layout.type_size)
     for place in layout.junctions:
         axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
-    for key, label in layout.legend:
+    for key, label in (layout.legend or {}).items():
         if key in _FILLS:
             axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=_FILLS[key], edgecolor=style.INK, lw=0.6, label=label))
         else:
