@@ -20,13 +20,14 @@ from identify_speed import made_up, silent
 
 from repro.cnn.train import train
 from repro.commands.identify import LEAST_SQUARES
+from repro.config import load_config
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.prepared import make_problem, read
 from repro.ownarm.settings import Options
-from repro.pipeline.experiment import control_constants, load_config, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
 from repro.pipeline.experiment_runs import identify_recording
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import mean_training_torque
