@@ -23,9 +23,9 @@ from repro.commands.identify import LEAST_SQUARES
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, resolve, fit_all
+from repro.ownarm.prepare import make_problem, read
+from repro.ownarm.prepare import Options
 from repro.pipeline.experiment import control_constants, load_config, program_from_config, true_parameters
 from repro.pipeline.experiment_runs import identify_recording
 from repro.pipeline.networks import algorithm1_of, for_the_arm
@@ -62,7 +62,7 @@ def log(seconds: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         options = Options(LEAST_SQUARES, Path(folder))
         problem = make_problem(read(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
-        assemble(problem, solve_all(problem, resolve(options, silent), 1, silent, silent), Arm())
+        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), Arm())
 
 
 def training(steps: int) -> None:

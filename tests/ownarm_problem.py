@@ -13,10 +13,10 @@ from repro.identification.parallel import FilterSettings
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.judge import find, judge
-from repro.ownarm.prepared import Problem, Ready, Told, make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, resolve, fit_all
+from repro.ownarm.evaluate import find, judge
+from repro.ownarm.prepare import Problem, Ready, LoadedLog, make_problem, read
+from repro.ownarm.prepare import Options
 
 ARM = Arm(name="test arm")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]
@@ -28,7 +28,7 @@ def silent(*_):
 
 
 def told(log):
-    return Told(log, Description(log.name, (("samples", str(log.t.size)),)))
+    return LoadedLog(log, Description(log.name, (("samples", str(log.t.size)),)))
 
 
 def problem_of(regression, others=(), moving=None, delay_was_found=True, **settings):
@@ -72,7 +72,7 @@ def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     fitted = read(write_log(folder / "log.csv", **log), arm)
     others = (read(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
     problem = make_problem(fitted, others, arm, options)
-    found = solve_all(problem, resolve(options, silent), options.seed, silent, silent)
+    found = fit_all(problem, resolve(options, silent), options.seed, silent, silent)
     return (problem, *assemble(problem, found, arm))
 
 

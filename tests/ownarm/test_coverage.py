@@ -10,8 +10,8 @@ from repro.identification.bootstrap import bootstrap
 from repro.identification.methods.every import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.settings import Options
+from repro.ownarm.prepare import LoadedLog, make_problem
+from repro.ownarm.prepare import Options
 from repro.pipeline.experiment import load_config, program_from_config
 from repro.streams import Stream, stream
 
@@ -30,7 +30,7 @@ def slow():
 def made(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(Told(log, Description(log.name, ())), (), Arm(), options) for log in logs]
+    problems = [make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 

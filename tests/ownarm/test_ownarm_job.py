@@ -16,12 +16,12 @@ from repro.identification.excitation import torque_share
 from repro.identification.methods.every import METHODS
 from repro.identification.methods.interface import Estimate
 from repro.model.parameters import NAMES
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.judge import Found
-from repro.ownarm.outputs import write_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
-from repro.ownarm.words import COMBINED, NOT_EXCITED
+from repro.ownarm.evaluate import assemble, resolve, fit_all
+from repro.ownarm.evaluate import Fit
+from repro.ownarm.outputs import write_result
+from repro.ownarm.prepare import make_problem, read
+from repro.ownarm.prepare import Options
+from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
@@ -102,7 +102,7 @@ def test_the_curves_are_those_of_both_logs(whole):
 def test_each_method_is_judged_by_its_own_parameters(whole):
     problem, _, _ = whole
     names, betas = ("ordinary", "bounded"), (1.1 * BETA, BETA)
-    found = [Found(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
+    found = [Fit(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
     result, curves = assemble(problem, found, ARM)
     assert result.recommended == "bounded"
     assert result.excitation.share == pytest.approx(torque_share(problem.moving, BETA))
@@ -120,7 +120,7 @@ def test_the_whole_gives_the_same_bytes_twice(tmp_path):
         folder = tmp_path / name
         folder.mkdir()
         _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
-        write_all(folder / "out", result, curves, ARM)
+        write_result(folder / "out", result, curves, ARM)
     assert tree(tmp_path / "one") == tree(tmp_path / "two")
     assert set(FILES) == {path.name for path in (tmp_path / "one" / "out").iterdir()}
 
@@ -130,7 +130,7 @@ def test_least_squares_loads_no_torch(tmp_path):
 import sys
 from pathlib import Path
 from ownarm_problem import ARM, identify
-from repro.ownarm.outputs import write_all
+from repro.ownarm.outputs import write_result
 folder = Path({str(tmp_path)!r})
 _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
 print([m.method for m in result.methods], "torch" in sys.modules)
@@ -151,7 +151,7 @@ def test_methods_come_in_the_order_asked_for(tmp_path):
 def test_progress_is_reported_and_methods_are_told_when_done():
     problem, reported, done = problem_of(noisy(BETA, n=200)), [], []
     methods = [METHODS[name] for name in ("ordinary", "weighted")]
-    found = solve_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
+    found = fit_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
     assert done == found
     for m in methods:
         steps = [(k, n) for what, k, n, _ in reported if m.title in what]

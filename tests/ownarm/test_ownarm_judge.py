@@ -16,11 +16,11 @@ from repro.identification.methods.interface import Estimate, Method, NoSolutionE
 from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, is_positive_definite
-from repro.ownarm.job import solve_all
-from repro.ownarm.judge import Found, find, judge, why_not_consistent
-from repro.ownarm.prepared import make_problem
-from repro.ownarm.settings import Options
-from repro.ownarm.words import COMBINED, NOT_EXCITED
+from repro.ownarm.evaluate import fit_all
+from repro.ownarm.evaluate import Fit, find, judge, why_not_consistent
+from repro.ownarm.prepare import make_problem
+from repro.ownarm.prepare import Options
+from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +30,7 @@ HELD = "held at zero: the log alone would make it negative"
 @given(st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9))
 def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
     beta = np.array(beta)
-    why = why_not_consistent(beta)
+    why = inconsistency(beta)
     assert (why == "") == bool(is_positive_definite(beta))
     for k, name in enumerate(NAMES):
         assert (f"{name} = {beta[k]:.3g} is negative" in why) == bool(k >= 5 and beta[k] < 0.0)
@@ -41,7 +41,7 @@ def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
 
 def test_the_reason_holds_the_numbers():
     beta = np.array([0.125, 0.2, 0.025, 3.3, 1.1, -0.07, 0.04, 0.2, -0.15])
-    assert why_not_consistent(beta) == (
+    assert inconsistency(beta) == (
         "the inertia matrix is not positive definite: I3 (I1 - I3) = 0.0025 is not above I2^2 / 4 = 0.01; "
         "b1 = -0.07 is negative; k2 = -0.15 is negative"
     )
@@ -171,7 +171,7 @@ def with_interval(share, reach):
     r, beta = exciting(400), BETA.copy()
     beta[6] = share * np.sqrt(np.mean(r.tau[1] ** 2)) / np.sqrt(np.mean(r.y[1, :, 6] ** 2))
     far = np.full(9, reach * beta[6])
-    found = Found(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
+    found = Fit(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
     b2 = judge(found, problem_of(r), (None,)).parameters[6]
     assert (b2.estimate, b2.standard_error) == pytest.approx((beta[6], 0.5 * far[6]))
     assert (b2.low, b2.high) == pytest.approx((beta[6] - far[6], beta[6] + far[6]))
@@ -203,7 +203,7 @@ def test_a_method_without_intervals_says_so():
         "algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False
     )
     problem = problem_of(noisy(BETA))
-    (found,) = solve_all(problem, [plain], 1, silent, silent)
+    (found,) = fit_all(problem, [plain], 1, silent, silent)
     assert found.spread is None
     assert found.halves == ()  # each would train a network of its own
     m = judge(found, problem, ((0.1, 0.2),))
@@ -264,7 +264,7 @@ def test_validation_logs_are_scored_under_their_names():
     r, faster = noisy(BETA), noisy(1.1 * BETA, 5, size=0.002)
     other = told(replace(log_of(recording()), name="other.csv"))
     problem = problem_of(r, [(other, faster)])
-    found = Found(METHODS["ordinary"], Estimate(BETA), None, ())
+    found = Fit(METHODS["ordinary"], Estimate(BETA), None, ())
     m = judge(found, problem, (None, (0.01, 0.02)))
     (s,) = m.validation
     assert s.log == "other.csv"
@@ -279,7 +279,7 @@ def test_a_method_without_a_solution_is_left_out_and_told(caplog):
 
     done, problem = [], problem_of(noisy(BETA, n=200))
     methods = [Method("none", "hopeless least squares", "", none), METHODS["ordinary"]]
-    found = solve_all(problem, methods, 1, silent, done.append)
+    found = fit_all(problem, methods, 1, silent, done.append)
     assert [f.method.name for f in found] == ["ordinary"]
     assert done == found
     (line,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]

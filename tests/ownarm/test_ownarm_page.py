@@ -24,12 +24,12 @@ from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm import overlays
 from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
-from repro.ownarm.numbers import percent, printed, significant
+from repro.ownarm.tables import percent, printed, significant
 from repro.ownarm.page import FILES, render_page, sentence, symbols
-from repro.ownarm.parameters import parameters as parameters_figure
+from repro.ownarm.figures import parameters as parameters_figure
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
-from repro.ownarm.words import ALLOWED
+from repro.ownarm.text import ALLOWED
 
 pytestmark = pytest.mark.slow
 

@@ -9,8 +9,8 @@ from ownarm_log import exciting
 from ownarm_problem import ARM, made, problem_of
 
 from repro.model.parameters import NAMES
-from repro.ownarm.prepared import at_limit
-from repro.ownarm.recommend import against_least_squares, odd_delay, prediction_error, recommend, undriven, warnings
+from repro.ownarm.prepare import at_limit
+from repro.ownarm.recommend import compare_networks, odd_delay, prediction_error, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 
 
@@ -218,7 +218,7 @@ def network(error, similarity=0.9, name="algorithm1", **changes):
 
 def note(*methods):
     """What is added to the first of the methods, the only one that runs a network."""
-    noted = against_least_squares(methods, ("algorithm1",))
+    noted = compare_networks(methods, ("algorithm1",))
     assert noted[1:] == methods[1:]
     assert replace(noted[0], notes=methods[0].notes) == methods[0]
     assert noted[0].notes[: len(methods[0].notes)] == methods[0].notes
@@ -254,18 +254,18 @@ def test_a_network_that_predicts_far_worse_has_its_reason_told(similarity, words
 
 def test_a_network_is_compared_with_least_squares_on_logs_only_that_both_predicted():
     alone = (network(0.1),)
-    assert against_least_squares(alone, ("algorithm1",)) == alone
+    assert compare_networks(alone, ("algorithm1",)) == alone
     unseen = (network(0.1), replace(network(0.2, name="a"), validation=()))
-    assert against_least_squares(unseen, ("algorithm1",)) == unseen
+    assert compare_networks(unseen, ("algorithm1",)) == unseen
     unseen = (replace(network(0.1), validation=()), network(0.2, name="a"))
-    assert against_least_squares(unseen, ("algorithm1",)) == unseen
+    assert compare_networks(unseen, ("algorithm1",)) == unseen
     none = (network(0.1, name="a"), network(0.2, name="b"))
-    assert against_least_squares(none, ("algorithm1",)) == none
+    assert compare_networks(none, ("algorithm1",)) == none
 
 
 def test_every_network_has_its_own_note():
     methods = (network(0.2), network(0.1, name="a"), network(0.05, name="algorithm1+refinement"))
-    noted = against_least_squares(methods, ("algorithm1", "algorithm1+refinement"))
+    noted = compare_networks(methods, ("algorithm1", "algorithm1+refinement"))
     assert [len(m.notes) - len(b.notes) for m, b in zip(noted, methods, strict=True)] == [1, 0, 1]
     assert noted[0].notes[-1].startswith("mean validation error 2 times")
     assert noted[2].notes[-1].startswith("mean validation error 0.5 times")

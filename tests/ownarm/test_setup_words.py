@@ -10,7 +10,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
-from repro.ownarm.setup import APART, arm_lines, not_shown, told, words
+from repro.ownarm.text import DIFFERENT_ERRORS, arm_lines, detection_limits, told, words
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -58,8 +58,8 @@ def test_logs_whose_faults_one_arm_file_cannot_put_right_are_told_of(second, apa
         faults = () if zero is None else (Fault("zero1", zero, 0.002, 0.09, 0.05),)
         return SimpleNamespace(told=SimpleNamespace(description=SimpleNamespace(name="a.csv")), faults=faults, terms=())
 
-    assert (APART in told([log(0.05), log(second)], Arm())) == apart
-    assert APART not in told([log(0.05)], Arm())
+    assert (DIFFERENT_ERRORS in told([log(0.05), log(second)], Arm())) == apart
+    assert DIFFERENT_ERRORS not in told([log(0.05)], Arm())
 
 
 def test_a_fault_that_may_be_another_is_said_with_it():
@@ -78,9 +78,9 @@ def test_what_a_log_would_not_show_is_said_in_units_or_as_any_size():
         "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
     )
     first, *more = (SimpleNamespace(name=name) for name in ("a.csv", "b.csv", "c.csv"))
-    alone = not_shown(SimpleNamespace(log=first, more_logs=(), hidden=(hidden,)))
+    alone = detection_limits(SimpleNamespace(log=first, more_logs=(), hidden=(hidden,)))
     assert alone == (f"what this log would not show of a wrong set-up: {said}",)
-    three = not_shown(SimpleNamespace(log=first, more_logs=more, hidden=(hidden, {}, {"zero1": None})))
+    three = detection_limits(SimpleNamespace(log=first, more_logs=more, hidden=(hidden, {}, {"zero1": None})))
     assert three == (
         f"what a.csv would not show of a wrong set-up: {said}",
         "what c.csv would not show of a wrong set-up: zero of joint 1 of any size",

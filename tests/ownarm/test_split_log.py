@@ -11,10 +11,10 @@ from repro.identification.methods.every import METHODS
 from repro.identification.parallel import FilterSettings, prepare
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
-from repro.ownarm.job import assemble, solve_all
-from repro.ownarm.overlays import overlay
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.figures import overlay
+from repro.ownarm.prepare import make_problem, read
+from repro.ownarm.prepare import Options
 
 OPTIONS = Options(("ordinary",), "unused")
 T = np.arange(6000) / 200.0
@@ -35,7 +35,7 @@ def whole(tmp_path_factory):
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     told = read(path, ARM)
     problem = make_problem(told, (), ARM, OPTIONS)
-    found = solve_all(problem, [METHODS["ordinary"]], 1, silent, silent)
+    found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
     return problem, *assemble(problem, found, ARM)
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.ownarm.words import COMBINED, NOT_EXCITED, verdict
+from repro.ownarm.text import COMBINED, NOT_EXCITED, verdict
 
 
 def within(share, estimate=2.0, excited=True, held=False):
