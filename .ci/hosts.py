@@ -66,7 +66,7 @@ from repro import contract
 contract.hold(os.environ)
 from pathlib import Path
 from repro.pipeline.acquire import acquire
-from repro.pipeline.experiment import load_config
+from repro.config import load_config
 from repro.pipeline.recordings import read_recording
 config = load_config(Path("config/config.yaml"))
 simulated = {**config, "experiment": {**config["experiment"], "source": "simulated"}}

@@ -16,16 +16,16 @@ from pathlib import Path
 
 import numpy as np
 
-from repro.config import merged
+from repro.config import load_config, merged
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.paper.appendix import FreeChoices, appendix_arm
 from repro.paper.metric_checks import least_squares_torque
 from repro.paper.published import load_published
-from repro.pipeline.experiment import control_constants, load_config, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
 from repro.pipeline.recordings import Recording
 from repro.pipeline.specimen import disturbance
 from repro.settings import metric_settings, signal_settings

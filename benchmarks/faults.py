@@ -55,7 +55,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "(0.55, _BOX_ROW),",
     ): "an arrow begins where it leaves its box, at the same height",
     (
-        "src/repro/pipeline/start.py",
+        "src/repro.pipeline.job.py",
         '"MALLOC_MMAP_THRESHOLD_": str(32 << 21),',
     ): "changes the speed alone, and hardly",
     (
@@ -63,8 +63,8 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "if len(drawn) < max(replicates // 2, 3):",
     ): "there are never fewer than six replicates",
     (
-        "src/repro/identification/methods/bounded.py",
-        'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(c, r)',
+        "src/repro/identification/least_squares.py",
+        'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(c, r)',
     ): "a right side of exactly zero leaves a parameter at zero either way",
     (
         "src/repro/identification/regression.py",

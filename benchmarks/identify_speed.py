@@ -21,9 +21,8 @@ import numpy as np
 from repro.commands.identify import LEAST_SQUARES
 from repro.logs.armfile import Arm
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.evaluate import assemble, resolve, fit_all
-from repro.ownarm.prepare import make_problem, read
-from repro.ownarm.prepare import Options
+from repro.ownarm.evaluate import assemble, fit_all, resolve
+from repro.ownarm.prepare import Options, load_log, make_problem
 
 BETA = np.array([0.13, 0.067, 0.026, 3.4, 1.1, 0.05, 0.02, 0.2, 0.15])
 
@@ -64,7 +63,7 @@ def main() -> None:
             seconds = []
             for _ in range(args.rounds + 1):
                 began = time.perf_counter()
-                problem = make_problem(read(log, arm), (), arm, options)
+                problem = make_problem(load_log(log, arm), (), arm, options)
                 assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)
                 seconds.append(time.perf_counter() - began)
             title = names[0] if len(names) == 1 else f"all {len(names)} methods"

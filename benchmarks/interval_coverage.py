@@ -23,14 +23,13 @@ import pandas as pd
 import planar_arms
 
 from repro.fpga.plant import Unmodelled
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import find, judge
-from repro.ownarm.prepare import LoadedLog, make_problem
-from repro.ownarm.prepare import Options
+from repro.ownarm.evaluate import evaluate, fit
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
@@ -138,7 +137,7 @@ def rows_of(generator: str, kind: str, count: int) -> Iterator[dict[str, object]
     for k, (beta, log) in enumerate(GENERATORS[generator](kind, count)):
         problem = make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options)
         for name in METHOD_NAMES:
-            found = judge(find(METHODS[name], problem, 1, False, lambda *_: None), problem, (None,))
+            found = evaluate(fit(METHODS[name], problem, 1, False, lambda *_: None), problem, (None,))
             for p, true in zip(found.parameters, beta, strict=True):
                 known = re.match(r"known to ([\d.]+) %", p.verdict)
                 low, high = (np.nan if end is None else end for end in (p.low, p.high))

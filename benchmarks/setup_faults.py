@@ -20,8 +20,7 @@ import numpy as np
 from repro.identification.best_fit import REACH
 from repro.identification.setup import corrected
 from repro.logs.armfile import Arm
-from repro.ownarm.prepare import LoadedLog, make_problem, read
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import LoadedLog, Options, load_log, make_problem
 
 DEGREE = float(np.pi / 180.0)
 #: Zeros in rad, offsets in shares of the largest torque, delays in s.
@@ -59,7 +58,7 @@ def found(logs: list[LoadedLog]) -> tuple[dict[str, float], dict[str, float]]:
 def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> tuple[str, str, bool, bool]:
     """What was put into which log, what came of it, whether it is named, and whether its size is within 20 %."""
     which, wrong = job
-    logs = [read(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
+    logs = [load_log(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
     logs = logs if beside else logs[:1]
     before, _ = found(logs)
     logs[0], sizes = spoilt(logs[0], wrong)

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from repro.config import load_config
 from repro.errors import InputError
 from repro.paper.verification import PUBLISHED_NAME, verify_ledger
-from repro.pipeline.experiment import load_config
 
 FOLDERS = ("docs/reference", "data/captures", "data/networks")
 Edit = Callable[[random.Random, Path], Path | None]

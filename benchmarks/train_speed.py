@@ -9,7 +9,7 @@ from repro import contract
 
 contract.hold(os.environ)
 
-from repro.pipeline.start import ALLOCATOR, set_allocator
+from repro.pipeline.job import ALLOCATOR, set_allocator
 
 if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a process starts
     set_allocator(os.environ)

@@ -7,6 +7,7 @@ Each RUN is a results folder of the whole workflow that differs from the others 
 import argparse
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -16,9 +17,10 @@ contract.hold(os.environ)
 
 import pandas as pd
 
-from repro.comparison.classes import Kind, Spread, kind_of, origin
 from repro.comparison.runs import compare_runs
+from repro.comparison.tolerances import Kind, origin
 from repro.errors import InputError
+from repro.exhibits.catalogue import tolerances
 from repro.files import read_rows, write_csv
 
 SPREAD = Path(__file__).resolve().parent.parent / "src/repro/comparison/spread.csv"
@@ -31,8 +33,9 @@ SPREAD_COLUMNS = ("table", "origin", "column", "runs", "cells", "widest")
 
 def measure(runs: Sequence[Path]) -> pd.DataFrame:
     """Widest range of any one cell over the runs, for each table, origin and column that holds trained numbers."""
+    unmeasured = replace(tolerances(), widest={})
     for a, b in combinations(runs, 2):
-        for file in compare_runs(a, b, Spread({}))[0]:
+        for file in compare_runs(a, b, unmeasured)[0]:
             for d in file.found:
                 if d.broken and d.kind is not Kind.TRAINED and file.name not in SEEDED:
                     raise InputError.at(f"{b / file.name}: {d.place}", d.b, f"{d.a}, as in {a}, for it is not trained")
@@ -45,7 +48,7 @@ def measure(runs: Sequence[Path]) -> pd.DataFrame:
         groups: dict[tuple[str, str], list[float]] = {}
         for cells in zip(*tables, strict=True):
             for column in cells[0]:
-                if kind_of(table, cells[0], column) is not Kind.TRAINED:
+                if unmeasured.kind(table, cells[0], column) is not Kind.TRAINED:
                     continue
                 try:
                     values = [float(row[column]) for row in cells]

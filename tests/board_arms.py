@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from repro.config import load_config
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import NOTHING, Plant, Unmodelled
 from repro.logs.log import Log
 from repro.model.parameters import is_positive_definite
-from repro.pipeline.experiment import control_constants, load_config, true_parameters
+from repro.pipeline.experiment import control_constants, true_parameters
 
 ROOT = Path(__file__).resolve().parent.parent
 #: Samples of a recording: what the board's memory holds.

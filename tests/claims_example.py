@@ -7,11 +7,11 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
+from repro.config import load_config
 from repro.files import write_csv
 from repro.model.parameters import NAMES
 from repro.paper.published import PUBLISHED_FILE
 from repro.paper.verification import write_ledger
-from repro.pipeline.experiment import load_config
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "config" / "config.yaml"

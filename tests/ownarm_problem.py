@@ -8,15 +8,13 @@ from ownarm_log import H, exact, other_motion
 
 from repro.identification.cutoff import Cutoff
 from repro.identification.excitation import excitation
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings
+from repro.identification.filtering import FilterSettings
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.evaluate import assemble, resolve, fit_all
-from repro.ownarm.evaluate import find, judge
-from repro.ownarm.prepare import Problem, Ready, LoadedLog, make_problem, read
-from repro.ownarm.prepare import Options
+from repro.ownarm.evaluate import assemble, evaluate, fit, fit_all, resolve
+from repro.ownarm.prepare import LoadedLog, Options, Problem, Ready, make_problem, read
 
 ARM = Arm(name="test arm")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]
@@ -31,14 +29,14 @@ def told(log):
     return LoadedLog(log, Description(log.name, (("samples", str(log.t.size)),)))
 
 
-def problem_of(regression, others=(), moving=None, delay_was_found=True, **settings):
+def problem_of(regression, others=(), moving=None, estimates_delay=True, **settings):
     """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
     nothing = np.zeros(0)
     moving = regression if moving is None else moving
     made_up = Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
     log = told(log_of(recording(np.arange(0.0, 20.0, 0.005))))
     ready = Ready(log, regression, moving, {}, FilterSettings(**settings), made_up)
-    return Problem((ready,), regression, moving, {}, tuple(others), excitation(moving), delay_was_found)
+    return Problem((ready,), regression, moving, {}, tuple(others), excitation(moving), estimates_delay)
 
 
 def noisy(beta, seed=0, size=0.02, n=1200):
@@ -48,7 +46,7 @@ def noisy(beta, seed=0, size=0.02, n=1200):
 
 def judged(name, regression, seed=1):
     problem = problem_of(regression)
-    return judge(find(METHODS[name], problem, seed, True, silent), problem, (None,))
+    return evaluate(fit(METHODS[name], problem, seed, True, silent), problem, (None,))
 
 
 def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness=20.0, late=0.0):

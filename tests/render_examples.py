@@ -17,11 +17,12 @@ from matplotlib.transforms import Bbox
 
 from repro.errors import InputError
 from repro.exhibits import catalogue, style
-from repro.exhibits.make import draw, lay_out, made_of
-from repro.exhibits.study import COVERAGE, RANKS, why_table
+from repro.exhibits.causes import why_table
+from repro.exhibits.make import draw, lay_out
+from repro.exhibits.many_arms import COVERAGE, RANKS
+from repro.exhibits.schematics import words
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
-from repro.pipeline import schematics_data
 from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.paired import COLUMNS as PAIRED
@@ -31,8 +32,8 @@ CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")
 
 #: Drawings and layouts by the name of the exhibit.
-FIGURES = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "figure"}
-LAYOUTS = {e.name: made_of(e).drawing for e in catalogue.EXHIBITS if e.kind == "table"}
+FIGURES = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "figure"}
+LAYOUTS = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "table"}
 
 
 def long_table(panels: dict[str, tuple[str, ...]], x: np.ndarray, y: Callable[[int], np.ndarray]) -> pd.DataFrame:
@@ -266,10 +267,10 @@ def readings_frame() -> pd.DataFrame:
 MOTION = dict.fromkeys(("position", "velocity", "acceleration"), ("joint1", "joint2"))
 
 FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
-    "fig01": schematics_data.arm,
-    "fig02": schematics_data.hardware,
-    "fig03": schematics_data.control,
-    "fig04": schematics_data.method,
+    "fig01": lambda: words("fig01"),
+    "fig02": lambda: words("fig02"),
+    "fig03": lambda: words("fig03"),
+    "fig04": lambda: words("fig04"),
     "fig05": subsampling_frame,
     "fig06": lambda: waves(MOTION),
     "fig07": network_frame,
@@ -392,7 +393,7 @@ def audit_frame() -> pd.DataFrame:
 
 
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
-    "table01": schematics_data.related_work,
+    "table01": lambda: words("table01"),
     "table02": lambda: pd.DataFrame(
         {"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS}
     ),

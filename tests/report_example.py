@@ -102,7 +102,7 @@ def verdict_rows():
 
 def make_example(folder, **changes):
     """Write everything a report reads and return its `ReportInputs`; nothing optional is there."""
-    results, figures, captions = folder / "results", folder / "paper_figures", folder / "captions"
+    results, figures = folder / "results", folder / "paper_figures"
     write_rows(results / "claims.csv", claim_rows())
     for exhibit in TABLES:
         if not exhibit.optional:
@@ -112,10 +112,6 @@ def make_example(folder, **changes):
     write_rows(results / "tables" / "verdict.csv", verdict_rows())
     finding = {"id": "ls-t2", "place": "Table 10", "what": TRICKY, "arithmetic": "0.9 x 0.98", "found": "88.48"}
     write_rows(results / "tables" / "audit.csv", [{**finding, "printed": "85.82", "verdict": "off", "note": "LS, T2"}])
-    captions.mkdir(parents=True)
-    for exhibit in (*TABLES, *FIGURES):
-        if not exhibit.optional:
-            (captions / f"{exhibit.target}.rst").write_text(f"About {exhibit.label}\n& x < y.\n", encoding="utf-8")
     for number, exhibit in enumerate(FIGURES):
         if not exhibit.optional:
             write_picture(figures / f"{exhibit.name}.png", (2148, 800) if number % 4 else (1050, 600))
@@ -125,4 +121,4 @@ def make_example(folder, **changes):
     captures.write_text(f"{hashlib.sha256(b'run').hexdigest()}  ID.bin\n", encoding="utf-8")
     provenance = json.loads('{"commit": "0123abc", "packages": {"numpy": "2.4.6"}}')
     given = {"config_sha256": hashlib.sha256(b"config").hexdigest(), "provenance": provenance, **changes}
-    return ReportInputs(results, figures, captions, captures, **given)
+    return ReportInputs(results, figures, captures, **given)

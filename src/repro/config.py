@@ -1,17 +1,19 @@
-"""The configuration file, checked against its schema: one line for whatever is wrong."""
+"""Check a configuration: its values against `repro.config_model`, and against each other."""
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
+from pydantic import BaseModel, ValidationError
 
+from repro.config_model import Configuration
 from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.parameters import is_positive_definite
-from repro.schema import Place, spelled, violation
+from repro.schema import Place, spelled
 from repro.signals.programs import MEMORY_SAMPLES
 
 _ABSENT = object()
@@ -25,6 +27,38 @@ _OWN = {"benchmarks", "build", "config", "data", "docs", "envs", "profiles", "sr
 NEAREST = 0.7
 #: Largest number that the board's memory holds.
 LARGEST = float(np.finfo(np.float32).max)
+#: What a value should be, by the kind of pydantic's error; limits are filled in.
+_EXPECTED = {
+    "missing": "a value",
+    "invalid_key": "text",
+    "int_type": "an integer",
+    "float_type": "a number",
+    "string_type": "text",
+    "bool_type": "true or false, a boolean",
+    "list_type": "a list",
+    "dict_type": "a section",
+    "model_type": "a section",
+    "finite_number": "a finite number",
+    "literal_error": "{expected}",
+    "greater_than": "more than {gt:.16g}",
+    "greater_than_equal": "at least {ge:.16g}",
+    "less_than": "less than {lt:.16g}",
+    "less_than_equal": "at most {le:.16g}",
+    "too_short": "at least {min_length} values",
+    "too_long": "at most {max_length} values",
+    "string_too_short": "at least {min_length} character",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "a folder of the project, in letters, digits, '_', '.', '-' and '/'",
+}
+
+
+def merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration changed by another one, as Snakemake merges them: sections are merged, lists replaced."""
+    changed = dict(base)
+    for key, value in overlay.items():
+        both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
+        changed[key] = merged(base[key], value) if both else value
+    return changed
 
 
 def _at(node: Any, place: Place) -> object:  # noqa: ANN401
@@ -37,53 +71,34 @@ def _at(node: Any, place: Place) -> object:  # noqa: ANN401
     return node
 
 
-def _odd_keys(node: object, place: Place = ()) -> Iterator[tuple[Place, object]]:
-    """Keys that are not text, which YAML can spell and a schema cannot match."""
-    if isinstance(node, Mapping):
-        for key, item in node.items():
-            if not isinstance(key, str):
-                yield place, key
-            else:
-                yield from _odd_keys(item, (*place, key))
+def _violation(config: object, model: type[BaseModel]) -> tuple[Place, object, str] | None:
+    """Place, found and expected of the first value that a model does not allow."""
+    try:
+        model.model_validate(config)
+    except ValidationError as invalid:
+        error = invalid.errors(include_url=False)[0]
+        place, kind = error["loc"], error["type"]
+        if kind == "extra_forbidden":
+            return place, "an unknown key", f"one of {', '.join(_keys(model, place[:-1]))}"
+        found = "nothing" if kind == "missing" else repr(error["input"])[:60]
+        if kind == "invalid_key":
+            place, found = place[:-1], f"the key {place[-1]!r}"
+        return place, found, _EXPECTED.get(kind, error["msg"]).format(**error.get("ctx", {}))
+    return None
 
 
-class _Sources:
-    """Which configuration file a value came from."""
-
-    def __init__(self, config: Mapping[str, Any], files: Iterable[Path]) -> None:
-        self._config = config
-        self._files = [(str(file), read_yaml(Path(file), CONFIGURATION)) for file in files]
-
-    def hold(self, place: Place) -> bool:
-        """Whether there is a value."""
-        return _at(self._config, place) is not _ABSENT
-
-    def rank(self, place: Place) -> int:
-        """Position of the last file that holds the merged value there; their number if none does."""
-        value = _at(self._config, place)
-        # By their text, because NaN does not equal itself.
-        holding = [k for k, (_, content) in enumerate(self._files) if repr(_at(content, place)) == repr(value)]
-        return holding[-1] if holding else len(self._files)
-
-    def name(self, place: Place) -> str:
-        """Name of that file; the first one for a value that is missing."""
-        if not self.hold(place) and self._files:
-            return self._files[0][0]
-        rank = self.rank(place)
-        return self._files[rank][0] if rank < len(self._files) else "command line"
-
-
-def merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration changed by another one, as Snakemake merges them: sections are merged, lists replaced."""
-    changed = dict(base)
-    for key, value in overlay.items():
-        both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
-        changed[key] = merged(base[key], value) if both else value
-    return changed
+def _keys(model: type[BaseModel], place: Place) -> list[str]:
+    """Keys of a section."""
+    for name in place:
+        fields = {field.alias or key: field for key, field in model.model_fields.items()}
+        annotation = fields[str(name)].annotation
+        assert isinstance(annotation, type)  # a section
+        model = annotation
+    return [field.alias or key for key, field in model.model_fields.items()]
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """Values that do not go together, and what would."""
+    """Find values that contradict each other: their places, the one to name first, and what is expected."""
     for low, high in (
         (("data", "guess_low"), ("data", "guess_high")),
         (("data", "near_low"), ("data", "near_high")),
@@ -105,24 +120,18 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
         yield places, "at least one image to train with and one to test with"
 
 
-#: Characters of a folder's path.
-_LONGEST_FOLDER = 200
-
-
 def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """Folders that a run would spoil."""
+    """Refuse folders that a run would spoil."""
     for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
         top = config[key].split("/")[0]
-        if len(config[key]) > _LONGEST_FOLDER:
-            yield ((key,),), f"at most {_LONGEST_FOLDER} characters"
-        elif top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
+        if top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
             yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
     if config["results"] == config["figures"]:
         yield (("results",), ("figures",)), "two folders"
 
 
 def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """What the board cannot play, and an arm that cannot be."""
+    """Find motions that the board cannot run and an arm that cannot be built."""
     signals, experiment = config["signals"], config["experiment"]
     h = signals["sampling_period_s"]
     if h != SAMPLING_PERIOD:
@@ -160,28 +169,51 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
         yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
 
 
-def check_config(config: Mapping[str, Any], schema: Path, files: Iterable[Path] = ()) -> None:
-    """Check a configuration against its schema, and its values against each other."""
-    sources = _Sources(config, files)
-    for place, key in _odd_keys(config):
-        raise InputError.at(f"{sources.name(place)}: {spelled(place) or 'configuration'}", f"the key {key!r}", "text")
-    # libyaml, where PyYAML was built with it, reads this ten times as fast.
-    rules = yaml.load(schema.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    _check(config, rules, sources)
+def check_config(config: Mapping[str, Any], files: Iterable[Path] = ()) -> None:
+    """Check a configuration, merged from these files, and that of each of its networks."""
+    contents = {str(file): read_yaml(Path(file), CONFIGURATION) for file in files}
+
+    def file_of(place: Place) -> str:
+        """Name of the last file that contains the value at a place; the first one for a value that is missing."""
+        value = repr(_at(config, place))  # as text, because NaN does not equal itself
+        if value == repr(_ABSENT) and contents:
+            return next(iter(contents))
+        return next((name for name in reversed(contents) if repr(_at(contents[name], place)) == value), "command line")
+
+    def refuse(place: Place, found: object, expected: str) -> None:
+        raise InputError.at(f"{file_of(place)}: {spelled(place) or 'configuration'}", found, expected)
+
+    if wrong := _violation(config, Configuration):
+        refuse(*wrong)
     if not config["refinement"]["passes"]:
-        place = ("refinement", "passes")
-        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", 0, "at least 1; 0 is for section networks")
+        refuse(("refinement", "passes"), 0, "at least 1; 0 is for section networks")
     for name, changes in config["networks"].items():
-        _check(merged(config, changes), rules, sources, ("networks", name))
+        if "tracked" in changes.get("data", {}):
+            refuse(("networks", name, "data", "tracked"), "a key", "none, because all networks share these arms")
+    networks = {("networks", name): merged(config, changes) for name, changes in config["networks"].items()}
+    for network, whole in ({(): config} | networks).items():
+        if wrong := _violation(whole, Configuration):
+            refuse((*network, *wrong[0]), *wrong[1:])
+        for places, expected in _contradictions(whole):
+            own = [place for place in places if _at(config, (*network, *place)) is not _ABSENT]
+            names = ["command line", *reversed(contents)]
+            place = min(own, key=lambda place: names.index(file_of((*network, *place))))  # the one that was set last
+            refuse((*network, *place), _at(whole, place), expected)
 
 
-def _check(config: Mapping[str, Any], schema: Mapping[str, Any], sources: _Sources, network: Place = ()) -> None:
-    """Raise an `InputError` at the first violation; `network` leads to the changes of a network in `config`."""
-    if wrong := violation(config, schema):
-        place, found, expected = wrong
-        place = (*network, *place)
-        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", found, expected)
-    for places, expected in _contradictions(config):
-        own = [(*network, *place) for place in places if sources.hold((*network, *place))]
-        place = max(own, key=sources.rank)  # the one that was set last
-        raise InputError.at(f"{sources.name(place)}: {spelled(place)}", _at(config, place[len(network) :]), expected)
+def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
+    """Read and check a configuration outside the workflow."""
+    config: dict[str, Any] = {}
+    for file in (path, *overlays):
+        config = merged(config, read_yaml(file, CONFIGURATION))
+    check_config(config, [path, *overlays])
+    return config
+
+
+def accept_config(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
+    """Check the configuration of a run; on a fault print its one line and leave with exit code 2."""
+    try:
+        check_config(config, [Path(file) for file in files])
+    except InputError as error:
+        print(error, file=sys.stderr)
+        raise SystemExit(2) from None

@@ -95,11 +95,6 @@ def test_with_physical_labels_a_sample_is_the_arm_itself(seed):
     assert np.abs(np.log(largest)).max() > 0.1
 
 
-def test_an_unknown_label_is_refused():
-    with pytest.raises(ValueError, match="label"):
-        DataSettings(label="degrees")
-
-
 @given(seeds)
 def test_an_arm_stronger_by_a_factor_is_the_same_sample(seed):
     with pytest.MonkeyPatch.context() as patch:

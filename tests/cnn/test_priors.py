@@ -133,21 +133,3 @@ def test_near_guesses_stay_above_the_smallest_guess(seed):
     right = np.full((200, 9), 2e-3)
     guess = training_guess(rng, right, GuessSettings(exact_share=0.0, near_share=1.0))
     assert guess.min() >= 1e-3
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"low": 0.0},
-        {"low": 3.0},
-        {"near_low": -1.0},
-        {"near_high": 1e-3},
-        {"exact_share": -0.1},
-        {"near_share": -0.1},
-        {"exact_share": 0.6, "near_share": 0.5},
-        {"exact_share": np.nan},
-    ],
-)
-def test_wrong_guess_settings_are_refused(wrong):
-    with pytest.raises(ValueError, match=r"guess ranges|exact_share"):
-        GuessSettings(**wrong)

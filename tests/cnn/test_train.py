@@ -291,19 +291,6 @@ def test_evaluation_is_the_mean_loss_whatever_the_batch(draws, dtype, tolerance)
         assert evaluate(network, samples, batch) == pytest.approx(expected, rel=tolerance)
 
 
-@pytest.mark.parametrize("name", ["steps", "batch", "test_samples", "log_every", "checkpoint_every"])
-@pytest.mark.parametrize("value", [0, -1])
-def test_budgets_that_are_not_positive_are_refused(name, value):
-    with pytest.raises(ValueError, match=name):
-        TrainingSettings(**{name: value})
-
-
-@pytest.mark.parametrize("wrong", [{"images": 1}, {"images": -5}, {"train_share": 0.0}, {"train_share": 1.0}])
-def test_fixed_sets_that_cannot_be_split_are_refused(wrong):
-    with pytest.raises(ValueError, match=f"^{next(iter(wrong))}:"):
-        PaperSchedule(**wrong)
-
-
 @pytest.mark.parametrize(("flags", "onednn"), [({}, True), ({"avx512_bf16": True}, False)])
 def test_without_bfloat16_or_onednn_training_is_in_single_precision(monkeypatch, flags, onednn):
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: flags)

@@ -11,11 +11,11 @@ from pytest import approx
 
 from repro.cli import main
 from repro.commands.record import program_of
+from repro.config import load_config
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
-from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow
 

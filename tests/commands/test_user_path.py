@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from repro.config import load_config
 from repro.fpga.capture import read_capture
 from repro.fpga.recording import recording_of, verify_control
 from repro.pipeline.acquire import simulate_capture
-from repro.pipeline.experiment import load_config, program_from_config
+from repro.pipeline.experiment import program_from_config
 
 pytestmark = pytest.mark.slow
 

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from repro.cli import main
-from repro.comparison.classes import ABSOLUTE, MARGIN, RELATIVE, Kind, Spread, kind_of, origin
 from repro.comparison.runs import compare_runs
-from repro.comparison.tables import differences
+from repro.comparison.tolerances import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, differences, origin
 from repro.errors import InputError
+from repro.exhibits.catalogue import tolerances
 from repro.files import read_csv
 
 
@@ -21,7 +21,7 @@ def measure(monkeypatch):
     return import_module("training_spread").measure
 
 
-SPREAD = Spread({("tables/table10", "algorithm1", "total"): 0.05})
+SPREAD = Tolerances(widest={("tables/table10", "algorithm1", "total"): 0.05})
 ROWS = [
     {"case": "ID", "method": "algorithm1", "joint": "1", "total": "0.9", "seeds": "5"},
     {"case": "ID", "method": "least-squares", "joint": "1", "total": "0.97", "seeds": "5"},
@@ -78,7 +78,7 @@ def test_what_was_not_measured_is_not_judged_but_told():
     ],
 )
 def test_a_random_search_is_compared_as_a_network_is(method, kind):
-    assert kind_of("tables/table06", {"method": method, "total": "0.99"}, "total") is kind
+    assert Tolerances().kind("tables/table06", {"method": method, "total": "0.99"}, "total") is kind
 
 
 def test_rows_and_columns_must_be_the_same():
@@ -101,7 +101,7 @@ def test_rows_and_columns_must_be_the_same():
     ],
 )
 def test_a_claim_is_trained_if_its_table_is(name, target, kind):
-    assert kind_of("claims", {"id": name, "target": target, "published": "1"}, "ours") is kind
+    assert tolerances().kind("claims", {"id": name, "target": target, "published": "1"}, "ours") is kind
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measur
     row = measured.loc[("tables/table10", "algorithm1", "total")]
     assert (row["runs"], row["cells"], row["widest"]) == (3, 2, pytest.approx(0.08))
     assert list(measured.index) == [("tables/table10", "algorithm1", "total")]
-    spread = Spread({key: row["widest"] for key, row in measured.iterrows()})
+    spread = Tolerances(widest={key: row["widest"] for key, row in measured.iterrows()})
     for a in runs:
         for b in runs:
             assert not any(each.broken for each in compare_runs(a, b, spread)[0])
@@ -177,11 +177,11 @@ def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
         (tmp_path / folder / "tables").mkdir(parents=True)
         (tmp_path / folder / "tables" / "table01.csv").write_text("x\n1\n", encoding="utf-8")
     os.mkfifo(tmp_path / "b" / "tables" / "table02.csv")
-    compared, _ = compare_runs(tmp_path / "a", tmp_path / "b", Spread({}))
+    compared, _ = compare_runs(tmp_path / "a", tmp_path / "b", Tolerances())
     assert [each.name for each in compared] == ["tables/table01.csv"]
     with pytest.raises(InputError, match="a pipe or a device"):
         read_csv(tmp_path / "b" / "tables" / "table02.csv")
     with (tmp_path / "b" / "tables" / "table01.csv").open("ab") as file:
         file.truncate(2**30)
     with pytest.raises(InputError, match="size: found"):
-        compare_runs(tmp_path / "a", tmp_path / "b", Spread({}))
+        compare_runs(tmp_path / "a", tmp_path / "b", Tolerances())

@@ -16,13 +16,11 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.network import FactoredCNN, SignalCNN, save_network
 from repro.cnn.priors import sample_beta
 from repro.exhibits import catalogue, style
-from repro.exhibits.make import made_of
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
-from repro.model.parameters import NAMES
 from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
 from repro.pipeline import figure_data
-from repro.pipeline.description import architecture, network_features, parameter_description
+from repro.pipeline.description import architecture, network_features
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.readings import READINGS
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
@@ -45,7 +43,7 @@ MEDIAN = 3
 
 SECTIONS = {(f"{e.kind}s", e.name): e.sections for e in catalogue.EXHIBITS}
 FIGURE_DATA, TABLE_DATA = (
-    {e.name: made_of(e).numbers for e in catalogue.EXHIBITS if e.kind == kind} for kind in ("figure", "table")
+    {e.name: e.numbers for e in catalogue.EXHIBITS if e.kind == kind} for kind in ("figure", "table")
 )
 
 
@@ -418,12 +416,6 @@ def test_features_tell_the_budget_and_the_number_of_weights():
         "value"
     ]
     assert paper["Training iterations"] == "500000"
-
-
-def test_the_parameters_described_are_those_of_eq_1():
-    table = parameter_description()
-    assert tuple(table["parameter"]) == NAMES
-    assert table.notna().all(axis=None)
 
 
 def test_numbers_follow_the_settings():

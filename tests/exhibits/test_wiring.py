@@ -9,7 +9,6 @@ import pytest
 import yaml
 
 from repro.exhibits import catalogue
-from repro.exhibits.make import made_of
 from repro.files import write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.numeric import motion_of
@@ -19,7 +18,7 @@ from repro.signals.dct import spectrum
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
-MADE = {(e.kind, e.name): made_of(e) for e in catalogue.EXHIBITS}
+MADE = {(e.kind, e.name): e for e in catalogue.EXHIBITS}
 SEEDS, MEDIAN = (1, 2, 3), 2
 METHODS = ("algorithm1", "algorithm1+refinement", "algorithm1+local-search")
 ARM = ("ID", "T1", "T2", "T3", "T4")
@@ -96,7 +95,7 @@ def test_each_cell_of_a_table_of_similarities_is_its_own(inputs, name, trajector
         assert row["frequency"] == pytest.approx(frequency, abs=1e-9)
         assert row["total"] == pytest.approx(time * frequency, abs=1e-9)
     # In the layout: a block a method, in it three rows a joint, a column a case.
-    lines = [line for line in made.drawing(table).md().splitlines() if line.startswith("| Total")]
+    lines = [line for line in made.draw(table).md().splitlines() if line.startswith("| Total")]
     for (method, joint), line in zip(itertools.product(blocks, (1, 2)), lines, strict=True):
         shown = [float(cell.split()[0]) for cell in line.strip("| ").split(" | ")[1:]]
         of_method = method.removesuffix("/one-run")

@@ -8,16 +8,15 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, silent
 from regression_example import log_from
 
+from repro.identification.filtering import FilterSettings
 from repro.identification.friction import Term, eased, find_terms
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings
+from repro.identification.least_squares import METHODS
 from repro.identification.solve import solve
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, make_problem
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 SETTINGS = FilterSettings(cutoff=4.0, delay=0.004)
 RIGID = np.where(np.arange(9) < 5, BETA, 0.0)
@@ -86,7 +85,7 @@ def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_
     without, asked = (ready_of(log, friction) for friction in (False, True))
     assert [(term.name, term.taken) for term in without.logs[0].terms] == [("load1", False)]
     assert [(term.name, term.taken) for term in asked.logs[0].terms] == [("load1", True)]
-    assert np.array_equal(without.logs[0].told.log.tau, log.tau)
+    assert np.array_equal(without.logs[0].loaded.log.tau, log.tau)
     k1 = [solve(problem.moving.y, problem.moving.tau)[7] for problem in (without, asked)]
     assert abs(k1[0] - BETA[7]) > 0.05
     assert k1[1] == pytest.approx(BETA[7], rel=0.15)
@@ -102,4 +101,4 @@ def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_
     assert not any(verdicts[1])
     # The other log, here the same, is put right the same way.
     ((told, _),) = asked.others
-    assert told.log.tau == pytest.approx(asked.logs[0].told.log.tau)
+    assert told.log.tau == pytest.approx(asked.logs[0].loaded.log.tau)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq_1
 
+from repro.config import load_config
 from repro.identification.bootstrap import bootstrap
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
-from repro.ownarm.prepare import LoadedLog, make_problem
-from repro.ownarm.prepare import Options
-from repro.pipeline.experiment import load_config, program_from_config
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 
 pytestmark = pytest.mark.slow

@@ -13,14 +13,12 @@ from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent
 
 from repro.errors import InputError
 from repro.identification.excitation import torque_share
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Estimate
+from repro.identification.least_squares import METHODS
+from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import assemble, resolve, fit_all
-from repro.ownarm.evaluate import Fit
+from repro.ownarm.evaluate import Fit, assemble, fit_all, resolve
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import make_problem, read
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
@@ -203,8 +201,8 @@ def test_a_cutoff_that_is_given_is_used(tmp_path):
 
 
 def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):
-    log = read(write_log(tmp_path / "log.csv"), ARM)
-    slow = read(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
+    log = load_log(write_log(tmp_path / "log.csv"), ARM)
+    slow = load_log(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
     with pytest.raises(InputError, match=r"slow\.csv: rate: found 10 Hz"):
         make_problem(log, (slow,), ARM, Options(("ordinary",), tmp_path, cutoff=5.0))
 
@@ -214,7 +212,7 @@ def test_a_log_is_told_of_as_it_was_recorded(tmp_path):
     jitter = t + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, t.size)
     r = recording(jitter)
     (tmp_path / "log.csv").write_text(text(columns(r)), encoding="utf-8")
-    found = read(tmp_path / "log.csv", ARM)
+    found = load_log(tmp_path / "log.csv", ARM)
     assert np.diff(found.log.t) == pytest.approx(np.median(np.diff(found.log.t)), rel=1e-6)
     assert any("resampled" in note for note in found.description.notes)
     assert len(set(found.description.notes)) == len(found.description.notes)
@@ -249,7 +247,7 @@ def test_an_arm_with_a_joint_at_rest_is_told_what_its_log_can_tell(tmp_path):
     assert {"b2", "k2"} <= set(e.unexcited)
     assert not {"g1", "b1", "k1"} & set(e.unexcited)
     assert any("4 combinations" in line for line in result.warnings)
-    assert not problem.regression.moving[1].any()  # what holds a joint that never moves is not known
+    assert not problem.regression.mask[1].any()  # what holds a joint that never moves is not known
     for m in result.methods:
         p = dict(zip(NAMES, m.parameters, strict=True))
         assert {p[name].verdict for name in ("I1", "I2", "g1", "g2")} == {COMBINED}

@@ -11,15 +11,13 @@ from ownarm_log import H, exact, exciting
 from ownarm_problem import ARM, judged, made, noisy, problem_of, silent, told
 
 from repro.identification.bootstrap import Spread
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Estimate, Method, NoSolutionError
+from repro.identification.least_squares import METHODS
+from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, is_positive_definite
-from repro.ownarm.evaluate import fit_all
-from repro.ownarm.evaluate import Fit, find, judge, why_not_consistent
-from repro.ownarm.prepare import make_problem
-from repro.ownarm.prepare import Options
+from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
+from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
@@ -63,7 +61,7 @@ def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, lo
         noise = hum * np.random.default_rng(1).normal(size=raw.tau.shape)
         undriven = replace(raw, tau=raw.tau * [[1.0], [0.0]] + noise)
         problem = make_problem(replace(problem.fitted, log=undriven), (), ARM, Options(("ordinary",), tmp_path))
-    found = judge(find(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+    found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
     assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
     assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}
 
@@ -108,7 +106,7 @@ def test_parameters_that_the_motion_does_not_move_have_no_interval(name):
 def test_what_a_straight_arm_shows_in_sums_alone_is_not_said_to_be_known(name):
     # q2 = 0: Eq. 1 holds I1 + I2 and I2 / 2 + I3, so that no inertia is known, however well the torque fits.
     problem = problem_of(at_rest(1, 0.0))
-    m = judge(find(METHODS[name], problem, 1, False, silent), problem, (None,))
+    m = evaluate(fit(METHODS[name], problem, 1, False, silent), problem, (None,))
     p = dict(zip(NAMES, m.parameters, strict=True))
     for mixed in ("I1", "I2", "I3"):
         assert p[mixed].verdict == COMBINED
@@ -172,7 +170,7 @@ def with_interval(share, reach):
     beta[6] = share * np.sqrt(np.mean(r.tau[1] ** 2)) / np.sqrt(np.mean(r.y[1, :, 6] ** 2))
     far = np.full(9, reach * beta[6])
     found = Fit(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
-    b2 = judge(found, problem_of(r), (None,)).parameters[6]
+    b2 = evaluate(found, problem_of(r), (None,)).parameters[6]
     assert (b2.estimate, b2.standard_error) == pytest.approx((beta[6], 0.5 * far[6]))
     assert (b2.low, b2.high) == pytest.approx((beta[6] - far[6], beta[6] + far[6]))
     return b2.verdict
@@ -206,7 +204,7 @@ def test_a_method_without_intervals_says_so():
     (found,) = fit_all(problem, [plain], 1, silent, silent)
     assert found.spread is None
     assert found.halves == ()  # each would train a network of its own
-    m = judge(found, problem, ((0.1, 0.2),))
+    m = evaluate(found, problem, ((0.1, 0.2),))
     assert not m.claims_intervals
     assert {p.verdict for p in m.parameters} == {"no interval claimed by this method"}
     assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
@@ -216,7 +214,7 @@ def test_a_method_without_intervals_says_so():
 
 def test_each_half_is_predicted_from_the_other():
     r = noisy(BETA, size=0.3, n=800)
-    found = find(METHODS["ordinary"], problem_of(r), 1, True, silent)
+    found = fit(METHODS["ordinary"], problem_of(r), 1, True, silent)
     assert [s.log for s in found.halves] == ["second half", "first half"]
     first, second = (slice(0, 400), slice(400, 800))
     for s, fitted, predicted in zip(found.halves, (first, second), (second, first), strict=True):
@@ -234,13 +232,13 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     still[:, 100:140] = still[1, 500:530] = True
     held = replace(r, tau=r.tau + 0.3 * still)
     counts = ~still
-    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, moving=counts)
+    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, mask=counts)
     problem = problem_of(held, moving=moving)
-    found = find(METHODS["ordinary"], problem, 1, True, silent)
+    found = fit(METHODS["ordinary"], problem, 1, True, silent)
     assert found.estimate.beta == pytest.approx(BETA, rel=1e-6)
     assert found.spread.standard_error == pytest.approx(np.zeros(9), abs=1e-6)
     expected = 0.3 * np.sqrt(still.mean(1)) / np.sqrt(np.mean(held.tau**2, axis=1))
-    assert judge(found, problem, (None,)).fit.relative_rms == pytest.approx(tuple(expected), rel=1e-6)
+    assert evaluate(found, problem, (None,)).fit.relative_rms == pytest.approx(tuple(expected), rel=1e-6)
     # The first half, which holds most of the standstill, is predicted with it and fitted without it.
     second, first = found.halves
     late = 0.3 * np.sqrt(still[:, 400:].mean(1)) / np.sqrt(np.mean(held.tau[:, 400:] ** 2, axis=1))
@@ -249,13 +247,13 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     # A method that sees the log as signals is given all of it.
     seen = []
     plain = Method("a", "A", "", lambda x: seen.append(x) or Estimate(BETA), False, needs_all_samples=True)
-    find(plain, problem, 1, False, silent)
+    fit(plain, problem, 1, False, silent)
     assert seen == [held]
 
 
 def test_a_seed_gives_the_same_intervals_again():
     problem = problem_of(noisy(BETA, n=300))
-    one, again, other = (find(METHODS["ordinary"], problem, seed, False, silent).spread for seed in (1, 1, 2))
+    one, again, other = (fit(METHODS["ordinary"], problem, seed, False, silent).spread for seed in (1, 1, 2))
     assert (one.low == again.low).all()
     assert (one.low != other.low).all()
 
@@ -265,7 +263,7 @@ def test_validation_logs_are_scored_under_their_names():
     other = told(replace(log_of(recording()), name="other.csv"))
     problem = problem_of(r, [(other, faster)])
     found = Fit(METHODS["ordinary"], Estimate(BETA), None, ())
-    m = judge(found, problem, (None, (0.01, 0.02)))
+    m = evaluate(found, problem, (None, (0.01, 0.02)))
     (s,) = m.validation
     assert s.log == "other.csv"
     assert s.position_rms == (0.01, 0.02)

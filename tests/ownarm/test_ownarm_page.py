@@ -24,11 +24,18 @@ from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm import overlays
 from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
-from repro.ownarm.tables import percent, printed, significant
-from repro.ownarm.page import FILES, render_page, sentence, symbols
 from repro.ownarm.figures import parameters as parameters_figure
+from repro.ownarm.page import FILES, render_page, sentence, symbols
 from repro.ownarm.result import Curves, Parameter
-from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
+from repro.ownarm.tables import (
+    PARAMETER_COLUMNS,
+    SCORE_COLUMNS,
+    parameters_table,
+    percent,
+    rounded,
+    scores_table,
+    significant,
+)
 from repro.ownarm.text import ALLOWED
 
 pytestmark = pytest.mark.slow
@@ -344,12 +351,12 @@ def parameter(estimate, error=None):
     ],
 )
 def test_numbers_have_the_digits_that_their_error_deserves(estimate, error, both):
-    assert printed(parameter(estimate, error)).both == both
+    assert rounded(parameter(estimate, error)).with_error == both
 
 
 @given(st.floats(-1e12, 1e12), st.floats(1e-12, 1e12))
 def test_print_is_within_a_tenth_of_the_standard_error(estimate, error):
-    shown = printed(parameter(estimate, error))
+    shown = rounded(parameter(estimate, error))
     power = float(shown.power.replace(f"{TIMES}10", "1e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 1.0)
     if abs(estimate) < 1e9 * error:  # a dozen decimals at most are shown
         assert float(shown.estimate) * power == pytest.approx(estimate, abs=0.1 * error, rel=1e-12)

@@ -140,17 +140,17 @@ def test_friction_that_is_known_is_not_said_to_be_hard_to_tell_apart():
 
 def test_a_delay_that_was_given_is_not_warned_of():
     for late in (-0.02, 0.02, 0.05):
-        assert warned({}, {}, {"delay": late, "delay_was_found": False}) == ()
+        assert warned({}, {}, {"delay": late, "estimates_delay": False}) == ()
         assert at_limit(late)
     assert not at_limit(0.0197)
 
 
 def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):
     problem = made(tmp_path, late=0.05)
-    assert problem.delay_was_found
+    assert problem.estimates_delay
     assert any("delay" in line for line in warnings(problem, (GOOD,), "a", TELLING))
     given = made(tmp_path, replace(ARM, delay=0.05), late=0.05)
-    assert not given.delay_was_found
+    assert not given.estimates_delay
     assert not any("delay" in line for line in warnings(given, (GOOD,), "a", TELLING))
 
 
@@ -170,7 +170,7 @@ def test_a_delay_that_no_drive_has_is_warned_of(delay, words):
     found = odd_delay(problem_of(exciting(50), delay=delay))
     assert len(found) == (words is not None)
     assert all(words in line for line in found)
-    assert odd_delay(problem_of(exciting(50), delay=delay, delay_was_found=False)) == []
+    assert odd_delay(problem_of(exciting(50), delay=delay, estimates_delay=False)) == []
 
 
 # With nothing but the fit to judge by

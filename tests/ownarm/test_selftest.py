@@ -9,18 +9,17 @@ from ownarm_example import example_curves, example_result
 from ownarm_problem import ARM, silent
 from regression_example import broadband, log_from
 
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import prepare
+from repro.identification.filtering import prepare
+from repro.identification.least_squares import METHODS
 from repro.identification.scores import relative_rms
 from repro.logs.diagnostics import Description, quantisation_step
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import assemble, fit_all, add_self_test
+from repro.ownarm.evaluate import add_self_test, assemble, fit_all
 from repro.ownarm.page import render_page
-from repro.ownarm.prepare import LoadedLog, make_problem
-from repro.ownarm.selftest import RecoveredParameter, SelfTest, synthetic_log, self_test
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.selftest import RecoveredParameter, SelfTest, self_test, synthetic_log
 
 pytestmark = pytest.mark.slow
 

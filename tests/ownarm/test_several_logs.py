@@ -6,12 +6,11 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, silent
 from regression_example import log_from
 
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.ownarm.evaluate import assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, make_problem
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 

@@ -7,14 +7,13 @@ import pytest
 from log_example import BETA, columns, motion, recording, text
 from ownarm_problem import ARM, silent
 
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
 from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.figures import overlay
-from repro.ownarm.prepare import make_problem, read
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import Options, load_log, make_problem
 
 OPTIONS = Options(("ordinary",), "unused")
 T = np.arange(6000) / 200.0
@@ -33,7 +32,7 @@ def whole(tmp_path_factory):
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))
     path = tmp_path_factory.mktemp("split") / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
-    told = read(path, ARM)
+    told = load_log(path, ARM)
     problem = make_problem(told, (), ARM, OPTIONS)
     found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
     return problem, *assemble(problem, found, ARM)
@@ -69,7 +68,7 @@ def test_each_piece_is_filtered_as_if_it_were_alone():
     for name in ("y", "tau", "q", "dq", "ddq"):
         together = np.concatenate([getattr(part, name) for part in parts], axis=1)
         np.testing.assert_array_equal(getattr(both, name), together)
-    np.testing.assert_array_equal(both.interleaved, np.concatenate([part.interleaved for part in parts], axis=2))
+    np.testing.assert_array_equal(both.even_odd, np.concatenate([part.even_odd for part in parts], axis=2))
     np.testing.assert_allclose(both.q, motion(both.t)[0], atol=0.01)  # times are those of the log
     error = both.tau - both.y @ BETA
     assert np.abs(error).max() < 0.03 * np.abs(both.tau).max()

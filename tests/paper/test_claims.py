@@ -10,6 +10,7 @@ from claims_example import APPENDIX, CONFIG, LOSS, METHODS, NUMERIC, write_resul
 from hypothesis import given
 from hypothesis import strategies as st
 
+from repro.config import load_config
 from repro.errors import InputError
 from repro.paper.audit import findings
 from repro.paper.claims import (
@@ -41,7 +42,6 @@ from repro.paper.ledger import ASSERTED, compute, our_values, refuted_number
 from repro.paper.ledger_page import CAUSES, by_basis, markdown, summary
 from repro.paper.published import PublishedValue, load_published
 from repro.paper.results import FILES, Results
-from repro.pipeline.experiment import load_config
 
 
 def printed(value="97.10", relation="is", kind="stochastic", id_="table07/N1/total/joint1", case="N1"):

@@ -207,5 +207,5 @@ def test_nothing_that_makes_results_reads_the_published_numbers(tmp_path):
     assert len(computing) > 10
     for path in computing:
         assert not [name for name in code.reached_by(path) if name.startswith("repro.paper")], path
-    for family in ("numeric", "arm", "study"):
+    for family in ("numeric_tests", "arm_experiment", "many_arms", "causes", "variants"):
         assert not [name for name in code.reached(f"repro.exhibits.{family}") if name.startswith("repro.paper")], family

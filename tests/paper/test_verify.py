@@ -13,11 +13,11 @@ from claims_example import make_project
 from scripts_run import run_script
 
 from repro.cli import main
+from repro.config import load_config
 from repro.errors import InputError
-from repro.exhibits import paper
+from repro.exhibits import paper_audit
 from repro.paper import verification
 from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
-from repro.pipeline.experiment import load_config
 
 pytestmark = pytest.mark.slow
 
@@ -329,8 +329,8 @@ def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
 
 
 def test_the_audit_is_laid_out():
-    made = paper.MADE["table", "audit"]
+    made = paper_audit.audit_findings
     table = made.numbers({}, {})
     assert {"id", "place", "what", "arithmetic", "found", "printed", "verdict", "note"} <= set(table.columns)
     assert len(table) > 60
-    assert "88.479" in made.drawing(table).md()
+    assert "88.479" in made.draw(table).md()

@@ -44,7 +44,7 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     reading = READINGS[name]
     changed = read_as(CONFIG, reading)
     whole = {**changed, "refinement": CONFIG["refinement"]}  # as it is run
-    check_config(whole, ROOT / "workflow/schemas/config.schema.yaml")
+    check_config(whole)
     of_its_network = of_network(CONFIG, reading.network)
     for section, values in of_its_network.items():
         named = reading.change.get(section, {})

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from experiment_example import CAPTURES, MOTIONS, ROOT, capture, followed, full_config, short_config
 from fake_board import served
 
@@ -23,7 +22,6 @@ from repro.pipeline.acquire import acquire
 from repro.pipeline.experiment import (
     check_program,
     control_constants,
-    load_config,
     mechanical_parameters,
     metadata_for,
     program_from_config,
@@ -54,57 +52,6 @@ def changed(config, **sections):
     for section, values in sections.items():
         config[section] |= values
     return config
-
-
-# --- Configuration ------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def project(tmp_path):
-    """A folder with a schema and a configuration that a test may spoil."""
-    schemas = tmp_path / "workflow" / "schemas"
-    schemas.mkdir(parents=True)
-    shutil.copy(ROOT / "workflow" / "schemas" / "config.schema.yaml", schemas)
-    (tmp_path / "config").mkdir()
-    path = tmp_path / "config" / "my.yaml"
-    shutil.copy(ROOT / "config" / "config.yaml", path)
-    return path
-
-
-def test_a_configuration_is_read_as_the_workflow_reads_it(project):
-    assert load_config(ROOT / "config" / "config.yaml") == load_config(project) == CONFIG
-
-
-SPOILT = {
-    "missing": lambda path: path.unlink(),
-    "a folder": lambda path: (path.unlink(), path.mkdir()),
-    "not text": lambda path: path.write_bytes(b"\xff\xfe\x00"),
-    "not YAML": lambda path: path.write_text("arm: {a: [1,\n b: 2", encoding="utf-8"),
-    "empty": lambda path: path.write_text("", encoding="utf-8"),
-    "a list": lambda path: path.write_text("- 1\n", encoding="utf-8"),
-    "a wrong value": lambda path: path.write_text(
-        yaml.safe_dump(changed(CONFIG, experiment={"baud": -1})), encoding="utf-8"
-    ),
-    "an unknown key": lambda path: path.write_text(
-        yaml.safe_dump(changed(CONFIG, arm={"colour": "red"})), encoding="utf-8"
-    ),
-    "a section less": lambda path: path.write_text(
-        yaml.safe_dump({k: v for k, v in CONFIG.items() if k != "board"}), encoding="utf-8"
-    ),
-}
-
-
-@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
-def test_a_configuration_that_cannot_be_used_is_refused_in_one_line(project, spoil):
-    spoil(project)
-    assert refused(load_config, project).startswith(str(project))
-
-
-def test_a_configuration_outside_a_project_is_refused_in_one_line(tmp_path):
-    (tmp_path / "config").mkdir()
-    path = tmp_path / "config" / "config.yaml"
-    shutil.copy(ROOT / "config" / "config.yaml", path)
-    assert "workflow folder" in refused(load_config, path)
 
 
 # --- Motions and boards -------------------------------------------------------------------------------------------

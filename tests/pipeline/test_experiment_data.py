@@ -19,7 +19,7 @@ from experiment_example import (
     short_config,
 )
 
-from repro.exhibits import arm
+from repro.exhibits import arm_experiment, schematics
 from repro.identification.algorithm1.listing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
@@ -31,7 +31,6 @@ from repro.pipeline.experiment_data import (
     identification_figure,
     motions_figure,
     paths_figure,
-    setup_figure,
     shown_estimates,
     stability_table,
     validation_figure,
@@ -161,7 +160,7 @@ def test_figure_22_shows_each_motion_in_panels_of_its_own(recordings):
 
 def test_figures_23_and_24_show_the_two_methods_that_are_compared(inputs):
     for name in ("fig23", "fig24"):
-        frame = arm.MADE["figure", name].numbers(inputs[name], CONFIG)
+        frame = getattr(arm_experiment, name).numbers(inputs[name], CONFIG)
         assert set(frame["panel"]) == {f"{motion} torque{j}" for motion in MOTIONS[1:] for j in (1, 2)}
         assert set(frame["series"]) == {"measured", "algorithm1+refinement", "least-squares"}
         _, refined = curve(frame, "T1 torque1", "algorithm1+refinement")
@@ -170,8 +169,7 @@ def test_figures_23_and_24_show_the_two_methods_that_are_compared(inputs):
 
 
 def test_figure_18_tells_the_configuration():
-    settings = program_settings(CONFIG)
-    frame = setup_figure(control_constants(CONFIG), settings.geometry, settings.h).set_index(["component", "label"])
+    frame = schematics.fig18.numbers({}, CONFIG).set_index(["component", "label"])
     assert frame["value"]["arm", "l1"] == "0.165"
     assert frame["value"]["uplink", "-"].tolist() == ["64 bit", "400"]
     assert frame["value"]["motors", "joint 1"] == "8/1023"
@@ -191,7 +189,7 @@ def test_table_8_has_the_tracking_and_the_constants(recordings):
 
 
 def test_table_9_has_the_median_seed_and_no_row_for_the_truth(inputs):
-    table = arm.MADE["table", "table09"].numbers(inputs["table09"], CONFIG)
+    table = arm_experiment.table09.numbers(inputs["table09"], CONFIG)
     assert "true" not in set(table["method"])
     assert set(table["case"]) == {"ID"}
     for method, factor in {"algorithm1": ERROR[MEDIAN], "least-squares": LEAST_SQUARES}.items():
@@ -204,7 +202,7 @@ def test_table_9_has_the_median_seed_and_no_row_for_the_truth(inputs):
 
 
 def test_table_10_has_every_motion_method_and_joint(inputs):
-    table = arm.MADE["table", "table10"].numbers(inputs["table10"], CONFIG)
+    table = arm_experiment.table10.numbers(inputs["table10"], CONFIG)
     methods = {"algorithm1", "algorithm1+refinement", "algorithm1+local-search"}
     methods |= {f"algorithm1{suffix}" for suffix in CROSSED} | {"least-squares", "bounded", "consistent", "true"}
     one_run = table["method"].str.endswith("/one-run")
@@ -217,7 +215,7 @@ def test_table_10_has_every_motion_method_and_joint(inputs):
 
 
 def test_the_stability_table_has_the_four_conditions_of_each_method(inputs):
-    table = arm.MADE["table", "stability"].numbers(inputs["stability"], CONFIG)
+    table = arm_experiment.stability.numbers(inputs["stability"], CONFIG)
     assert table["method"].drop_duplicates().tolist() == [
         "algorithm1", "algorithm1+refinement", "least-squares", "true", "appendix",
     ]  # fmt: skip

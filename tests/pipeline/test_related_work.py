@@ -5,7 +5,7 @@ import re
 import pytest
 from render_examples import TABLES, laid_out
 
-from repro.pipeline.schematics_data import related_work
+from repro.exhibits.schematics import words
 
 REFERENCES = (*(f"[{number}]" for number in range(11, 29)), "this article")
 COLUMNS = ("reference", "robot", "dof", "method", "identified", "optimisation", "set_apart")
@@ -16,7 +16,7 @@ NARROW = dict.fromkeys("ijltf.,;:()[]/I -", 320)
 
 @pytest.fixture(scope="module")
 def works():
-    return related_work()
+    return words("table01")
 
 
 def test_every_work_is_there_once_and_in_order(works):

@@ -11,11 +11,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from render_examples import FRAMES, drawn, made, refused, shown_texts, words_of
 
+from repro.exhibits.diagram import Box, Layout
 from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD
-from repro.render import flow_charts
-from repro.render.layout import Box, Layout
 
-LAYOUTS = {"fig02": flow_charts.HARDWARE, "fig03": flow_charts.CONTROL, "fig04": flow_charts.METHOD}
+LAYOUTS = {name: Layout.read(name) for name in ("fig02", "fig03", "fig04")}
 SCHEMATICS = ["fig01", *LAYOUTS]
 
 
@@ -47,9 +46,10 @@ def links(name: str) -> pd.DataFrame:
 
 def test_arrows_run_from_edge_to_edge_and_through_no_box(name: str) -> None:
     layout = LAYOUTS[name]
-    for route in layout.routes.values():
-        assert on_edge(route.corners[0], layout.boxes[route.start]), route
-        assert on_edge(route.corners[-1], layout.boxes[route.end]), route
+    ways = links(name).set_index("name")
+    for key, route in layout.routes.items():
+        assert on_edge(route.corners[0], layout.boxes[ways["start"][key]]), route
+        assert on_edge(route.corners[-1], layout.boxes[ways["end"][key]]), route
         for one, other in itertools.pairwise(route.corners):
             assert one[0] == other[0] or one[1] == other[1], route
             for part in np.linspace(0.0, 1.0, 101):
@@ -61,8 +61,8 @@ def test_boxes_stand_apart_and_within_the_figure(name: str) -> None:
     layout = LAYOUTS[name]
     for box in layout.boxes.values():
         assert min(box.left, box.bottom) > 0.03
-        assert box.left + box.width < layout.width - 0.03
-        assert box.bottom + box.height < layout.height - 0.03
+        assert box.left + box.width < layout.size[0] - 0.03
+        assert box.bottom + box.height < layout.size[1] - 0.03
     for one, other in itertools.combinations(solid(layout).values(), 2):
         apart = max(
             one.left - other.left - other.width,
@@ -76,9 +76,7 @@ def test_boxes_stand_apart_and_within_the_figure(name: str) -> None:
 def test_what_the_table_names_is_what_the_layout_places(name: str) -> None:
     frame, layout = FRAMES[name](), LAYOUTS[name]
     assert set(frame.loc[frame["element"] == "box", "name"]) == set(layout.boxes)
-    ways = {name: (route.start, route.end) for name, route in layout.routes.items()}
-    assert links(name).set_index("name")[["start", "end"]].apply(tuple, axis=1).to_dict() == ways
-    assert links(name)["name"].is_unique
+    assert list(links(name)["name"].sort_values()) == sorted(layout.routes)
 
 
 @pytest.mark.slow

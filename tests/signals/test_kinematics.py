@@ -94,9 +94,3 @@ def test_wrong_arguments_are_refused():
         forward_kinematics(np.zeros((3, 5)), ARM)
     with pytest.raises(ValueError, match="finite"):
         inverse_kinematics(column(np.nan, 0.0), ARM)
-
-
-@pytest.mark.parametrize(("l1", "l2", "name"), [(0.0, 1.0, "l1"), (1.0, -0.1, "l2"), (np.inf, 1.0, "l1")])
-def test_lengths_must_be_positive(l1, l2, name):
-    with pytest.raises(ValueError, match=name):
-        ArmGeometry(l1, l2)

@@ -1,5 +1,8 @@
-# Tables and figures of the catalogue (src/repro/exhibits/catalogue.py): what they are made from.
+EXHIBITS_FOLDER = HERE.parent / "src/repro/exhibits"
+
+# What tables and figures (src/repro/exhibits) are computed from.
 SOURCES = {
+    "diagrams": {"diagrams": sorted(map(str, (EXHIBITS_FOLDER / "diagrams").iterdir()))},
     "ID": {"captures": captures(["ID"])},
     "validation": {"captures": captures(VALIDATION)},
     "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},
@@ -40,12 +43,21 @@ SOURCES = {
 }
 
 
+def caption_file(exhibit):
+    """File that Snakemake's own report reads an exhibit's caption from."""
+    file = Path(".snakemake/captions", f"{exhibit.target}.rst").absolute()
+    if workflow.is_main_process:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(exhibit.caption + "\n", encoding="utf-8")
+    return str(file)
+
+
 def files_of(exhibit):
     """Files of an exhibit by kind; the one of its report carries its caption."""
     said = {
         "category": exhibit.category,
         "labels": {"what": exhibit.title if exhibit.label in exhibit.title else f"{exhibit.title} ({exhibit.label})"},
-        "caption": f"../report/{exhibit.target}.rst",
+        "caption": caption_file(exhibit),
     }
     if exhibit.kind == "table":
         stem = f"{R}/tables/{exhibit.name}"
@@ -54,14 +66,14 @@ def files_of(exhibit):
     return {"csv": f"{R}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **said)}
 
 
-# One job draws what a family makes of the same files, so that little is started for little.
+# One job draws what a module declares of the same files, so that little is started for little.
 TOGETHER = {}
 for exhibit in EXHIBITS:
-    TOGETHER.setdefault((exhibit.family, *exhibit.inputs), []).append(exhibit)
+    TOGETHER.setdefault((exhibit.numbers.__module__.rpartition(".")[2], *exhibit.inputs), []).append(exhibit)
 
-for (family, *sources), exhibits in TOGETHER.items():
+for (module, *sources), exhibits in TOGETHER.items():
 
-    drawing = "_".join(["draw", family, *sources])
+    drawing = "_".join(["draw", module, *sources])
 
     rule:
         name:
@@ -79,8 +91,8 @@ for (family, *sources), exhibits in TOGETHER.items():
         resources:
             mem_mb=1500,
         params:
-            code=code("exhibits.py", *(f"repro.exhibits.{family}:MADE[{(one.kind, one.name)!r}]" for one in exhibits)),
-            exhibits=exhibits,
+            code=code("exhibits.py", *(one.definition for one in exhibits)),
+            exhibits=[one.definition for one in exhibits],
             config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
         message:
             ", ".join(f"{one.title} ({one.label})" for one in exhibits)

@@ -8,7 +8,6 @@ rule report:
         figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
         numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
         captures="data/captures/SHA256SUMS",
-        captions=sorted(str(caption) for caption in (HERE / "report").glob("*.rst")),
         templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
         f"{R}/report/index.html",
@@ -22,6 +21,7 @@ rule report:
         mem_mb=1500,
     params:
         code=code("report.py"),
+        captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,
     message:

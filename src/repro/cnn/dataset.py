@@ -6,7 +6,7 @@ extension of ours, off by default, torques may also have unmodelled effects: Str
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from repro.signals.trajectories import Motion
 
 Floats32 = NDArray[np.float32]
 Label = Literal["largest-torque", "physical"]
-LABELS: tuple[Label, ...] = get_args(Label)
 
 #: Cycles a turn of the ripples that training torques may have.
 RIPPLE_CYCLES = (3, 7, 11, 17, 23, 31)
@@ -37,12 +36,6 @@ class UnmodelledSettings:
     ripple: float = 0.0  # amplitude of a ripple that turns with the joint, over the largest torque
     noise: float = 0.0  # standard deviation of white noise on the subsampled torque, over the largest torque
     delay_s: float = 0.0  # delay of the torque, s; to first order
-
-    def __post_init__(self) -> None:
-        """Refuse levels that are negative or not finite."""
-        for name, level in vars(self).items():
-            if not 0 <= level < np.inf:
-                raise ValueError(f"{name}: must be finite and not negative, got {level}.")
 
     def __str__(self) -> str:
         """List the levels for a model card."""
@@ -124,11 +117,6 @@ class DataSettings:
     #: Section IV-A says, or SI as the text reads, in which it does not.
     label: Label = "largest-torque"
     unmodelled: UnmodelledSettings = field(default_factory=UnmodelledSettings)
-
-    def __post_init__(self) -> None:
-        """Refuse an unknown unit."""
-        if self.label not in LABELS:
-            raise ValueError(f"label: must be one of {LABELS}, got {self.label!r}.")
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,6 @@ class ImageSettings:
     scale: Scale = "shared-max"
     constant: float = 4.0
 
-    def __post_init__(self) -> None:
-        """Refuse an unknown scale or a divisor that is not positive."""
-        if self.scale not in SCALES:
-            raise ValueError(f"scale: must be one of {SCALES}, got {self.scale!r}.")
-        if not self.constant > 0:
-            raise ValueError(f"constant: must be positive, got {self.constant}.")
-
 
 def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
     """Shift and scale to the range 0 to 1 over `axes` (**normalize** of Eq. 9); a constant becomes 0."""

@@ -82,13 +82,6 @@ class GuessSettings:
     near_low: float = 3e-3  # range of that size
     near_high: float = 0.5
 
-    def __post_init__(self) -> None:
-        """Refuse empty ranges and shares that do not add up."""
-        if not (0 < self.low < self.high and 0 < self.near_low < self.near_high):
-            raise ValueError("guess ranges: must be positive with low below high.")
-        if not (self.exact_share >= 0 and self.near_share >= 0 and self.exact_share + self.near_share <= 1):
-            raise ValueError("exact_share, near_share: must not be negative nor add up to more than 1.")
-
 
 def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:
     """Draw guesses (n, 9) for right answers (n, 9) in units of the largest torque: uniform, near and exact ones."""

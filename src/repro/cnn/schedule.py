@@ -6,7 +6,6 @@ from typing import Literal, get_args
 Recipe = Literal["streamed", "paper"]
 RECIPES: tuple[Recipe, ...] = get_args(Recipe)
 Precision = Literal["auto", "float32", "bfloat16"]
-PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 
 #: Columns of the history of a training run.
 HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")
@@ -21,13 +20,6 @@ class PaperSchedule:
     learning_rate: float = 20e-3  # eta = 20e-3 + 0.2e-7 T, as printed, which grows with the iteration T
     learning_rate_slope: float = 0.2e-7
     gradient_gain: float = 100.0  # MT, a factor on the derivative of the loss
-
-    def __post_init__(self) -> None:
-        """Refuse a set that cannot be split."""
-        if self.images < 2:
-            raise ValueError(f"images: must be at least 2, got {self.images}.")
-        if not 1 <= round(self.train_share * self.images) < self.images:
-            raise ValueError(f"train_share: must leave images to train and to test with, got {self.train_share}.")
 
 
 @dataclass(frozen=True)
@@ -45,15 +37,3 @@ class TrainingSettings:
     checkpoint_every: int = 500
     precision: Precision = "auto"  # of layers 1 to 4 and of Muon's wide products; auto: bfloat16 if native
     paper: PaperSchedule = field(default_factory=PaperSchedule)
-
-    def __post_init__(self) -> None:
-        """Refuse budgets that are not positive and unknown choices."""
-        if self.recipe not in RECIPES:
-            raise ValueError(f"recipe: must be one of {RECIPES}, got {self.recipe!r}.")
-        if self.precision not in PRECISIONS:
-            raise ValueError(f"precision: must be one of {PRECISIONS}, got {self.precision!r}.")
-        if not self.learning_rate > 0:
-            raise ValueError(f"learning_rate: must be positive, got {self.learning_rate}.")
-        for name in ("steps", "batch", "test_samples", "log_every", "checkpoint_every"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name}: must be at least 1, got {getattr(self, name)}.")

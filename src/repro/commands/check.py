@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read and check."""
-    from repro.pipeline.experiment import load_config
+    from repro.config import load_config
 
     load_config(arguments.config, *arguments.overlays)
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")

@@ -12,10 +12,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the comparison; exit code 1 if a difference is larger than its class allows."""
-    from repro.comparison.classes import measured_spread
     from repro.comparison.runs import compare_runs, report
+    from repro.exhibits.catalogue import tolerances
 
-    compared, alone = compare_runs(arguments.first, arguments.second, measured_spread())
+    compared, alone = compare_runs(arguments.first, arguments.second, tolerances())
     for line in report(compared, alone):
         print(line)
     return int(any(each.broken for each in compared))

@@ -39,10 +39,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Download, start, record, write."""
     from repro.commands.decode import summary
+    from repro.config import load_config
     from repro.fpga.capture import check_target, write_capture
     from repro.fpga.link import record
     from repro.fpga.rawfile import raw_file
-    from repro.pipeline.experiment import load_config, metadata_for
+    from repro.pipeline.experiment import metadata_for
 
     check_target(arguments.out, arguments.overwrite)
     config = load_config(arguments.config)

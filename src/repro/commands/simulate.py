@@ -31,9 +31,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve until a signal comes, or the first motion is over."""
     import numpy as np
 
+    from repro.config import load_config
     from repro.fpga.channel_errors import ErrorInjector
     from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
-    from repro.pipeline.experiment import load_config
     from repro.pipeline.specimen import board_from_config
 
     if arguments.link is not None and arguments.listen != "pty":

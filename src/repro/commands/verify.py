@@ -20,11 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the summary, every asserted claim that fails and everything that does not agree."""
+    from repro.config import load_config
     from repro.fingerprint import told
     from repro.paper.claims import broken
     from repro.paper.ledger_page import summary
     from repro.paper.verification import verify_ledger
-    from repro.pipeline.experiment import load_config
     from repro.pipeline.provenance import recorded_fingerprint
 
     config = load_config(*arguments.config)

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from repro.comparison.classes import Kind, Spread
-from repro.comparison.tables import Difference, differences
+from repro.comparison.tolerances import Difference, Kind, Tolerances, differences
 from repro.errors import InputError
 from repro.files import read_rows
 
@@ -34,13 +33,13 @@ class Compared:
         return any(each.broken for each in self.found)
 
 
-def compare_runs(a: Path, b: Path, spread: Spread) -> tuple[list[Compared], list[str]]:
+def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compared], list[str]]:
     """Compare every table and recording that both folders have."""
     files = [_files(folder) for folder in (a, b)]
     both = sorted(files[0] & files[1])
     if not both:
         raise InputError.at(f"{a} and {b}", "no table in common", "two results folders")
-    return [_compare(a, b, name, spread) for name in both], sorted(files[0] ^ files[1])
+    return [_compare(a, b, name, tolerances) for name in both], sorted(files[0] ^ files[1])
 
 
 def _files(folder: Path) -> set[str]:
@@ -51,14 +50,14 @@ def _files(folder: Path) -> set[str]:
     return {name.as_posix() for name in names if name.parts[0] not in LEFT_OUT}
 
 
-def _compare(a: Path, b: Path, name: str, spread: Spread) -> Compared:
+def _compare(a: Path, b: Path, name: str, tolerances: Tolerances) -> Compared:
     if not name.endswith(".csv"):
         x, y = ((folder / name).read_bytes() for folder in (a, b))
         changed = [Difference(Kind.EXACT, f"byte {_first(x, y)}", f"{len(x)} bytes", f"{len(y)} bytes", 1.0, 0.0)]
         return Compared(name, len(x), tuple(changed if x != y else ()))
     rows = read_rows(a / name), read_rows(b / name)
     table = name.removesuffix(".csv")
-    return Compared(name, sum(map(len, rows[0])), tuple(differences(table, *rows, spread)))
+    return Compared(name, sum(map(len, rows[0])), tuple(differences(table, *rows, tolerances)))
 
 
 def _first(x: bytes, y: bytes) -> int:

@@ -9,23 +9,23 @@ from matplotlib.figure import Figure
 
 from repro.errors import InputError
 from repro.exhibits import style
-from repro.exhibits.catalogue import Exhibit
-from repro.exhibits.inputs import Family, Inputs, Made
+from repro.exhibits.declare import Exhibit, Inputs
 from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
 from repro.pipeline.job import Config, Named, paths
 
 
-def made_of(exhibit: Exhibit) -> Made:
-    """How an exhibit is made, from its family. An f-string here would make each rule count them all."""
-    family: Family = import_module("repro.exhibits." + exhibit.family).MADE
-    return family[exhibit.kind, exhibit.name]
+def declared(definition: str) -> Exhibit:
+    """Exhibit by where it is declared, so that a job imports only the module of its own exhibits."""
+    module, _, name = definition.partition(":")
+    exhibit: Exhibit = getattr(import_module(module), name)
+    return exhibit
 
 
-def make_exhibits(exhibits: Sequence[Exhibit], named_inputs: Named, named_outputs: Named, config: Config) -> None:
+def make_exhibits(definitions: Sequence[str], named_inputs: Named, named_outputs: Named, config: Config) -> None:
     """Write exhibits of the same inputs, each to outputs named after its target and kind."""
     inputs, outputs = paths(named_inputs), paths(named_outputs)
-    for exhibit in exhibits:
+    for exhibit in map(declared, definitions):
         own = exhibit.target + "_"
         out = {name.removeprefix(own): files[0] for name, files in outputs.items() if name.startswith(own)}
         make_exhibit(exhibit, inputs, out, config)
@@ -33,12 +33,11 @@ def make_exhibits(exhibits: Sequence[Exhibit], named_inputs: Named, named_output
 
 def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], config: Config) -> None:
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
-    made = made_of(exhibit)
-    write_csv(out["csv"], made.numbers(inputs, config))
+    write_csv(out["csv"], exhibit.numbers(inputs, config))
     if exhibit.kind == "table":
-        lay_out(made.drawing, out["csv"], out["tex"], out["md"])  # type: ignore[arg-type]
+        lay_out(exhibit.draw, out["csv"], out["tex"], out["md"])  # type: ignore[arg-type]
     else:
-        draw(made.drawing, exhibit.name, out["csv"], out["pdf"], out["png"])  # type: ignore[arg-type]
+        draw(exhibit.draw, exhibit.name, out["csv"], out["pdf"], out["png"])  # type: ignore[arg-type]
 
 
 def laid_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path) -> Table:

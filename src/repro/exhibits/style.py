@@ -99,7 +99,7 @@ def _look(
 
 _DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
 
-#: Appearance of each method of `repro.identification.registry`, in the order of tables and legends.
+#: Appearance of each method of `repro.identification.method`, in the order of tables and legends.
 METHODS: Final[dict[str, Appearance]] = {
     "algorithm1": Appearance("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
     "algorithm1/one-run": Appearance(
@@ -232,6 +232,15 @@ def new_figure(width: float, height: float) -> Figure:
     if width not in (COLUMN, PAGE):
         raise ValueError(f"width: must be {COLUMN} or {PAGE} in, got {width}.")
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def inches(width: float, height: float) -> tuple[Figure, Axes]:
+    """Make a figure without axes lines, in which everything is placed in inches from its lower left corner."""
+    figure = new_figure(width, height)
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
+    axes.set_axis_off()
+    return figure, axes
 
 
 def few_ticks(axes: Axes) -> None:

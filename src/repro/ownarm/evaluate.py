@@ -8,13 +8,11 @@ import numpy as np
 
 from repro.identification.bootstrap import Spread, bootstrap
 from repro.identification.excitation import EXCITED, torque_share
-from repro.identification.filters.interface import FILTERS
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Estimate, Method, NoSolutionError
-from repro.identification.methods.names import NETWORKS
+from repro.identification.filters import FILTERS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
 from repro.identification.predicted_motion import position_errors
-from repro.identification.regression import Regression
-from repro.identification.residuals import lag_one
+from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import relative_rms, similarity
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
@@ -144,7 +142,7 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
         fit=score(name, r, beta, positions[0] if n == 1 else None),
         validation=validation,
         halves=fitted.halves,
-        whiteness=lag_one(r, beta, problem.settings.cutoff),
+        whiteness=residual_autocorrelation(r, beta, problem.settings.cutoff),
         notes=fitted.estimate.notes,
         citation=fitted.method.citation,
     )
@@ -190,7 +188,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
     excitation = _excitation(problem, betas[[m.method for m in methods].index(recommended)])
     s, r = problem.settings, problem.regression
     preparation = Preparation(
-        filter=FILTERS[s.name].name,
+        filter=FILTERS[s.name].description,
         cutoff=s.cutoff,
         cutoff_reason=problem.cutoff.reason,
         delay=s.delay,

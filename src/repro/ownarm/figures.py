@@ -117,7 +117,9 @@ def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
     style.legend_above(figure, axes, min(entries, 4), style.SIMULATED if simulated else None)
 
 
-def draw_overlay(signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False) -> Figure:
+def draw_overlay(
+    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
+) -> Figure:
     """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
     _check(signals.rebuilt, methods)
     figure = style.new_figure(style.PAGE, 5.3)
@@ -168,7 +170,9 @@ def _close_up(t: Array) -> tuple[float, float]:
     return start, start + part
 
 
-def draw_spectra(signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False) -> Figure:
+def draw_spectra(
+    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
+) -> Figure:
     """Draw amplitude spectra of the measured and the rebuilt torque.
 
     Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are left

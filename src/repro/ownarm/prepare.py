@@ -11,14 +11,12 @@ from repro.identification.alternatives import Alternative, alternatives, without
 from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.excitation import Excited, excitation
-from repro.identification.filters.interface import FILTERS
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filters import FILTERS
 from repro.identification.friction import Term, columns_of_terms, eased, find_terms
-from repro.identification.methods.interface import joint_variance
-from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.regression import Regression, joined
+from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
 from repro.identification.solve import solve
-from repro.identification.standstill import without_rest, without_standstill
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
@@ -162,14 +160,14 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[
         loaded = replace(loaded, log=corrected(loaded.log, values_of(faults)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
     hidden = hidden_faults(loaded.log, settings, faults, others)
-    regression = without_rest(prepare(loaded.log, settings))
-    moving = without_standstill(regression)
+    regression = drop_idle_joints(prepare(loaded.log, settings))
+    moving = drop_standstill(regression)
     terms, load = find_terms(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
     taken = [term for term in terms if term.taken]
     if taken:
         loaded = replace(loaded, log=eased(loaded.log, settings, load, taken))
-        regression = without_rest(prepare(loaded.log, settings))
-        moving = without(without_standstill(regression), columns_of_terms(loaded.log, settings, load, taken))
+        regression = drop_idle_joints(prepare(loaded.log, settings))
+        moving = without(drop_standstill(regression), columns_of_terms(loaded.log, settings, load, taken))
     as_good = alternatives(loaded.log, settings, delay_error)
     if faults:
         columns = columns_of_faults(loaded.log, settings, solve(moving.y, moving.tau), faults)

@@ -137,7 +137,9 @@ def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
         before, after = 100.0 * fault.before, 100.0 * fault.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines:
-        lines.append(f"this is corrected here; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
+        lines.append(
+            f"this is corrected here; to correct it for good, write into the arm file: {arm_lines(faults, arm)}"
+        )
     return tuple(lines)
 
 

@@ -24,11 +24,11 @@ from typing import Any
 import numpy as np
 
 from repro.cnn import architecture, image, priors
-from repro.comparison.classes import LEDGER
+from repro.comparison.tolerances import LEDGER
 from repro.errors import InputError
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
-from repro.paper.checks import hardware
+from repro.paper import audit as hardware
 from repro.paper.claims import Basis, OurValue
 from repro.paper.published import Published, PublishedValue
 from repro.signals import programs, trajectories, validation_motions

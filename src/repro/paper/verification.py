@@ -11,8 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from repro.comparison.classes import Spread
-from repro.comparison.tables import differences
+from repro.comparison.tolerances import Tolerances, differences
 from repro.errors import InputError
 from repro.files import csv_text, parse_rows, write_text
 from repro.paper.claims import broken, specificity
@@ -167,7 +166,7 @@ def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
     problems += [f"{place}: {name}: found a row, expected none" for name in theirs.keys() - ours.keys()]
     for name in ours.keys() & theirs.keys():
         # Both follow from the same files, so that even what was trained is no more than computed here.
-        for d in differences("", [theirs[name]], [ours[name]], Spread({})):
+        for d in differences("", [theirs[name]], [ours[name]], Tolerances()):
             if d.broken:
                 column, by = d.place.rpartition(", ")[2], "" if math.isinf(d.size) else f", {d.size:.2g} away"
                 problems.append(f"{place}: {name}: {column}: found {d.a or 'nothing'}, expected {d.b or 'nothing'}{by}")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from repro.comparison.classes import LEDGER
+from repro.comparison.tolerances import LEDGER
 from repro.files import write_csv
 from repro.pipeline.jobs import UNITS, Job, needed
 

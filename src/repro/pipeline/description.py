@@ -9,12 +9,6 @@ import pandas as pd
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.schedule import TrainingSettings
-from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
-
-
-def parameter_description() -> pd.DataFrame:
-    """Table 2: the nine parameters, rebuilt from Eq. 1."""
-    return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
 
 
 def architecture(settings: NetworkSettings) -> pd.DataFrame:

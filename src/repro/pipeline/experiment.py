@@ -1,13 +1,9 @@
 """The experimental set-up from the configuration: arm, board, motions, and the bytes between them (Section V-C)."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from repro.config import CONFIGURATION, check_config, merged
-from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.fpga.controller import ControlConstants
 from repro.fpga.messages import encode_program
@@ -17,21 +13,6 @@ from repro.pipeline.job import Config
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, Program, ProgramSettings, check_limits, permitted_program
 from repro.streams import Stream, stream
-
-#: Where the schema lies beside a configuration: the project's folder is the one above config/.
-SCHEMA = Path("workflow/schemas/config.schema.yaml")
-
-
-def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
-    """Read and check a configuration outside the workflow."""
-    config = read_yaml(path, CONFIGURATION)
-    for overlay in overlays:
-        config = merged(config, read_yaml(overlay, CONFIGURATION))
-    schema = path.resolve().parent.parent / SCHEMA
-    if not schema.exists():
-        raise InputError.at(str(path), "no workflow folder beside its folder", "a file in the project's config folder")
-    check_config(config, schema, [path, *overlays])
-    return config
 
 
 def control_constants(config: Config) -> ControlConstants:

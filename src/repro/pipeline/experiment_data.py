@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 
 from repro.fpga.controller import ControlConstants
-from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT
 from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
@@ -18,7 +17,6 @@ from repro.pipeline.recordings import Recording
 from repro.pipeline.summary import median_seeds
 from repro.signals.dct import spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
-from repro.signals.programs import MEMORY_SAMPLES
 from repro.signals.sampling import SignalSettings
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
@@ -109,32 +107,6 @@ def paths_figure(recordings: Iterable[Recording], geometry: ArmGeometry) -> pd.D
             tip = forward_kinematics(q, geometry)[1]
             parts.append((recording.program.name, series, tip[0], tip[1]))
     return curves(parts)
-
-
-def setup_figure(control: ControlConstants, geometry: ArmGeometry, h: float) -> pd.DataFrame:
-    """Figure 18: parts of the simulated set-up and their figures."""
-    rate, (full1, full2) = f"{1 / h:g}", control.full_torque
-    rows = [
-        ("pc", "-", "repro record", "-"),
-        ("pc", "-", "repro decode", "-"),
-        ("pc", "-", "identification", "-"),
-        ("serial", "-", "pyserial", "-"),
-        ("serial", "-", f"{BAUD}", "Bd"),
-        ("serial", "-", "pseudo-terminal", "-"),
-        ("write-ram", "-", "CRC-32", "-"),
-        ("ram", "-", f"{MEMORY_SAMPLES} x 2", "float32"),
-        ("pd", "-", "float32", "-"),
-        ("pd", "-", rate, "Hz"),
-        ("pwm", "-", f"-{PWM_LIMIT} to {PWM_LIMIT}", "-"),
-        ("decoder", "-", f"{COUNTS_PER_TURN}", "counts/turn"),
-        ("uplink", "-", "64 bit", "frames"),
-        ("uplink", "-", rate, "Hz"),
-        ("motors", "joint 1", f"{full1:g}/{PWM_LIMIT}", "N m"),
-        ("motors", "joint 2", f"{full2:g}/{PWM_LIMIT}", "N m"),
-        ("arm", "l1", f"{geometry.l1:g}", "m"),
-        ("arm", "l2", f"{geometry.l2:g}", "m"),
-    ]
-    return pd.DataFrame(rows, columns=["component", "label", "value", "unit"])
 
 
 def control_table(tracked: pd.DataFrame, control: ControlConstants, c_f: float) -> pd.DataFrame:

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from repro.exhibits.catalogue import Exhibit
-from repro.exhibits.make import laid_out, made_of
+from repro.exhibits.declare import Exhibit
+from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
 from repro.report.embed import Link, Picture, link, pictures
-from repro.report.inputs import ReportInputs, read_rows, read_text
+from repro.report.inputs import ReportInputs, read_rows
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,6 @@ class Shown:
     """An exhibit with what the page shows of it."""
 
     exhibit: Exhibit  # what it is
-    caption: str  # empty where there is none
     links: list[Link]  # its data
     missing: list[str]  # names of its files that are not there
     table: Table | None = None  # of a table that is there
@@ -32,8 +31,8 @@ def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
     data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
     found, missing = _present(data, inputs.partial or exhibit.optional)
     links = [link(path, inputs.page) for path in found]
-    table = laid_out(made_of(exhibit).drawing, data[0]) if data[0] in found else None  # type: ignore[arg-type]
-    return Shown(exhibit, _caption(exhibit, inputs), links, missing, table=table)
+    table = laid_out(exhibit.draw, data[0]) if data[0] in found else None  # type: ignore[arg-type]
+    return Shown(exhibit, links, missing, table=table)
 
 
 def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
@@ -47,7 +46,7 @@ def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Show
         found, missing = _present([images[exhibit.name], *data], may_miss[exhibit.name])
         links = [link(path, inputs.page) for path in data if path in found]
         picture = embedded.get(exhibit.name)
-        shown.append(Shown(exhibit, _caption(exhibit, inputs), links, missing, picture=picture))
+        shown.append(Shown(exhibit, links, missing, picture=picture))
     return shown
 
 
@@ -56,14 +55,6 @@ def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[st
     if not may_miss:
         return list(paths), []
     return [path for path in paths if path.exists()], [path.name for path in paths if not path.exists()]
-
-
-def _caption(exhibit: Exhibit, inputs: ReportInputs) -> str:
-    """Caption from its file, on one line."""
-    path = inputs.captions / f"{exhibit.target}.rst"
-    if not path.exists() and (inputs.partial or exhibit.optional):
-        return ""
-    return " ".join(read_text(path, "a caption").split())
 
 
 @dataclass(frozen=True)

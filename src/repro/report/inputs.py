@@ -17,7 +17,6 @@ class ReportInputs:
 
     results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
-    captions: Path  # folder with the captions, ``figNN.rst``
     captures: Path  # ``SHA256SUMS`` of the recorded runs
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     command: str = "snakemake --cores 2"  # what a target's name is put after to remake it

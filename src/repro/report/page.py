@@ -113,13 +113,12 @@ COMMAND = "snakemake --cores 2"
 NETWORKS = {"trained": "trained in this run", "stored": "networks that come with the project, not trained in this run"}
 
 
-def make_report(captures: str, caption: str, overlays: Sequence[str], config: Config) -> None:
+def make_report(captures: str, checkout: str, overlays: Sequence[str], config: Config) -> None:
     """Write ``report/index.html`` in the results folder."""
-    captions = Path(caption).parent
     digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
     # No times: the same commit, configuration and results give the same page.
     provenance: Mapping[str, Any] = {
-        "commit": commit(captions),
+        "commit": commit(Path(checkout)),
         "networks": NETWORKS[config["training"]["source"]],
         "packages": package_versions(),
         "python": platform.python_version(),
@@ -128,5 +127,5 @@ def make_report(captures: str, caption: str, overlays: Sequence[str], config: Co
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
     if config["training"]["source"] == "stored":
         notice = f"{notice} {NETWORKS['stored'].capitalize()}.".strip()
-    folders = (Path(config["results"]), Path(config["figures"]), captions, Path(captures))
+    folders = (Path(config["results"]), Path(config["figures"]), Path(captures))
     write_report(ReportInputs(*folders, digest, COMMAND, provenance, notice))

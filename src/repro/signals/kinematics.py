@@ -21,12 +21,6 @@ class ArmGeometry:
     l1: float
     l2: float
 
-    def __post_init__(self) -> None:
-        """Refuse a length that is not positive and finite."""
-        for name, value in vars(self).items():
-            if not 0 < value < np.inf:
-                raise ValueError(f"{name}: a link length must be positive and finite, got {value}.")
-
     @property
     def reach(self) -> float:
         """Length of the straight arm, m."""

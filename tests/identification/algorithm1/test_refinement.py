@@ -275,23 +275,3 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
     np.testing.assert_array_equal(first, again)
     assert first.shape != other.shape or not np.array_equal(first, other)
     assert (first > 0).all()
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"restarts": -1},
-        {"keep": 0},
-        {"passes": -1},
-        {"read_passes": -1},
-        {"reach": 0.0},
-        {"reach": np.inf},
-        {"reach": np.nan},
-        {"jitter": -1e-9},
-        {"jitter": np.nan},
-        {"starts": 0},
-    ],
-)
-def test_wrong_budgets_are_refused(wrong):
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        RefinementSettings(**wrong)

@@ -62,17 +62,6 @@ class RefinementSettings:
     jitter: float = 1e-4
     starts: int = 1
 
-    def __post_init__(self) -> None:
-        """Refuse budgets and moves that cannot be."""
-        least = {"restarts": 0, "keep": 1, "passes": 0, "read_passes": 0, "starts": 1}
-        for name, bound in least.items():
-            if getattr(self, name) < bound:
-                raise ValueError(f"{name}: must be at least {bound}, got {getattr(self, name)}.")
-        if not 0 < self.reach < np.inf:
-            raise ValueError(f"reach: must be positive and finite, got {self.reach}.")
-        if not 0 <= self.jitter < np.inf:
-            raise ValueError(f"jitter: must be finite and not negative, got {self.jitter}.")
-
 
 def restart(
     reader: "ResidualReader",

@@ -1,0 +1,160 @@
+"""The three classes of number, and two versions of a table compared by them.
+
+exact
+    Text, integers, counts, the bytes of recordings: equal.
+computed
+    Floats that no network had a part in: equal but for what rounding makes of another order of sums,
+    ``|a - b| <= ABSOLUTE + RELATIVE max(|a|, |b|)``. Zero is so compared absolutely.
+trained
+    What depends on a network, a random search or specimens simulated again. Another processor, or another seed, trains
+    another network; such a number agrees within `MARGIN` times the widest difference that networks of other seeds and
+    processors were seen to make in its table, method and column (`spread.csv`, written by
+    ``benchmarks/training_spread.py``).
+
+A hash of floats tells that they are equal, never that they disagree.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from repro.files import read_rows
+
+#: Ten digits are written, so numbers a hair apart may be printed one unit of the tenth apart: 1e-9 of them at most.
+#: Least squares is the worst that is computed: rounding (1.1e-16) times the square of the regressor's condition number
+#: (11 on ID, 18 on the slow run) is 4e-14 of its estimates. One digit of room.
+RELATIVE = 1e-8
+#: A difference of two numbers of size 1 to 1000 carries 1e-16 to 1e-13 of rounding; the smallest printed number that
+#: is held against ours is 7e-8.
+ABSOLUTE = 1e-12
+#: How far beyond the measured spread a trained number may lie: it was measured on few seeds.
+MARGIN = 2.0
+
+Row = Mapping[str, str]
+
+
+class Kind(StrEnum):
+    """Class of a number."""
+
+    EXACT = "exact"
+    COMPUTED = "computed"
+    TRAINED = "trained"
+
+
+#: Columns that say where a number comes from, and how those begin that a network had a part in.
+ORIGIN = ("method", "series", "network")
+#: The control without a network is among them: one last bit changes which of two equal candidates its selection keeps.
+TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt")
+#: The ledger of published numbers.
+LEDGER = "claims"
+#: Columns of a trained row that are exact all the same: they say how much was done.
+COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level", "true"})
+
+
+def rounding(a: float, b: float) -> float:
+    """How far two computed numbers may lie apart."""
+    return ABSOLUTE + RELATIVE * max(abs(a), abs(b))
+
+
+def origin(row: Row) -> str:
+    """What a row is about: the first of the columns `ORIGIN` that it has, or of a claim that; empty if it has none."""
+    if "published" in row:
+        return _claimed(row["id"])
+    return next((row[column] for column in ORIGIN if column in row), "")
+
+
+def _claimed(claim: str) -> str:
+    """A claim without its table's cell: ``table10/ID/algorithm1/time/joint2`` is of ``table10/algorithm1/time``."""
+    place, at, variant = claim.partition("@")
+    table, *rest = place.split("/")
+    if not (table.startswith("table") and len(rest) > 2):
+        return claim
+    _, method, quantity, *joint = rest
+    return "/".join([table, method, *([quantity] if joint else [])]) + at + variant
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Which results depend on a network, and how far networks of other seeds and processors differ in them."""
+
+    folders: tuple[str, ...] = ()  # of results all of whose floats depend on a network: how their tables' names begin
+    tables: frozenset[str] = frozenset()  # all of whose floats depend on a network, without a column that says so
+    targets: frozenset[str] = frozenset()  # claims about these depend on a network, unless they are of least squares
+    widest: Mapping[tuple[str, str, str], float] = field(default_factory=dict)  # by table, origin and column
+
+    def kind(self, table: str, row: Row, column: str) -> Kind:
+        """Class of the floats in a cell."""
+        if column in COUNTED:
+            return Kind.COMPUTED
+        if table == LEDGER:
+            trained = row["target"] in self.targets and "least-squares" not in row["id"]
+        else:
+            whole = table in self.tables or table.startswith(self.folders)
+            trained = whole or origin(row).startswith(TRAINED_ORIGINS)
+        return Kind.TRAINED if trained else Kind.COMPUTED
+
+    def allowed(self, table: str, row: Row, column: str) -> float:
+        """Largest permitted difference of two trained numbers; NaN where no spread was measured."""
+        return MARGIN * self.widest.get((table, origin(row), column), math.nan)
+
+
+def measured_spread() -> dict[tuple[str, str, str], float]:
+    """Widest differences of the default networks, as ``benchmarks/training_spread.py`` measured them."""
+    rows = read_rows(Path(__file__).with_name("spread.csv"))
+    return {(row["table"], row["origin"], row["column"]): float(row["widest"]) for row in rows}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A cell that is not the same text."""
+
+    kind: Kind  # class of the cell
+    place: str  # row and column
+    a: str  # the two texts
+    b: str
+    size: float  # absolute difference; infinite if one is no number
+    allowed: float  # how much its class allows; NaN if that was not measured
+
+    @property
+    def broken(self) -> bool:
+        """Whether the class does not allow it."""
+        return self.size > self.allowed
+
+    @property
+    def rank(self) -> float:
+        """Size in units of what is allowed; small where nothing was measured."""
+        return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0
+
+
+def differences(table: str, a: Sequence[Row], b: Sequence[Row], tolerances: Tolerances) -> Iterator[Difference]:
+    """Cells of two tables that are not the same text, and rows or columns that only one has."""
+    if len(a) != len(b):
+        yield Difference(Kind.EXACT, "number of rows", str(len(a)), str(len(b)), math.inf, 0.0)
+        return
+    for number, (x, y) in enumerate(zip(a, b, strict=True), start=2):
+        if list(x) != list(y):
+            yield Difference(Kind.EXACT, "header", ", ".join(x), ", ".join(y), math.inf, 0.0)
+            return
+        for column in x:
+            if x[column] != y[column]:
+                yield _difference(table, x, column, (x[column], y[column]), f"line {number}, {column}", tolerances)
+
+
+def _difference(
+    table: str, row: Row, column: str, texts: tuple[str, str], place: str, tolerances: Tolerances
+) -> Difference:
+    kind = tolerances.kind(table, row, column)
+    try:
+        a, b = map(float, texts)
+    except ValueError:  # words that follow from trained numbers may differ with them
+        allowed = math.nan if kind is Kind.TRAINED else 0.0
+        return Difference(Kind.EXACT if kind is Kind.COMPUTED else kind, place, *texts, math.inf, allowed)
+    size = 0.0 if math.isnan(a) and math.isnan(b) else abs(a - b)
+    size = math.inf if math.isnan(size) else size
+    allowed = rounding(a, b)
+    if kind is Kind.TRAINED:
+        measured = tolerances.allowed(table, row, column)
+        allowed = measured if math.isnan(measured) else max(allowed, measured)
+    return Difference(kind, place, *texts, size, allowed)

@@ -1,0 +1,326 @@
+"""What the paper describes in words and pictures: Table 1, Figures 1 to 4 and 18.
+
+The paper's own pictures are not available, so that nothing here is copied from one. The words are in ``diagrams``: each
+row is either stated in the text at the place that it names, or inferred from it. Sentences are counted within their
+section. Formulas are in ASCII, between backticks where they are among words; ``-`` stands for nothing.
+"""
+
+import re
+from collections.abc import Sequence
+from itertools import accumulate
+from math import cos, degrees, pi, radians, sin
+from textwrap import wrap
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle, FancyBboxPatch, Rectangle
+
+from repro.errors import InputError
+from repro.exhibits import style
+from repro.exhibits.declare import ARM, EXPERIMENT, METHOD, Inputs, figure, table
+from repro.exhibits.diagram import DIAGRAMS, FLOWS, INSET, Point, draw_diagram, layout_of
+from repro.exhibits.markup import Table, Text, formula, plain, unit
+from repro.files import read_csv
+from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
+from repro.pipeline.experiment import control_constants, program_settings
+from repro.pipeline.job import Config
+from repro.signals.programs import MEMORY_SAMPLES
+
+#: Constants of the board in the words of the diagrams.
+_BOARD = {"memory": MEMORY_SAMPLES, "limit": PWM_LIMIT, "period_ms": 1e3 * SAMPLING_PERIOD, "rate": 1 / SAMPLING_PERIOD}
+
+
+def words(name: str, **constants: float) -> pd.DataFrame:
+    """Words of a diagram, with the values of constants."""
+    frame = read_csv(DIAGRAMS / f"{name}.csv").astype(str)
+    return frame.map(lambda text: text.format(**_BOARD, **constants) if "{" in text else text)
+
+
+_SET_APART = Text(r"$^{\dagger}$", "\N{DAGGER}")
+
+
+def related_work_table(frame: pd.DataFrame) -> Table:
+    """Related work of Section I-A and the article (Table 1)."""
+    columns = ["reference", "robot", "dof", "method", "identified", "optimisation", "set_apart"]
+    rows = []
+    for reference, robot, dof, *cells, apart in frame[columns].itertuples(index=False):
+        work = plain(reference)
+        work = Text(f"{{{work.tex}}}", work.md)  # LaTeX would read a bracket at the start of a row as an option
+        freedom = plain("\N{EN DASH}" if dof == "not stated" else dof)
+        rows.append((work + _SET_APART if apart == "yes" else work, plain(robot), freedom, *map(plain, cells)))
+    caption = plain(
+        "Related work and this article, rebuilt from Section I-A (the paper's own Table 1 is an image). Optimisation: "
+        "whether an optimised trajectory is needed; Section I-A says so of works based on least squares (LS, weighted "
+        "WLS) and of some optimisation methods, without naming these. FFNN: feed-forward, RBNN: radial basis neural "
+        "network; LSTM: long short-term memory; MLP: multi-layer perceptron; KF: Kalman filter; "
+        "\N{EN DASH}: not stated."
+    )
+    caption += Text(" ", " ") + _SET_APART + Text(" ", " ") + plain("Set apart in Section I-A by its contributions.")
+    header = tuple(plain(n) for n in ("Work", "Robot", "DoF", "Method", "Identified", "Optimisation"))
+    return Table("Table 1", "tab:table01", caption, "llllll", header, [(None, rows)])
+
+
+@table(1, "Related work", METHOD, related_work_table, inputs=("diagrams",))
+def table01(_: Inputs, __: Config) -> pd.DataFrame:
+    """Related work and this article, rebuilt from Section I-A (the paper's Table 1 is an image): robot, degrees of
+    freedom, method, what is identified, and whether the text says that an optimised trajectory is needed.
+    """
+    return words("table01")
+
+
+# Measures of the drawing, in; the pose is any that keeps all symbols apart.
+_ARM_HEIGHT = 3.72
+_BASE: Point = (1.05, 3.27)
+_LINKS = (1.25, 1.15)
+_CENTRES = (0.66, 0.62)  # from the joint to the centre of mass
+_BENDS = (radians(35.0), radians(32.0))  # q1, q2
+_MEASURES = ({"lc": 0.22, "l": 0.46}, {"lc": -0.32, "l": -0.58})  # offsets from each link
+_PIVOT = 0.18  # radius of the arc of a torque
+_PIVOT_SPAN = (145.0, 228.0)  # degrees
+_AXES: Point = (0.22, 2.35)
+_GRAVITY: Point = (3.05, 3.40)
+_KEY = (0.10, 1.72)  # left edges of the columns of the key
+_KEY_TOP, _KEY_STEP = 0.94, 0.145
+
+_THIN: dict[str, Any] = {"color": style.INK, "lw": 0.5}
+_JOINT: dict[str, Any] = {"marker": "o", "ms": 6.0, "mfc": "white", "mec": style.INK, "mew": 0.8, "ls": "none"}
+_MASS: dict[str, Any] = {**_JOINT, "ms": 5.5, "mfc": style.INK, "mfcalt": "white", "fillstyle": "left", "mew": 0.6}
+
+
+def _beyond(point: Point, angle: float, along: float, aside: float = 0.0) -> Point:
+    """Point `along` a direction and `aside` from it; an angle of 0 points down, and then aside is to the right."""
+    x, y = point
+    return x + along * sin(angle) + aside * cos(angle), y - along * cos(angle) + aside * sin(angle)
+
+
+def _write(axes: Axes, place: Point, symbols: Sequence[str], side: str = "center") -> None:
+    """Write symbols, separated by commas."""
+    axes.text(*place, ", ".join(formula(s).tex for s in symbols), ha=side, va="center", fontsize=style.TEXT_SIZE)
+
+
+def _arrow(axes: Axes, start: Point, end: Point, both: bool = False, **look: object) -> None:
+    """Draw an arrow."""
+    head: dict[str, Any] = {"arrowstyle": "<|-|>" if both else "-|>", "mutation_scale": 6, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops={**head, "color": style.INK, "lw": 0.6, **look})
+
+
+def _measure(axes: Axes, joint: Point, angle: float, length: float, offset: float, symbol: str) -> None:
+    """Draw a length beside a link, with its extension lines."""
+    for along in (0.0, length):
+        axes.plot(*zip(*(_beyond(joint, angle, along, part * offset) for part in (0.0, 1.12)), strict=True), **_THIN)
+    ends = (_beyond(joint, angle, 0.0, offset), _beyond(joint, angle, length, offset))
+    _arrow(axes, *ends, both=True)
+    _write(axes, _beyond(joint, angle, 0.5 * length, offset + (0.11 if offset > 0 else -0.11)), (symbol,))
+
+
+def _link(axes: Axes, index: int, joint: Point, before: float, angle: float) -> None:
+    """Draw link `index` (from 0) with everything that carries its number."""
+    number = index + 1
+    axes.plot(*zip(joint, _beyond(joint, angle, _LINKS[index]), strict=True), color=style.FILL_DARK, lw=6.0)
+    for name, length in (("lc", _CENTRES[index]), ("l", _LINKS[index])):
+        _measure(axes, joint, angle, length, _MEASURES[index][name], f"{name}{number}")
+    axes.plot(*zip(joint, _beyond(joint, before, 0.47), strict=True), **_THIN, ls=(0, (4, 2)))
+    start = degrees(before) - 90.0
+    axes.add_patch(Arc(joint, 0.76, 0.76, theta1=start, theta2=degrees(angle) - 90.0, lw=0.6, color=style.INK))
+    tip = _beyond(joint, angle, 0.38)
+    _arrow(axes, _beyond(tip, angle - pi / 2, 0.01), tip)
+    _write(axes, _beyond(joint, (before + angle) / 2, 0.49), (f"q{number}",))
+    axes.plot(*joint, **_JOINT, zorder=4)
+    centre = _beyond(joint, angle, _CENTRES[index])
+    axes.plot(*centre, **_MASS, zorder=4)
+    _write(axes, _beyond(centre, angle, 0.0, -0.3 if index == 0 else 0.2), (f"m{number}", f"J{number}"))
+
+
+def _motor(axes: Axes, joint: Point, number: int, place: Point, side: str) -> None:
+    """Draw the torque at a joint and name it with the joint's friction."""
+    first, last = _PIVOT_SPAN
+    axes.add_patch(Arc(joint, 2 * _PIVOT, 2 * _PIVOT, theta1=first, theta2=last, lw=1.0, color=style.INK, zorder=3))
+    out = radians(last) + pi / 2  # direction from the joint to the end of the arc, as `_beyond` counts
+    tip = _beyond(joint, out, _PIVOT)
+    _arrow(axes, _beyond(tip, out + pi / 2, -0.01), tip)
+    _write(axes, place, (f"tau{number}", f"b{number}", f"k{number}"), side)
+
+
+def _key(axes: Axes, table: pd.DataFrame) -> None:
+    """Say what the symbols mean: those of one meaning share a line, in two columns."""
+    lines: dict[tuple[str, str], list[str]] = {}
+    for symbol, description, si in table[["symbol", "description", "unit"]].itertuples(index=False):
+        lines.setdefault((description, si), []).append(formula(symbol).tex)
+    rows = (len(lines) + 1) // 2
+    for place, ((description, si), symbols) in enumerate(lines.items()):
+        column, row = divmod(place, rows)
+        words = f"{', '.join(symbols)}  {plain(description).md} ({unit(si).md})"
+        y = _KEY_TOP - _KEY_STEP * row
+        axes.text(_KEY[column], y, words, fontsize=style.SMALL_SIZE, ha="left", va="center")
+
+
+def draw_arm(frame: pd.DataFrame) -> Figure:
+    """Two-link arm with its symbols (Fig. 1)."""
+    figure, axes = style.inches(style.COLUMN, _ARM_HEIGHT)
+
+    x, y = _BASE
+    mount = Rectangle((x - 0.2, y + 0.29), 0.4, 0.08, facecolor="white", hatch="/////", lw=0.0, ec=style.INK)
+    mount.set_hatch_linewidth(0.5)
+    axes.add_patch(mount)
+    axes.plot((x - 0.2, x + 0.2), (y + 0.29, y + 0.29), color=style.INK, lw=0.8)
+    axes.plot((x, x), (y, y + 0.29), color=style.INK, lw=2.0)
+    angles = tuple(accumulate(_BENDS))
+    elbow = _beyond(_BASE, angles[0], _LINKS[0])
+    _link(axes, 1, elbow, angles[0], angles[1])
+    _link(axes, 0, _BASE, 0.0, angles[0])
+    axes.plot(*elbow, **_JOINT, zorder=5)
+    _motor(axes, _BASE, 1, (x - 0.25, y - 0.02), "right")
+    _motor(axes, elbow, 2, (elbow[0] - 0.25, elbow[1] - 0.04), "right")
+
+    for symbol, end in (("x", (_AXES[0] + 0.42, _AXES[1])), ("y", (_AXES[0], _AXES[1] + 0.42))):
+        _arrow(axes, _AXES, end)
+        _write(axes, (end[0] + 0.07, end[1]), (symbol,))
+    _arrow(axes, _GRAVITY, (_GRAVITY[0], _GRAVITY[1] - 0.5), lw=1.2, mutation_scale=9)
+    _write(axes, (_GRAVITY[0] + 0.1, _GRAVITY[1] - 0.25), ("g",))
+    _key(axes, frame)
+    axes.plot((), (), **_JOINT, label="Joint with its motor")
+    axes.plot((), (), **_MASS, label="Centre of mass")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=style.SMALL_SIZE)
+    return figure
+
+
+@figure(1, "Schematic of the arm", METHOD, draw_arm, inputs=("diagrams",))
+def fig01(_: Inputs, __: Config) -> pd.DataFrame:
+    """Schematic of the two-link arm with the symbols of Eq. 1. The paper's own picture (Fig. 1) is not available to us:
+    redrawn from Section II and Eq. 1. The pose is arbitrary; q = 0 hangs straight down and q2 is measured from link 1.
+    """
+    return words("fig01")
+
+
+@figure(2, "Hardware blocks of the FPGA", METHOD, lambda frame: draw_diagram(frame, "fig02"), inputs=("diagrams",))
+def fig02(_: Inputs, __: Config) -> pd.DataFrame:
+    """Hardware blocks of the FPGA and the buses between them. The paper's own picture (Fig. 2) is not available to us:
+    redrawn from the text of Section III; the data say for each block and bus which sentence states it. Dotted links and
+    words in italics are inferred: that Read Ram reads Ram-FPGA, that the PD uses Fp ops, that the encoders sit on the
+    motors, and the memory's size.
+    """
+    return words("fig02")
+
+
+@figure(3, "Flow chart of the PD control", METHOD, lambda frame: draw_diagram(frame, "fig03"), inputs=("diagrams",))
+def fig03(_: Inputs, __: Config) -> pd.DataFrame:
+    """Flow chart of one cycle of the PD control with its saturation. The paper's own picture (Fig. 3) is not available
+    to us: redrawn from Section III, Eq. 2 and its caption, L1 = L2 = 1023. Dotted arrows and words in italics are
+    inferred; L1 and L2 are read as the limits of joints 1 and 2 in both directions.
+    """
+    return words("fig03")
+
+
+@figure(4, "Identification method", METHOD, lambda frame: draw_diagram(frame, "fig04"), inputs=("diagrams",))
+def fig04(_: Inputs, __: Config) -> pd.DataFrame:
+    """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
+    available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1.
+    """
+    return words("fig04")
+
+
+# Measures of the drawing, in.
+_LEADING = 0.125  # from one line of words to the next
+_LETTER = 0.044  # mean width of a letter
+#: The arm in its box: base, length of a link, q1 and q2 in degrees.
+_SETUP_BASE = (6.04, 1.24)
+_SETUP_LINK = 0.44
+_SETUP_BENDS = (30.0, 32.0)
+
+_FLOW_LABELS = {
+    "downlink": "Downlink: gains, trajectory, start",
+    "uplink": "Uplink: position, torque",
+    "inner": "Inside the simulation",
+}
+
+
+def _lines_of(frame: pd.DataFrame, boxes: dict[str, Any]) -> dict[str, list[str]]:
+    """Lines of words of each component."""
+    lines: dict[str, list[str]] = {name: [] for name in boxes}
+    for name, label, value, si in frame[["component", "label", "value", "unit"]].itertuples(index=False):
+        words = [part for part in (label, value, si.replace(" ", "·")) if part != "-"]
+        text = " ".join(words).replace(" x ", style.TIMES)
+        _, _, _, width, height = boxes[name]
+        lines[name] += wrap(text, int((width - 2 * INSET) / _LETTER))
+        room = 2 if name == "arm" else int((height - INSET) / _LEADING) - 1
+        if len(lines[name]) > room:
+            raise InputError.at(f"component {name}", f"{len(lines[name])} lines of words", f"at most {room}")
+    return lines
+
+
+def _component(axes: Axes, name: str, place: Sequence[Any], words: Sequence[str]) -> None:
+    """Draw a component with its heading and its lines of words."""
+    heading, left, bottom, width, height = place
+    fill = "white" if name == "pc" else style.FILL_LIGHT
+    shape = "round,pad=0,rounding_size=0.04"
+    box = FancyBboxPatch((left, bottom), width, height, boxstyle=shape, facecolor=fill, edgecolor=style.INK, lw=0.6)
+    axes.add_patch(box)
+    x, y = left + width / 2, bottom + (height + _LEADING * (len(words) + 1)) / 2
+    if name == "arm":  # its words leave room for the drawing
+        x, y = left + width - INSET, bottom + height - INSET
+    text: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "ha": "right" if name == "arm" else "center", "va": "top"}
+    axes.text(x, y, heading, weight="bold", **text)
+    for row, line in enumerate(words, start=1):
+        axes.text(x, y - _LEADING * row, re.sub(r"\b([a-z])(\d)\b", r"$\1_\2$", line.replace("$", r"\$")), **text)
+
+
+def _hanging_arm(axes: Axes) -> None:
+    """Draw the two links hanging from the base with the symbols of Eq. 1."""
+    joint, before = _SETUP_BASE, 0.0
+    for index, bend in enumerate(_SETUP_BENDS, start=1):
+        angle = before + radians(bend)
+        end = _beyond(joint, angle, _SETUP_LINK)
+        axes.plot(*zip(joint, end, strict=True), color=style.FILL_DARK, lw=4.0, zorder=2)
+        axes.plot(*zip(joint, _beyond(joint, before, 0.3), strict=True), color=style.INK, lw=0.5, ls=(0, (3, 2)))
+        start = degrees(before) - 90.0
+        axes.add_patch(Arc(joint, 0.46, 0.46, theta1=start, theta2=start + bend, lw=0.6, zorder=3))
+        axes.add_patch(Circle(joint, 0.03, facecolor="white", edgecolor=style.INK, lw=0.6, zorder=4))
+        q = _beyond(_beyond(joint, before, 0.2), before - pi / 2, 0.09)
+        length = _beyond(_beyond(joint, angle, _SETUP_LINK / 2), angle + pi / 2, 0.11)
+        for symbol, (x, y) in (("q", q), ("l", length)):
+            axes.text(x, y, f"${symbol}_{index}$", fontsize=style.SMALL_SIZE, ha="center", va="center")
+        joint, before = end, angle
+
+
+def draw_setup(frame: pd.DataFrame) -> Figure:
+    """Simulated experimental set-up with its components."""
+    layout = layout_of("fig18")
+    lines = _lines_of(frame, layout["boxes"])
+    figure, axes = style.inches(*layout["size"])
+    left, bottom, width, height = layout["board"]
+    board = Rectangle((left, bottom), width, height, facecolor="0.96", edgecolor=style.INK, lw=0.6, ls=(0, (3, 2)))
+    axes.add_patch(board)
+    heading: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "weight": "bold", "ha": "center", "va": "top"}
+    axes.text(left + width / 2, bottom + height - INSET, "Simulated FPGA board", **heading)
+    for name, words in lines.items():
+        _component(axes, name, layout["boxes"][name], words)
+    _hanging_arm(axes)
+    for signal in layout["signals"]:
+        stroke, corners = FLOWS[signal["flow"]], signal["corners"]
+        axes.plot(*zip(*corners, strict=True), **stroke)
+        head = {"arrowstyle": "-|>", "color": stroke["color"], "shrinkA": 0, "shrinkB": 0, "lw": 0.0}
+        axes.annotate("", corners[-1], corners[-2], arrowprops={**head, "mutation_scale": 7})
+    for note in layout["notes"]:
+        x, y = note["place"]
+        axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
+    for flow, label in _FLOW_LABELS.items():
+        axes.plot((), (), label=label, **FLOWS[flow])
+    for fill, label in (("white", "Real program"), (style.FILL_LIGHT, "Simulated set-up")):
+        axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=fill, edgecolor=style.INK, lw=0.6, label=label))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.01), ncols=5, fontsize=style.SMALL_SIZE)
+    return figure
+
+
+@figure(18, "Experimental set-up", EXPERIMENT, draw_setup, inputs=("diagrams",), sections=ARM)
+def fig18(_: Inputs, config: Config) -> pd.DataFrame:
+    """The simulated experimental set-up: the real acquisition program, the serial device it opens, the simulated FPGA
+    board with its blocks, the simulated motors, and the two-link arm (Fig. 18 of the paper is a photograph of the real
+    one).
+    """
+    settings, control = program_settings(config), control_constants(config)
+    torque1, torque2 = control.full_torque
+    lengths = {"l1": settings.geometry.l1, "l2": settings.geometry.l2}
+    board = {"baud": BAUD, "counts": COUNTS_PER_TURN, "torque1": torque1, "torque2": torque2}
+    return words("fig18", **board, **lengths)

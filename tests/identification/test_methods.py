@@ -1,0 +1,120 @@
+"""Every method through the one interface: clean logs, joints that do not move, the same bytes twice."""
+
+import warnings
+from dataclasses import replace
+
+import log_example
+import numpy as np
+import pytest
+from log_example import BETA
+from regression_example import beta_of, hostile, log_from, noisy_problem, problem, resting
+
+from repro.export.bibtex import entries
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filters import FILTERS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import LEAST_SQUARES
+from repro.identification.regression import drop_standstill
+from repro.model.dynamics import regressor
+from repro.model.parameters import NAMES
+
+CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
+PROBLEMS = {"clean": CLEAN, "noisy": noisy_problem(8, 60, 0.02), "hostile": hostile(3), "more hostile": hostile(5)}
+every_method = pytest.mark.parametrize("name", sorted(METHODS))
+
+
+def test_names_titles_and_citations():
+    assert tuple(METHODS) == LEAST_SQUARES
+    assert [method.name for method in METHODS.values()] == list(METHODS)
+    assert len({method.title for method in METHODS.values()}) == len(METHODS)
+    assert {method.citation for method in METHODS.values()} <= set(entries())
+
+
+@every_method
+def test_a_clean_regression_gives_the_arm_back(name):
+    np.testing.assert_allclose(beta_of(name, CLEAN), BETA, rtol=0.01)
+
+
+@every_method
+@pytest.mark.parametrize("kind", PROBLEMS)
+def test_every_method_keeps_the_contract(name, kind):
+    """Nine finite numbers, the same bytes each time, the input unchanged, and a repetition keeps the choice."""
+    regression, method = PROBLEMS[kind], METHODS[name]
+    arrays = [array for array in vars(regression).values() if isinstance(array, np.ndarray)]
+    before = [array.tobytes() for array in arrays]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        first, second = method.estimate(regression), method.estimate(regression)
+    assert first.beta.shape == (9,)
+    assert np.isfinite(first.beta).all()
+    assert all("\n" not in note for note in first.notes)
+    assert first.beta.tobytes() == second.beta.tobytes() == method.repeat(regression, first).tobytes()
+    assert (first.notes, first.choice) == (second.notes, second.choice)
+    assert [array.tobytes() for array in arrays] == before
+
+
+@pytest.mark.slow
+@every_method
+@pytest.mark.parametrize("kind", ["noisy", "hostile", "more hostile"])
+@pytest.mark.parametrize("factor", [1e-4, 0.1, 50.0, 3000.0])
+def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
+    """The convex solver's tolerances are for numbers about 1, torques are not; what is held at zero stays so."""
+    one = PROBLEMS[kind]
+    weak, strong = beta_of(name, one), beta_of(name, replace(one, tau=factor * one.tau))
+    size = np.linalg.norm(one.y, axis=(0, 1))
+    np.testing.assert_allclose(size * strong / factor, size * weak, rtol=0, atol=1e-4 * np.linalg.norm(one.tau))
+    np.testing.assert_array_equal(strong[5:] == 0.0, weak[5:] == 0.0)
+
+
+# Joints that do not move.
+
+#: What the row of the joint that moves says while the other one is fixed at an angle: combinations that are determined.
+ALONE = {name: {name: 1.0} for name in NAMES}
+STRAIGHT = [{"g1": 1.0, "g2": 1.0}, ALONE["b1"], ALONE["k1"]]
+BENT = [ALONE[name] for name in ("g1", "g2", "b1", "k1")]
+SECOND = [ALONE[name] for name in ("I3", "g2", "b2", "k2")]
+AT_REST = [(0, at, SECOND) for at in (0.0, 0.3, 0.7)]
+AT_REST += [(1, at, [{"I1": 1.0, "I2": np.cos(at)}, *(BENT if at else STRAIGHT)]) for at in (0.0, 0.3, 0.7)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("filter_name", sorted(FILTERS))
+@pytest.mark.parametrize(("joint", "at", "known"), AT_REST)
+def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
+    """What the log tells is found, what it does not tell stays a number, and friction that nothing moves is zero."""
+    regression = drop_standstill(prepare(resting(joint, at), FilterSettings(name=filter_name, cutoff=5.0)))
+    # Choosing parsimonious' penalty takes half a second where the solver of `consistent` has to run.
+    slow = filter_name != "savitzky-golay" or (joint, at) in {(0, 0.0), (0, 0.7)}
+    names = [name for name in METHODS if not (slow and name == "parsimonious")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = {name: beta_of(name, regression) for name in names}
+    for name, beta in found.items():
+        assert np.isfinite(beta).all()
+        assert np.abs(beta).max() < 100.0, (name, beta)
+        left = np.linalg.norm((regression.tau - regression.y @ beta)[1 - joint])
+        assert left < 0.02 * np.linalg.norm(regression.tau[1 - joint]), name
+        for combination in known:
+            row = np.array([combination.get(each, 0.0) for each in NAMES])
+            assert row @ beta == pytest.approx(row @ BETA, rel=0.03), (name, combination)
+        assert (beta[[5 + joint, 7 + joint]] == 0.0).all(), (name, beta)
+
+
+@pytest.mark.slow
+@every_method
+@pytest.mark.parametrize("joint", [0, 1])
+def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
+    """Rounding of a fixed joint, of another size in each half of the samples."""
+    rng = np.random.default_rng(joint)
+    q, dq, ddq = (size * rng.normal(size=(2, 80)) for size in (1.0, 2.0, 5.0))
+    q[joint], dq[joint], ddq[joint] = 0.5, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    unmoved = np.flatnonzero(~y.any(axis=(0, 1)))
+    halves = np.stack([y, y])
+    halves[..., unmoved] = 1e-13 * rng.normal(size=(2, 2, 80, unmoved.size)) ** 9
+    y[..., unmoved] = halves[..., unmoved].mean(0)
+    regression = problem(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), halves)
+    beta, moved = beta_of(name, regression), np.setdiff1d(np.arange(9), unmoved)
+    np.testing.assert_allclose(beta[moved], BETA[moved], rtol=0.1)
+    assert (beta[[5 + joint, 7 + joint]] == 0.0).all()
+    assert np.abs(beta).max() < 100.0
