@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, log_of, motion, recording
 from ownarm_log import H, exact, exciting
-from ownarm_problem import ARM, judged, made, noisy, problem_of, silent, told
+from ownarm_problem import ARM, judged, loaded, made, noisy, problem_of, silent
 
 from repro.identification.bootstrap import Spread
 from repro.identification.least_squares import METHODS
@@ -48,7 +48,7 @@ def test_the_reason_holds_the_numbers():
 @pytest.mark.parametrize(
     ("log", "why"),
     [
-        ({"late": 0.05}, "the delay of the torque lies beyond what is looked at"),
+        ({"late": 0.05}, "the delay of the torque is beyond the search range"),
         ({"hum": 3.0}, "the torque of joint 2 is little more than noise"),
     ],
     ids=["delay", "noise"],
@@ -179,7 +179,7 @@ def with_interval(share, reach):
 def test_a_parameter_that_moves_next_to_nothing_is_not_excited_unless_it_is_known():
     # Just below and above a five-hundredth of the RMS torque of joint 2, told from zero or not.
     assert with_interval(0.0019, 1.5) == NOT_EXCITED
-    assert with_interval(0.0021, 1.5) == "not told from zero"
+    assert with_interval(0.0021, 1.5) == "cannot be distinguished from zero"
     assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == "known to 3 %"
     assert with_interval(1e-5, 0.3) == "known to 30 %"
 
@@ -206,7 +206,7 @@ def test_a_method_without_intervals_says_so():
     assert found.halves == ()  # each would train a network of its own
     m = evaluate(found, problem, ((0.1, 0.2),))
     assert not m.claims_intervals
-    assert {p.verdict for p in m.parameters} == {"no interval claimed by this method"}
+    assert {p.verdict for p in m.parameters} == {"the method claims no interval"}
     assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
     assert m.notes == ("a note",)
     assert m.fit.position_rms == (0.1, 0.2)
@@ -260,7 +260,7 @@ def test_a_seed_gives_the_same_intervals_again():
 
 def test_validation_logs_are_scored_under_their_names():
     r, faster = noisy(BETA), noisy(1.1 * BETA, 5, size=0.002)
-    other = told(replace(log_of(recording()), name="other.csv"))
+    other = loaded(replace(log_of(recording()), name="other.csv"))
     problem = problem_of(r, [(other, faster)])
     found = Fit(METHODS["ordinary"], Estimate(BETA), None, ())
     m = evaluate(found, problem, (None, (0.01, 0.02)))

@@ -15,10 +15,11 @@ from PIL import Image
 from repro.errors import InputError
 from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
+from repro.files import check_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
-from repro.ownarm.outputs import check_folder, citations, write_result
+from repro.ownarm.outputs import citations, write_result
 
 SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "cnn_identification"}
 
@@ -109,7 +110,7 @@ def test_a_second_write_gives_the_same_bytes(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
-@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals"])
+@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals_table"])
 @pytest.mark.parametrize("there", ["nothing", "an empty folder", "a result"])
 def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, writer, there):
     out = tmp_path / "new" / "deep" / "out"

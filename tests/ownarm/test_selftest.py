@@ -19,7 +19,9 @@ from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test, assemble, fit_all
 from repro.ownarm.page import render_page
 from repro.ownarm.prepare import LoadedLog, Options, make_problem
-from repro.ownarm.selftest import RecoveredParameter, SelfTest, self_test, synthetic_log
+from repro.ownarm.result import RecoveredParameter, SelfTest
+from repro.ownarm.selftest import self_test, synthetic_log
+from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
 
@@ -77,7 +79,7 @@ def test_the_truth_is_the_estimate_and_comes_out_again(clean):
 def test_where_eq_1_is_right_noise_makes_the_error(clean):
     _, test = clean
     assert not test.model_wrong
-    assert "no sign that Eq. 1 is wrong" in test.verdict
+    assert "no sign that Eq. 1 is wrong" in self_test_verdict(test)
     # Each log's noise is another draw: their errors agree to a quarter.
     assert test.error == pytest.approx(test.real, rel=0.25)
 
@@ -96,7 +98,7 @@ def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
 def test_stribeck_friction_is_told_from_noise():
     _, test = outcome(recorded(stribeck=0.6), draws=3)
     assert test.model_wrong
-    assert "the rest is the model" in test.verdict
+    assert "The model causes the rest" in self_test_verdict(test)
     assert max(test.noise) < 0.5
     assert max(test.real) > 2 * max(test.error)
 
@@ -174,7 +176,7 @@ def test_the_page_has_a_section_where_it_was_asked_for():
     test = SelfTest("consistent", 5, rows, (0.012, 0.034), (0.074, 0.034), (0.026, 1.0), True)
     page = render_page(example_result(selftest=test), example_curves(), {})
     assert page.count('id="self-test"') == 1
-    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise makes 3/100 % of its square" in page
+    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise explains 3/100 % of its square" in page
     assert page.count('<td class="right">4 of 5</td>') == 8
     assert page.count("none claimed</td>") == 1
     assert "self-test" not in render_page(example_result(), example_curves(), {})

@@ -12,7 +12,7 @@ from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
 from repro.ownarm.evaluate import assemble, fit_all
-from repro.ownarm.figures import overlay
+from repro.ownarm.figures import draw_overlay
 from repro.ownarm.prepare import Options, load_log, make_problem
 
 OPTIONS = Options(("ordinary",), "unused")
@@ -76,7 +76,7 @@ def test_each_piece_is_filtered_as_if_it_were_alone():
 
 def test_no_line_is_drawn_across_a_gap(whole):
     _, _, curves = whole
-    figure = overlay(curves.signals[0], ["ordinary"], {"ordinary": "Ordinary"})
+    figure = draw_overlay(curves.signals[0], ["ordinary"], {"ordinary": "Ordinary"})
     for axes in figure.axes[::2]:
         for line in axes.lines:
             x, y = line.get_data()

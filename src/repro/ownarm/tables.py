@@ -184,7 +184,8 @@ def rounded(parameter: Parameter) -> Rounded:
     estimate, error = parameter.estimate, parameter.standard_error
     values = (estimate, error, parameter.low, parameter.high)
     if not all(value is None or math.isfinite(value) for value in values):
-        return Rounded(*("" if value is None else significant(value) for value in values), "")
+        shown, spread, low, high = ("" if value is None else significant(value) for value in values)
+        return Rounded(shown, spread, low, high, "")
     largest = max(abs(estimate), error or 0.0)
     power = _power(largest) if largest > 0.0 else 0
     scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER

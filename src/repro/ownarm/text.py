@@ -1,4 +1,4 @@
-"""Sentences of `repro identify`: verdicts on parameters, calibration errors, friction, and the summary on the screen."""
+"""Sentences of `repro identify`: verdicts, calibration errors, friction, and the summary on the screen."""
 
 import math
 from collections.abc import Sequence
@@ -129,7 +129,7 @@ def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
         problem = {
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
-            "scale": f"the torque of joint {joint} is {size} what joint 1 implies: one of the torque constants is wrong",
+            "scale": f"the torque of joint {joint} is {size} what joint 1 implies: a torque constant is wrong",
         }[fault.name[:-1]]
         if fault.instead:
             others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
@@ -137,9 +137,7 @@ def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
         before, after = 100.0 * fault.before, 100.0 * fault.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines:
-        lines.append(
-            f"this is corrected here; to correct it for good, write into the arm file: {arm_lines(faults, arm)}"
-        )
+        lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
     return tuple(lines)
 
 
