@@ -16,8 +16,8 @@ from repro.cli import main
 from repro.config import load_config
 from repro.errors import InputError
 from repro.exhibits import paper_audit
-from repro.paper import verification
-from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
+from repro.paper import ledger
+from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +35,7 @@ def project(made, tmp_path, monkeypatch):
     root = tmp_path / "project"
     shutil.copytree(made, root)
     monkeypatch.chdir(root)
-    for module, function in ((verification, "verify_ledger"), (verification, "write_ledger")):
+    for module, function in ((ledger, "verify_ledger"), (ledger, "write_ledger")):
         defaults = list(getattr(module, function).__defaults__)
         defaults[-1] = root / "published.csv"
         monkeypatch.setattr(getattr(module, function), "__defaults__", tuple(defaults))
@@ -325,7 +325,7 @@ def test_the_stage_fails_on_tampering_even_if_claims_are_not_enforced(project, c
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
     with pytest.raises(InputError, match=r"gone\.csv"):
-        verification.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)
+        ledger.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)
 
 
 def test_the_audit_is_laid_out():
