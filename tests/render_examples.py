@@ -23,10 +23,10 @@ from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
-from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
 from repro.pipeline.effects import cell_means, effects
-from repro.pipeline.paired import COLUMNS as PAIRED
+from repro.pipeline.monte_carlo import COMPARISON_COLUMNS as PAIRED
 from repro.pipeline.readings import READINGS, ablation_figure
+from repro.pipeline.summary import BOTH_METRICS
 
 CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")

@@ -6,7 +6,7 @@ from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.pipeline.job import Config
-from repro.pipeline.paired import comparisons
+from repro.pipeline.monte_carlo import comparisons
 from repro.render import coverage, experiment_tables, spread
 
 SPREAD = ("case", "joint", "method", "duration", "arm", "chatter", "seed", "total")

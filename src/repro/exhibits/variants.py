@@ -10,11 +10,11 @@ from repro.documents import read_json
 from repro.errors import InputError
 from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, table
 from repro.files import read_csv
-from repro.pipeline.both_metrics import both_metrics
 from repro.pipeline.identified import read_identifications
 from repro.pipeline.job import Config
 from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.recordings import read_recordings
+from repro.pipeline.summary import both_metrics
 from repro.render import ablation, experiment_tables
 
 

@@ -18,7 +18,7 @@ from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, PublishedValue
-from repro.pipeline.paired import EQUIVALENT
+from repro.pipeline.monte_carlo import EQUIVALENT
 
 SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")

@@ -84,7 +84,7 @@ def stability(frame: pd.DataFrame) -> Table:
 
 
 def verdict(frame: pd.DataFrame) -> Table:
-    """Each method against each of the field's over many simulated arms; columns `repro.pipeline.paired.COLUMNS`.
+    """Each method against each of the field's over many simulated arms; columns `COMPARISON_COLUMNS` of the study.
 
     A block for each opponent and set of arms, a row for each method and duration.
     """
@@ -124,7 +124,7 @@ def _pair_row(frame: pd.DataFrame, method: str, duration: float) -> list[Text]:
 def both_metrics(frame: pd.DataFrame) -> Table:
     """Headline rows under both time factors, two rows for each method.
 
-    Columns as `repro.pipeline.both_metrics.COLUMNS`.
+    Columns as `repro.pipeline.summary.BOTH_METRICS`.
     """
     words = {"mean-square": "mean square", "energy": "energy ratio"}
     values = ("numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id", "frequency_validation")
