@@ -35,7 +35,7 @@ ROOMS = {
 #: Faults that change nothing that anybody could see, by file and new text of the line, with the reason.
 EQUIVALENT: dict[tuple[str, str], str] = {
     (
-        "src/repro/pipeline/experiment_data.py",
+        "src/repro/exhibits/arm_experiment.py",
         "series |= {method: rebuild_torque(estimates[method], y) for method in methods}",
     ): "the torque is linear in both, and shapes tell them apart",
     (
@@ -51,7 +51,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "bars = [p.high - p.low for p in found if p.low is not None and p.low is not None]",
     ): "an interval has both ends or none",
     (
-        "src/repro/render/lines.py",
+        "src/repro/exhibits/panels.py",
         "(0.55, _BOX_ROW),",
     ): "an arrow begins where it leaves its box, at the same height",
     (

@@ -333,4 +333,4 @@ def test_the_audit_is_laid_out():
     table = made.numbers({}, {})
     assert {"id", "place", "what", "arithmetic", "found", "printed", "verdict", "note"} <= set(table.columns)
     assert len(table) > 60
-    assert "88.479" in made.draw(table).md()
+    assert "88.479" in made.draw(table).md("")

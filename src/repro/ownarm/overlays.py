@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from repro.exhibits import style
+from repro.exhibits.panels import JOINTS, TIME, TORQUE
 from repro.identification.cutoff import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Result, Signals
-from repro.render.lines import JOINTS, TIME, TORQUE
 
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
 #: dash and mark.
