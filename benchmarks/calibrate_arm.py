@@ -20,7 +20,7 @@ from repro.config import load_config, merged
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.paper.appendix import FreeChoices, appendix_arm
 from repro.paper.metric_checks import least_squares_torque

@@ -63,8 +63,8 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "if len(drawn) < max(replicates // 2, 3):",
     ): "there are never fewer than six replicates",
     (
-        "src/repro/identification/methods/bounded.py",
-        'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * asked(c, r)',
+        "src/repro/identification/least_squares.py",
+        'z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(c, r)',
     ): "a right side of exactly zero leaves a parameter at zero either way",
     (
         "src/repro/identification/regression.py",

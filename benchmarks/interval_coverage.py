@@ -23,7 +23,7 @@ import pandas as pd
 import planar_arms
 
 from repro.fpga.plant import Unmodelled
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log

@@ -19,11 +19,11 @@ def regression_of(y, tau, h=H):
         t=h * np.arange(n),
         y=y,
         tau=tau,
-        interleaved=np.stack([y, y]),
+        even_odd=np.stack([y, y]),
         q=nothing,
         dq=nothing,
         ddq=nothing,
-        moving=counts,
+        mask=counts,
         h=h,
     )
 

@@ -8,8 +8,8 @@ from ownarm_log import H, exact, other_motion
 
 from repro.identification.cutoff import Cutoff
 from repro.identification.excitation import excitation
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings
+from repro.identification.filtering import FilterSettings
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics

@@ -4,6 +4,7 @@ import log_example
 import numpy as np
 from log_example import BETA
 
+from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics, regressor
@@ -39,19 +40,19 @@ def resting(joint, at, rate=200.0, seconds=12.0, noise=0.02, seed=0):
     return Log("log.csv", t, q, tau)
 
 
-def problem(y, tau, interleaved=None):
+def problem(y, tau, even_odd=None):
     """A regression of given regressor and torque, 20 ms apart."""
     n = y.shape[1]
-    halves = np.stack([y, y]) if interleaved is None else interleaved
+    halves = np.stack([y, y]) if even_odd is None else even_odd
     return Regression(
         t=0.02 * np.arange(n),
         y=y,
         tau=tau,
-        interleaved=halves,
+        even_odd=halves,
         q=np.zeros((2, n)),
         dq=np.zeros((2, n)),
         ddq=np.zeros((2, n)),
-        moving=np.ones((2, n), dtype=bool),
+        mask=np.ones((2, n), dtype=bool),
         h=0.02,
     )
 
@@ -59,3 +60,34 @@ def problem(y, tau, interleaved=None):
 def random_regressor(rng, n=60):
     """Regressor of Eq. 1 at random states: it excites all nine parameters."""
     return regressor(*(size * rng.normal(size=(2, n)) for size in (1.0, 2.0, 5.0)))
+
+
+def noisy_problem(seed, n=100, noise=0.1, beta=BETA):
+    """Random states of an arm, with normal errors of the torque; `noise` broadcasts to (2, n)."""
+    rng = np.random.default_rng(seed)
+    y = random_regressor(rng, n)
+    return problem(y, y @ beta + noise * rng.normal(size=(2, n)))
+
+
+def hostile(seed, n=40):
+    """A regression whose best parameters are often not physical: signs of the truth are drawn."""
+    rng = np.random.default_rng(seed)
+    y = random_regressor(rng, n)
+    noise = rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, n))
+    return problem(y, y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + noise)
+
+
+def beta_of(name, regression):
+    """Parameters that a method finds."""
+    return METHODS[name].estimate(regression).beta
+
+
+def cost(regression, beta):
+    """Sum of squared torque errors."""
+    return np.sum((regression.y @ beta - regression.tau) ** 2)
+
+
+def slope(regression, beta):
+    """Half the gradient of the cost, with columns of unit length and over the length of the torque."""
+    gradient = np.einsum("jnp,jn->p", regression.y, regression.y @ beta - regression.tau)
+    return gradient / np.linalg.norm(regression.y, axis=(0, 1)) / np.linalg.norm(regression.tau)

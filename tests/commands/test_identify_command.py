@@ -22,7 +22,7 @@ from repro.cnn import schedule
 from repro.commands import identify as commands
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
-from repro.identification.filters.interface import FILTERS
+from repro.identification.filters import FILTERS
 from repro.model.parameters import NAMES, is_positive_definite
 
 pytestmark = pytest.mark.slow
@@ -332,13 +332,18 @@ def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figu
     assert (out / "report.html").read_text() != "old"
 
 
-def test_adding_a_method_is_adding_a_file(log, tmp_path):
+def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     """The example of docs/own-arm.md in a copy of the package."""
     shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
     guide = (ROOT / "docs" / "own-arm.md").read_text(encoding="utf-8")
-    example = re.search(r"^    \"\"\"Ridge regression.*?^    METHOD = [^\n]*$", guide, re.MULTILINE | re.DOTALL)[0]
-    example = textwrap.dedent(example).replace("hoerl1970ridge", "gautier1992exciting")
-    (tmp_path / "repro" / "identification" / "methods" / "ridge.py").write_text(example)
+    function = textwrap.dedent(re.search(r"^    def ridge.*?^        return [^\n]*\n", guide, re.M | re.S)[0])
+    entry = re.search(r"^ *Method\(\"ridge\".*$", guide, re.M)[0].replace("hoerl1970ridge", "gautier1992exciting")
+    folder = tmp_path / "repro" / "identification"
+    code = (folder / "least_squares.py").read_text()
+    code = code.replace("#: Methods by name.", f"{function}\n\n#: Methods by name.")
+    (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
+    names = (folder / "method.py").read_text()
+    (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
     command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)

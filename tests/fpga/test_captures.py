@@ -10,7 +10,7 @@ from experiment_example import CAPTURES, MOTIONS, full_config
 
 from repro.fpga.capture import read_capture
 from repro.fpga.recording import recording_of, verify_control
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced

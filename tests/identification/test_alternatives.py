@@ -9,7 +9,7 @@ from scipy import stats
 from strategies import seeds
 
 from repro.identification.alternatives import BEYOND, alternatives, columns_of, shrinkage, smeared, without
-from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.solve import solve, unit_columns
 from repro.model.dynamics import regressor
 
@@ -34,7 +34,7 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
 def test_rows_of_standstill_take_no_part_in_the_projection():
     rng = np.random.default_rng(0)
     found = problem(rng.normal(size=(2, 40, 9)), rng.normal(size=(2, 40)))
-    found.moving[:, :10] = False
+    found.mask[:, :10] = False
     left = without(found, rng.normal(size=(2, 40, 2)))
     np.testing.assert_array_equal(left.tau[:, :10], found.tau[:, :10])
 

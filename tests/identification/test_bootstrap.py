@@ -11,12 +11,13 @@ from ownarm_log import H, autoregressive, exact, exciting
 
 from repro.identification.alternatives import Alternative
 from repro.identification.bootstrap import GROUPS, block_length, bootstrap, correlation_time, redraw
-from repro.identification.methods import ordinary
-from repro.identification.methods.interface import Estimate
+from repro.identification.least_squares import METHODS
+from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
 
 N = 1500
 T = H * np.arange(N)
+ORDINARY = METHODS["ordinary"]
 PLACE = {name: k for k, name in enumerate(NAMES)}
 
 
@@ -34,7 +35,7 @@ def textbook(r):
     return beta, np.sqrt(np.diag(np.linalg.inv(a.T @ a)) * energy[0] / (tau.size - 9))
 
 
-def ordinary_spread(r, seed, replicates=200, method=ordinary.METHOD, as_good=None):
+def ordinary_spread(r, seed, replicates=200, method=ORDINARY, as_good=None):
     return bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
 
 
@@ -66,7 +67,7 @@ def test_intervals_reach_as_far_as_students_t():
     # Residuals correlated throughout make the longest blocks: twenty, 19 degrees of freedom, 2.093 in every table.
     r = exciting(N)
     drifting = replace(r, tau=r.tau + 0.1 * np.sin(2 * np.pi * T / T[-1]))
-    assert block_length(drifting.tau - drifting.y @ ordinary.estimate(drifting).beta, H) == N // 20
+    assert block_length(drifting.tau - drifting.y @ ORDINARY.estimate(drifting).beta, H) == N // 20
     spread = ordinary_spread(drifting, 3)
     assert (spread.high - spread.low) / (2 * spread.standard_error) == pytest.approx([2.093] * 9, abs=1e-3)
 
@@ -152,7 +153,7 @@ def test_other_filters_add_the_mean_square_of_what_they_change():
     rng = np.random.default_rng(10)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(4))
     alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good={"filters": Alternative(tuple(others))})
-    beta = ordinary.estimate(r).beta
+    beta = ORDINARY.estimate(r).beta
     moved = [np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] - beta for o in others]
     added = together.standard_error**2 - alone.standard_error**2
     assert added == pytest.approx(np.mean(np.square(moved), axis=0), rel=1e-6)
@@ -165,7 +166,7 @@ def test_of_the_effects_beyond_eq_1_the_largest_shift_counts_as_the_end_of_a_rec
     named = dict(zip(("torque offsets", "Stribeck friction"), ((o,) for o in others), strict=True))
     as_good = {name: Alternative(regressions, 0.6) for name, regressions in named.items()}
     alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
-    shifts = [ordinary.estimate(o).beta - ordinary.estimate(r).beta for o in others]
+    shifts = [ORDINARY.estimate(o).beta - ORDINARY.estimate(r).beta for o in others]
     added = together.standard_error**2 - alone.standard_error**2
     assert added == pytest.approx(0.6 * np.max(np.square(shifts), axis=0) / 3.0, rel=1e-6)
 
@@ -174,7 +175,9 @@ def test_a_method_that_is_biased_on_purpose_adds_its_bias():
     r = exact(motion(T[:400]), noise=0.1 * np.random.default_rng(11).normal(size=(2, 400)))
     bias = np.linspace(-0.4, 0.4, 9)
     biased = replace(
-        ordinary.METHOD, estimate=lambda x: Estimate(ordinary.estimate(x).beta + bias), unbiased=ordinary.METHOD
+        ORDINARY,
+        estimate=lambda x: Estimate(ORDINARY.estimate(x).beta + bias),
+        unbiased=ORDINARY.estimate,
     )
     without = ordinary_spread(r, 1, method=replace(biased, unbiased=None))
     with_bias = ordinary_spread(r, 1, method=biased)
@@ -186,9 +189,9 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
 
     def refit(regression, choice):
         seen.append(choice)
-        return ordinary.estimate(regression).beta
+        return ORDINARY.estimate(regression).beta
 
-    chooser = replace(ordinary.METHOD, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
+    chooser = replace(ORDINARY, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
     told = []
     as_good = {"filters": Alternative((r, r))}
     bootstrap(

@@ -8,9 +8,9 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, silent
 from regression_example import log_from
 
+from repro.identification.filtering import FilterSettings
 from repro.identification.friction import Term, eased, find_terms
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings
+from repro.identification.least_squares import METHODS
 from repro.identification.solve import solve
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics

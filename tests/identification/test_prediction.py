@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from repro.fpga.controller import ControlConstants, simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identification.parallel import FilterSettings
+from repro.identification.filtering import FilterSettings
 from repro.identification.predicted_motion import WINDOW, position_errors
 from repro.identification.scores import relative_rms, similarity
 from repro.logs.log import Log

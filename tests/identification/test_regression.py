@@ -1,14 +1,27 @@
-"""Regressions of several logs as one."""
+"""Regressions: several logs as one, samples of standstill, and the correlation of residuals."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
-from regression_example import problem
+from log_example import BETA, motion
+from ownarm_log import CUTOFF, H, exciting, regression_of
+from regression_example import beta_of, noisy_problem, problem
 from strategies import seeds
 
-from repro.identification.methods.every import METHODS
-from repro.identification.regression import joined
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import METHODS
+from repro.identification.regression import (
+    STANDSTILL_SPEED,
+    drop_standstill,
+    joined,
+    joint_variance,
+    residual_autocorrelation,
+)
 from repro.identification.solve import solve
+from repro.logs.log import Log
+from repro.model.dynamics import inverse_dynamics
 
 
 def parts(seed, sizes=(30, 50, 40)):
@@ -28,7 +41,7 @@ def test_times_go_on_and_every_signal_has_all_samples():
     found = joined(parts(0))
     assert found.t.size == 120
     assert (np.diff(found.t) > 0).all()
-    for name, axis in (("y", 1), ("tau", 1), ("q", 1), ("dq", 1), ("ddq", 1), ("moving", 1), ("interleaved", 2)):
+    for name, axis in (("y", 1), ("tau", 1), ("q", 1), ("dq", 1), ("ddq", 1), ("mask", 1), ("even_odd", 2)):
         assert getattr(found, name).shape[axis] == 120
 
 
@@ -39,9 +52,91 @@ def test_one_log_is_itself():
 
 @pytest.mark.parametrize("name", sorted(METHODS))
 def test_a_log_given_as_two_halves_gives_what_it_gave(name):
-    rng = np.random.default_rng(2)
-    beta = np.array([0.12, 0.07, 0.03, 3.2, 1.1, 0.07, 0.05, 0.2, 0.15])
-    y = rng.normal(size=(2, 200, 9))
-    whole = problem(y, y @ beta + 0.01 * rng.normal(size=(2, 200)))
+    whole = noisy_problem(2, 200, 0.01)
     both = joined([whole.take(np.arange(100)), whole.take(np.arange(100, 200))])
-    np.testing.assert_allclose(METHODS[name].estimate(both).beta, METHODS[name].estimate(whole).beta, rtol=1e-6)
+    np.testing.assert_allclose(beta_of(name, both), beta_of(name, whole), rtol=1e-6)
+
+
+# Standstill.
+
+
+def stopped():
+    """A motion that slows down to a hold of five seconds and goes on; friction carries 0.5 N m during the hold."""
+    t = np.arange(0.0, 18.0, 0.005)
+    pace = 1.0 - 0.5 * (np.tanh((t - 6.0) / 0.2) - np.tanh((t - 11.0) / 0.2))
+    s = np.cumsum(pace) * 0.005
+    q, dq, ddq = motion(s)
+    dq, ddq = dq * pace, ddq * pace**2 + dq * np.gradient(pace, t)
+    tau = inverse_dynamics(q, dq, ddq, BETA)
+    tau[:, pace < 1e-3] += 0.5
+    return Log("log.csv", t, q, tau), (7.0, 10.0)
+
+
+@pytest.fixture(scope="module")
+def regression():
+    log, hold = stopped()
+    return prepare(log, FilterSettings(cutoff=5.0)), hold
+
+
+def test_rows_of_the_hold_weigh_nothing_and_the_rest_is_unchanged(regression):
+    whole, (begin, end) = regression
+    moving = drop_standstill(whole)
+    inside = (whole.t > begin) & (whole.t < end)
+    assert not moving.mask[:, inside].any()
+    assert not moving.tau[:, inside].any()
+    assert not moving.y[:, inside].any()
+    kept = moving.mask
+    assert np.array_equal(moving.tau[kept], whole.tau[kept])
+    assert np.array_equal(moving.y[kept], whole.y[kept])
+    assert (np.abs(whole.dq[kept]) >= STANDSTILL_SPEED).all()
+    assert kept[:, ~inside].mean() > 0.8
+
+
+@pytest.mark.parametrize("name", ["ordinary", "weighted", "robust", "instrumental", "consistent"])
+def test_gravity_is_found_beside_a_hold_that_friction_carries(regression, name):
+    whole, _ = regression
+    beta = beta_of(name, drop_standstill(whole))
+    assert beta[3:5] == pytest.approx(BETA[3:5], rel=0.05)
+    worse = beta_of("ordinary", whole)
+    assert np.abs(worse[3:5] / BETA[3:5] - 1).max() > 0.1
+
+
+def test_the_scale_of_the_errors_is_that_of_the_moving_samples(regression):
+    whole, _ = regression
+    moving = drop_standstill(whole)
+    beta = 1.1 * np.asarray(BETA)
+    for joint in range(2):
+        rows = moving.mask[joint]
+        error = whole.tau[joint, rows] - whole.y[joint, rows] @ beta
+        assert joint_variance(moving, beta)[joint, 0] == pytest.approx(np.mean(error**2))
+
+
+# Residuals.
+
+
+def test_whiteness_of_a_residual_made_by_hand():
+    # Centred -1.5, -0.5, 0.5, 1.5: 0.75 - 0.25 + 0.75 over 5 at a lag of one; at two -0.75 - 0.75.
+    tau = np.array([[1.0, 2.0, 3.0, 4.0], [1.0, -1.0, 1.0, -1.0]])
+    zero = np.zeros((2, 4, 9))
+    assert residual_autocorrelation(regression_of(zero, tau, H), BETA, 1 / H) == pytest.approx((0.25, -0.75))
+    assert residual_autocorrelation(regression_of(zero, tau, H), BETA, 0.5 / H) == pytest.approx((-0.3, 0.5))
+    # A lag beyond the log, a residual that is constant, and one that is zero.
+    assert residual_autocorrelation(regression_of(zero, tau, H), BETA, 0.1 / H) == (0.0, 0.0)
+    assert residual_autocorrelation(regression_of(zero, np.array([[2.0] * 4, [0.0] * 4]), H), BETA, 1 / H) == (0.0, 0.0)
+
+
+def test_white_residuals_are_near_zero_and_drifting_ones_near_one():
+    rng = np.random.default_rng(12)
+    clean = exciting(20_000)
+    noise = np.stack([rng.normal(size=20_000), np.sin(0.05 * H * np.arange(20_000))])
+    white, drift = residual_autocorrelation(replace(clean, tau=clean.tau + noise), BETA, CUTOFF)
+    assert white == pytest.approx(0.0, abs=0.03)
+    assert drift == pytest.approx(1.0, abs=0.01)
+
+
+def test_the_lag_is_a_period_of_the_cutoff():
+    n = 5000
+    t = H * np.arange(n)
+    at_cutoff, at_half = np.sin(2 * np.pi * CUTOFF * t), np.sin(np.pi * CUTOFF * t)
+    found = residual_autocorrelation(regression_of(np.zeros((2, n, 9)), np.stack([at_cutoff, at_half])), BETA, CUTOFF)
+    assert found == pytest.approx((1.0, -1.0), abs=0.01)

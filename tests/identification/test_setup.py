@@ -5,10 +5,10 @@ import pytest
 from log_example import BETA, motion
 from regression_example import log_from
 
-from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.regression import drop_standstill
 from repro.identification.setup import FAULTS, corrected, find_faults, hidden_faults
 from repro.identification.solve import solve
-from repro.identification.standstill import without_standstill
 from repro.logs.log import Log
 
 SETTINGS = FilterSettings()
@@ -104,7 +104,7 @@ def test_a_fault_is_found_from_the_size_that_is_said(name):
 
 def test_a_scale_that_a_log_does_not_show_of_itself_shows_beside_another():
     log = noisy(1, log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0), size=0.1)
-    others = [without_standstill(prepare(noisy(2), SETTINGS))]
+    others = [drop_standstill(prepare(noisy(2), SETTINGS))]
     alone, beside = hidden_faults(log, SETTINGS, ()), hidden_faults(log, SETTINGS, (), others)
     assert all(beside[name] < alone[name] for name in FAULTS)
     assert beside["scale2"] < 0.5 * alone["scale2"]

@@ -8,7 +8,7 @@ from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq
 
 from repro.config import load_config
 from repro.identification.bootstrap import bootstrap
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.ownarm.prepared import Told, make_problem

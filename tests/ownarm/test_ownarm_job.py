@@ -13,8 +13,8 @@ from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent
 
 from repro.errors import InputError
 from repro.identification.excitation import torque_share
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Estimate
+from repro.identification.least_squares import METHODS
+from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
 from repro.ownarm.job import assemble, resolve, solve_all
 from repro.ownarm.judge import Found
@@ -249,7 +249,7 @@ def test_an_arm_with_a_joint_at_rest_is_told_what_its_log_can_tell(tmp_path):
     assert {"b2", "k2"} <= set(e.unexcited)
     assert not {"g1", "b1", "k1"} & set(e.unexcited)
     assert any("4 combinations" in line for line in result.warnings)
-    assert not problem.regression.moving[1].any()  # what holds a joint that never moves is not known
+    assert not problem.regression.mask[1].any()  # what holds a joint that never moves is not known
     for m in result.methods:
         p = dict(zip(NAMES, m.parameters, strict=True))
         assert {p[name].verdict for name in ("I1", "I2", "g1", "g2")} == {COMBINED}

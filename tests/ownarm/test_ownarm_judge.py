@@ -11,8 +11,8 @@ from ownarm_log import H, exact, exciting
 from ownarm_problem import ARM, judged, made, noisy, problem_of, silent, told
 
 from repro.identification.bootstrap import Spread
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Estimate, Method, NoSolutionError
+from repro.identification.least_squares import METHODS
+from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, is_positive_definite
@@ -234,7 +234,7 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     still[:, 100:140] = still[1, 500:530] = True
     held = replace(r, tau=r.tau + 0.3 * still)
     counts = ~still
-    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, moving=counts)
+    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, mask=counts)
     problem = problem_of(held, moving=moving)
     found = find(METHODS["ordinary"], problem, 1, True, silent)
     assert found.estimate.beta == pytest.approx(BETA, rel=1e-6)

@@ -15,8 +15,8 @@ from PIL import Image
 from repro.errors import InputError
 from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.names import NETWORKS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
 from repro.ownarm.outputs import check_folder, citations, write_all
 

@@ -9,8 +9,8 @@ from ownarm_example import example_curves, example_result
 from ownarm_problem import ARM, silent
 from regression_example import broadband, log_from
 
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import prepare
+from repro.identification.filtering import prepare
+from repro.identification.least_squares import METHODS
 from repro.identification.scores import relative_rms
 from repro.logs.diagnostics import Description, quantisation_step
 from repro.logs.log import Log

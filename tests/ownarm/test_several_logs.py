@@ -6,7 +6,7 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, silent
 from regression_example import log_from
 
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.ownarm.job import assemble, solve_all

@@ -7,8 +7,8 @@ import pytest
 from log_example import BETA, columns, motion, recording, text
 from ownarm_problem import ARM, silent
 
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.logs.uniform import uniform
 from repro.ownarm.job import assemble, solve_all
@@ -69,7 +69,7 @@ def test_each_piece_is_filtered_as_if_it_were_alone():
     for name in ("y", "tau", "q", "dq", "ddq"):
         together = np.concatenate([getattr(part, name) for part in parts], axis=1)
         np.testing.assert_array_equal(getattr(both, name), together)
-    np.testing.assert_array_equal(both.interleaved, np.concatenate([part.interleaved for part in parts], axis=2))
+    np.testing.assert_array_equal(both.even_odd, np.concatenate([part.even_odd for part in parts], axis=2))
     np.testing.assert_allclose(both.q, motion(both.t)[0], atol=0.01)  # times are those of the log
     error = both.tau - both.y @ BETA
     assert np.abs(error).max() < 0.03 * np.abs(both.tau).max()

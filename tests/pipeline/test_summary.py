@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.errors import InputError
+from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.summary import METHODS, experiment_table, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import experiment_table, median_seeds, parameter_table, similarity_table
 
 CASES = ("N1", "N2")
 TWO = ("algorithm1", "algorithm1+refinement")
@@ -177,7 +178,7 @@ def test_each_method_has_a_run_of_its_own_seed():
 
 
 def test_rows_come_by_method_then_case_then_joint():
-    methods = tuple(METHODS)[:4]
+    methods = tuple(TABLE_METHODS)[:4]
     scores = random_scores((1,), cases=("N4", "N2", "N1"), methods=tuple(reversed(methods)))
     table = similarity_table(scores, "ID")
     expected = list(itertools.product(methods, ("N1", "N2", "N4"), (1, 2)))

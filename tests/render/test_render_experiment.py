@@ -21,7 +21,7 @@ from render_examples import (
 )
 
 from repro.exhibits import style
-from repro.identification import registry
+from repro.identification.method import TABLE_METHODS
 
 LAYOUTS = ("table08", "table09", "table10", "stability", "verdict")
 COMPARED = ("fig19", "fig20", "fig23", "fig24")
@@ -47,7 +47,7 @@ def test_tables_say_that_they_are_simulated(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_methods_look_the_same_everywhere_and_are_told_apart() -> None:
-    assert tuple(style.METHODS) == registry.METHODS
+    assert tuple(style.METHODS) == TABLE_METHODS
     assert style.STROKES.keys() == style.SERIES_LABELS.keys()
     assert set(style.METHODS) <= style.MARKS.keys()
     figures = {name: made(name, FRAMES[name]()) for name in (*COMPARED, "spread")}

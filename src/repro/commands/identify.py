@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from repro.commands.options import add_config, folder, integer, number, seed
 from repro.errors import InputError
-from repro.identification.methods.names import NETWORKS, names
+from repro.identification.method import LEAST_SQUARES, NETWORKS
 
 if TYPE_CHECKING:
     from repro.ownarm.judge import Found
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-LEAST_SQUARES = names()
 GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
 FILTERS = ("dct", "savitzky-golay", "butterworth")
 

@@ -10,7 +10,7 @@ from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
 from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain
 from repro.exhibits.result_tables import heading_of, methods_of, one_row, with_unit
 from repro.files import read_csv
-from repro.identification.registry import OPPONENTS
+from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.job import Config
 from repro.pipeline.paired import comparisons
@@ -234,7 +234,7 @@ def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
     specimens of several simulated arms: in how many comparisons (motion and joint) each is better or worse, and by how
     much. Every comparison with its intervals is in the CSV.
     """
-    return comparisons(_spread(inputs), CONTENDERS, tuple(OPPONENTS))
+    return comparisons(_spread(inputs), CONTENDERS, tuple(BASELINES))
 
 
 #: Methods of the figure; the literal Algorithm 1 would leave the others on one line.

@@ -12,7 +12,7 @@ from repro.exhibits.declare import CLAIMS, METRIC, Inputs, figure, table
 from repro.exhibits.markup import EMPTY, LongTable, Table, Text, formula, number, plain, scientific, unit
 from repro.files import read_csv
 from repro.paper.audit import audit
-from repro.paper.checks.finding import CONSISTENT, VERDICTS
+from repro.paper.finding import CONSISTENT, VERDICTS
 from repro.pipeline.job import Config
 
 

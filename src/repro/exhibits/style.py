@@ -99,7 +99,7 @@ def _look(
 
 _DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
 
-#: Appearance of each method of `repro.identification.registry`, in the order of tables and legends.
+#: Appearance of each method of `repro.identification.method`, in the order of tables and legends.
 METHODS: Final[dict[str, Appearance]] = {
     "algorithm1": Appearance("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
     "algorithm1/one-run": Appearance(

@@ -22,11 +22,9 @@ import numpy as np
 from scipy.linalg import hadamard
 from scipy.stats import f as fisher
 
-from repro.identification.parallel import FilterSettings, kept, motion, narrow, prepare
-from repro.identification.regression import Regression
-from repro.identification.residuals import correlation_time
+from repro.identification.filtering import FilterSettings, kept, motion, narrow, prepare
+from repro.identification.regression import Regression, correlation_time, drop_standstill
 from repro.identification.solve import solve
-from repro.identification.standstill import without_standstill
 from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
@@ -135,16 +133,16 @@ def smeared(regression: Regression) -> Regression:
     signs are columns of a Hadamard matrix, which are orthogonal from term to term.
     """
     beta = solve(regression.y, regression.tau)
-    left = (regression.tau - regression.y @ beta) * regression.moving
-    terms = regression.y[..., :TERMS] * beta[:TERMS] * regression.moving[..., np.newaxis]
+    left = (regression.tau - regression.y @ beta) * regression.mask
+    terms = regression.y[..., :TERMS] * beta[:TERMS] * regression.mask[..., np.newaxis]
     whole = np.linalg.norm(terms, axis=(1, 2))
     share = np.linalg.norm(left, axis=-1) / np.where(whole > 0.0, whole, np.inf)  # of each joint
     n = regression.t.size
     signs = np.resize(hadamard(16)[:, 1 : 2 * TERMS : 2], (n, TERMS))
     factors = np.ones((2, n, regression.y.shape[-1]))
     factors[..., :TERMS] += share[:, np.newaxis, np.newaxis] * signs
-    halves = regression.interleaved
-    return replace(regression, y=regression.y * factors, interleaved=None if halves is None else halves * factors)
+    halves = regression.even_odd
+    return replace(regression, y=regression.y * factors, even_odd=None if halves is None else halves * factors)
 
 
 def columns_of(makes: Sequence[Columns], log: Log, settings: FilterSettings, beta: Array) -> list[Array]:
@@ -163,7 +161,7 @@ def without(regression: Regression, columns: Array) -> Regression:
 
     Least squares of it gives the parameters that least squares gives beside those columns.
     """
-    x = (columns * regression.moving[..., np.newaxis]).reshape(-1, columns.shape[-1])
+    x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
     basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
 
@@ -172,12 +170,12 @@ def without(regression: Regression, columns: Array) -> Regression:
         left: Array = (flat - basis @ (basis.T @ flat)).reshape(part.shape)
         return left
 
-    halves = regression.interleaved
+    halves = regression.even_odd
     return replace(
         regression,
         y=rest(regression.y),
         tau=rest(regression.tau),
-        interleaved=None if halves is None else np.stack([rest(half) for half in halves]),
+        even_odd=None if halves is None else np.stack([rest(half) for half in halves]),
     )
 
 
@@ -227,7 +225,7 @@ def alternatives(log: Log, settings: FilterSettings, late: float = 0.0) -> dict[
     s = settings
 
     def made(changed: FilterSettings) -> Regression:
-        return without_standstill(prepare(log, changed))
+        return drop_standstill(prepare(log, changed))
 
     filters = tuple(made(replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut)) for cut, width in FILTERS)
     plain = made(s)

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.residuals import correlation_time
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.regression import correlation_time
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array

@@ -32,9 +32,8 @@ from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from repro.identification.alternatives import BEYOND, CHANCE, SMEARED, Alternative
-from repro.identification.methods.interface import Estimate, Method, NoSolutionError
-from repro.identification.regression import Regression
-from repro.identification.residuals import correlation_time
+from repro.identification.method import Estimate, Method, NoSolutionError
+from repro.identification.regression import Regression, correlation_time
 from repro.model.parameters import Array
 
 REPLICATES = 200
@@ -155,7 +154,7 @@ def bootstrap(
             type_b += square
     type_b += beyond
     if method.unbiased is not None:
-        type_b += (method.unbiased.estimate(regression).beta - beta) ** 2
+        type_b += (method.unbiased(regression).beta - beta) ** 2
     factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
     reach = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
     return Spread(np.sqrt(sampling + type_b), beta - reach, beta + reach)

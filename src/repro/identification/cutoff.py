@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import csd
 
-from repro.identification.parallel import FilterSettings, prepare
+from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.solve import solve
 from repro.logs.log import Log, period
 from repro.model.parameters import Array

@@ -12,10 +12,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from repro.identification.alternatives import columns_of, load_friction, stribeck
+from repro.identification.filtering import FilterSettings, motion, prepare
 from repro.identification.more_columns import SURE, beside, best_set, fitted_with_errors, rows, unseen
-from repro.identification.parallel import FilterSettings, motion, prepare
+from repro.identification.regression import drop_standstill
 from repro.identification.solve import solve
-from repro.identification.standstill import without_standstill
 from repro.logs.log import Log, period
 from repro.model.parameters import NAMES, Array
 
@@ -74,7 +74,7 @@ def find_terms(log: Log, settings: FilterSettings, take: bool) -> tuple[Term, ..
     tuple of Term
         Those taken, and those that would take `HELPS`, in the order of `TERMS`; the load is that of least squares.
     """
-    r = without_standstill(prepare(log, settings))
+    r = drop_standstill(prepare(log, settings))
     a, b = rows(r, columns_of([_made], log, settings, solve(r.y, r.tau))[0])
     able = [k for k in range(len(TERMS)) if np.any(a[..., len(NAMES) + k])]
 

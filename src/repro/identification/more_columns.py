@@ -9,8 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from repro.identification.regression import Regression
-from repro.identification.residuals import correlation_time
+from repro.identification.regression import Regression, correlation_time
 from repro.identification.solve import solve
 from repro.model.parameters import NAMES, Array
 
@@ -25,9 +24,9 @@ PARTS = 6
 def rows(regression: Regression, columns: Array) -> tuple[Array, Array]:
     """Regressor with further columns as rows, joints weighted by their residual, and the torque."""
     left = regression.tau - regression.y @ solve(regression.y, regression.tau)
-    size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.moving.sum(-1, keepdims=True), 1))
+    size = np.sqrt(np.sum(left**2, axis=-1, keepdims=True) / np.maximum(regression.mask.sum(-1, keepdims=True), 1))
     weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
-    shown = columns * regression.moving[..., np.newaxis]
+    shown = columns * regression.mask[..., np.newaxis]
     a = np.concatenate([regression.y, shown], axis=-1) * weight[..., np.newaxis]
     return a, regression.tau * weight
 

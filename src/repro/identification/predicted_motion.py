@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from repro.identification.parallel import FilterSettings, motion
+from repro.identification.filtering import FilterSettings, motion
 from repro.logs.log import Log, period
 from repro.model.dynamics import forward_dynamics
 from repro.model.parameters import Array, is_positive_definite

@@ -1,4 +1,8 @@
-"""What every method solves: tau = Y beta along one motion, with torque and motion through the same filters."""
+"""The linear regression tau = Y beta along a motion, its rows that count, and its residuals.
+
+At rest static friction carries any torque up to its limit, and tanh(lambda dq) of Eq. 1 is zero. A standing sample of
+one joint is therefore no information about that joint's row of Eq. 1, and is masked; the other row still counts.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,42 +12,32 @@ from numpy.typing import NDArray
 
 from repro.model.parameters import Array
 
+#: Speed below which a joint stands still, rad/s.
+STANDSTILL_SPEED = 0.02
+#: Fraction of time that a joint must move for its standstill to be masked: of one that hardly moves too little remains.
+MIN_MOVING_FRACTION = 0.2
+#: Fraction of time below which a joint does not move at all.
+IDLE_FRACTION = 0.01
 
-@dataclass(frozen=True, eq=False)  # hashed by identity: what is made of one is kept for it
+
+@dataclass(frozen=True, eq=False)  # identity hash, so that results can be cached per instance
 class Regression:
-    """A recording made ready for a method.
+    """A recording prepared for a method, with torque and motion through the same filters."""
 
-    Attributes
-    ----------
-    t : array of shape (n,)
-        Time of each kept sample, s.
-    y : array of shape (2, n, 9)
-        Filtered regressor.
-    tau : array of shape (2, n)
-        Filtered torque, N m.
-    q, dq, ddq : arrays of shape (2, n)
-        Smoothed motion.
-    moving : bool array of shape (2, n)
-        Where the rows of a joint count, see `repro.identification.standstill`.
-    h : float
-        Time between kept samples, s.
-    interleaved : array of shape (2, 2, n, 9) or None
-        The same regressor from the odd and from the even samples of the position alone, where it was made. Their
-        noise is independent if that of the samples is.
-    """
-
-    t: Array
-    y: Array
-    tau: Array
-    q: Array
+    t: Array  # time of each sample (n,), s
+    y: Array  # filtered regressor (2, n, 9)
+    tau: Array  # filtered torque (2, n), N m
+    q: Array  # smoothed motion, each (2, n)
     dq: Array
     ddq: Array
-    moving: NDArray[np.bool_]
-    h: float
-    interleaved: Array | None = None
+    mask: NDArray[np.bool_]  # rows that count (2, n); the others are zero on both sides
+    h: float  # time between samples, s
+    #: The regressor (2, 2, n, 9) from the odd and from the even samples of the position alone, where it was made. Their
+    #: noise is independent if that of the samples is.
+    even_odd: Array | None = None
 
     def take(self, rows: NDArray[np.intp]) -> "Regression":
-        """The samples of these numbers, in their order; one may come more than once."""
+        """Select samples by number, in their order; one may come more than once."""
         return replace(
             self,
             t=self.t[rows],
@@ -52,44 +46,31 @@ class Regression:
             q=self.q[:, rows],
             dq=self.dq[:, rows],
             ddq=self.ddq[:, rows],
-            moving=self.moving[:, rows],
-            interleaved=None if self.interleaved is None else self.interleaved[:, :, rows],
+            mask=self.mask[:, rows],
+            even_odd=None if self.even_odd is None else self.even_odd[:, :, rows],
         )
 
 
 def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) -> Regression:
-    """Regressions of several logs of one arm as one.
-
-    Parameters
-    ----------
-    parts : sequence of Regression
-        One for each log; times go on from one to the next.
-    weights : sequence of float, optional
-        By which rows of each are multiplied on both sides.
-
-    Returns
-    -------
-    Regression
-        A single one is returned as it is.
-    """
+    """Join regressions of several logs of one arm; `weights` multiply the rows of each on both sides."""
     if len(parts) == 1:
         return parts[0]
     factors = weights or [1.0] * len(parts)
     begins = np.cumsum([0.0, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])
-    halves = [part.interleaved for part in parts]
+    halves = [part.even_odd for part in parts]
 
-    def beside(name: str, sizes: Sequence[float]) -> Array:
+    def concatenated(name: str, sizes: Sequence[float]) -> Array:
         return np.concatenate([getattr(part, name) * size for part, size in zip(parts, sizes, strict=True)], axis=1)
 
     same = [1.0] * len(parts)
     return Regression(
         np.concatenate([part.t - part.t[0] + begin for part, begin in zip(parts, begins, strict=True)]),
-        beside("y", factors),
-        beside("tau", factors),
-        beside("q", same),
-        beside("dq", same),
-        beside("ddq", same),
-        np.concatenate([part.moving for part in parts], axis=1),
+        concatenated("y", factors),
+        concatenated("tau", factors),
+        concatenated("q", same),
+        concatenated("dq", same),
+        concatenated("ddq", same),
+        np.concatenate([part.mask for part in parts], axis=1),
         parts[0].h,
         None
         if any(half is None for half in halves)
@@ -97,3 +78,73 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
             [half * factor for half, factor in zip(halves, factors, strict=True) if half is not None], axis=2
         ),
     )
+
+
+def _masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
+    """Set the rows outside the mask to zero on both sides."""
+    factor = mask[..., None]
+    return replace(
+        regression,
+        y=regression.y * factor,
+        tau=regression.tau * mask,
+        even_odd=None if regression.even_odd is None else regression.even_odd * factor,
+        mask=mask,
+    )
+
+
+def drop_idle_joints(regression: Regression) -> Regression:
+    """Mask the rows of joints that never move: the torque that holds them is unknown in every sample."""
+    moves = (np.abs(regression.dq) >= STANDSTILL_SPEED).mean(-1, keepdims=True) >= IDLE_FRACTION
+    return _masked(regression, np.broadcast_to(moves, regression.dq.shape))
+
+
+def drop_standstill(regression: Regression) -> Regression:
+    """Mask the rows of joints that stand still."""
+    moving = np.abs(regression.dq) >= STANDSTILL_SPEED
+    fraction = moving.mean(-1, keepdims=True)
+    return _masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
+
+
+def joint_variance(regression: Regression, beta: Array) -> Array:
+    """Mean squared torque error of each joint where it moves, shape (2, 1), N^2 m^2, never zero."""
+    error = regression.tau - regression.y @ beta
+    count = np.maximum(regression.mask.sum(-1, keepdims=True), 1)
+    floor = np.finfo(np.float64).eps * np.sum(regression.tau**2, axis=-1, keepdims=True) / count
+    floor = np.where(floor > 0.0, floor, 1.0)
+    variance: Array = np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor)
+    return variance
+
+
+def correlation_time(error: Array, h: float) -> float:
+    """Time over which residuals (2, n), `h` apart, stay correlated, s, the longer of both joints.
+
+    It is the sum of the autocorrelation up to its first zero.
+    """
+    n = error.shape[-1]
+    centred = error - error.mean(-1, keepdims=True)
+    power = np.abs(np.fft.rfft(centred, 2 * n, axis=-1)) ** 2
+    correlation = np.fft.irfft(power, axis=-1)[:, :n]
+    times = []
+    for joint in correlation:
+        if joint[0] <= 0.0:
+            continue
+        end = int(np.argmax(joint <= 0.0)) or n
+        times.append(float(joint[:end].sum() / joint[0]) * h)
+    return max(times, default=h)
+
+
+def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float) -> tuple[float, float]:
+    """Autocorrelation of each joint's residual at a lag of one period of the cut-off (Hz).
+
+    It is 0 for white residuals and near 1 for residuals that Eq. 1 or the delay does not explain. Filtering alone
+    correlates neighbouring samples, but not samples a whole period of the cut-off apart.
+    """
+    error = regression.tau - regression.y @ beta
+    error = error - error.mean(-1, keepdims=True)
+    lag = max(round(1.0 / (cutoff * regression.h)), 1)
+    if lag >= error.shape[-1]:
+        return 0.0, 0.0
+    energy = np.sum(error**2, axis=-1)
+    product = np.sum(error[:, lag:] * error[:, :-lag], axis=-1)
+    first, second = np.divide(product, energy, out=np.zeros(2), where=energy > 0.0)
+    return float(first), float(second)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from repro.identification.alternatives import bias, columns_of, zero_position
+from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.more_columns import (
     ENOUGH,
     SURE,
@@ -21,10 +22,8 @@ from repro.identification.more_columns import (
     reduced,
     rows,
 )
-from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.regression import Regression
+from repro.identification.regression import Regression, drop_standstill
 from repro.identification.solve import solve
-from repro.identification.standstill import without_standstill
 from repro.logs.log import Log
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
@@ -120,7 +119,7 @@ def _relative(regression: Regression, others: Array) -> float:
 
 def _prepared(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     """Regression of a log without standstill, and the columns of all faults."""
-    r = without_standstill(prepare(log, settings))
+    r = drop_standstill(prepare(log, settings))
     return r, _columns(log, settings, solve(r.y, r.tau))
 
 
@@ -161,7 +160,7 @@ def find_faults(log: Log, settings: FilterSettings, others: Sequence[Regression]
         In the order of `FAULTS`; empty for a log without fault.
     """
     r, columns = _prepared(log, settings)
-    able, nine = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.moving)], nine_of(others)
+    able, nine = [k for k in range(len(FAULTS)) if np.any(columns[..., k] * r.mask)], nine_of(others)
     names = [FAULTS[k] for k in best_set(*rows(r, columns), able, nine)]
     while names:
         values = _settle(log, settings, names, nine)
@@ -191,7 +190,7 @@ def _judged(
     """A fault with the errors that all faults put right leave, and all but this one."""
 
     def left(right: Mapping[str, float]) -> float:
-        return _relative(without_standstill(prepare(corrected(log, right), settings)), others)
+        return _relative(drop_standstill(prepare(corrected(log, right), settings)), others)
 
     right = {other: value for other, (value, _) in values.items()}
     without_it = {other: value for other, value in right.items() if other != name}
@@ -234,7 +233,7 @@ def hidden_faults(
     """
     r, columns = _prepared(log, settings)
     own = [FAULTS.index(fault.name) for fault in found]
-    able = [k for k in range(len(FAULTS)) if k not in own and np.any(columns[..., k] * r.moving)]
+    able = [k for k in range(len(FAULTS)) if k not in own and np.any(columns[..., k] * r.mask)]
     a, b = rows(r, columns)
     largest = np.abs(log.tau).max(axis=-1)
     limit = {"zero1": FAR, "zero2": FAR, "offset1": largest[0], "offset2": largest[1], "scale2": LARGE - 1.0}

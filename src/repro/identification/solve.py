@@ -9,56 +9,46 @@ from numpy.typing import NDArray
 
 from repro.model.parameters import Array
 
-#: Singular values below this share of the largest are taken for zero, columns having unit length.
+#: Singular values below this fraction of the largest count as zero, for columns of unit length.
 RANK_TOLERANCE = 1e-6
-#: Columns shorter than this share of the longest are rounding of a joint that does not move, and count as zero.
-MOVED = 1e-9
-#: Weights of the rows that pull to zero, with columns of unit length: directions that nothing determines, and all.
-OPEN, PULL = 1e-3, 1e-7
+#: Columns shorter than this fraction of the longest are rounding of a joint that does not move, and count as zero.
+MIN_COLUMN_RATIO = 1e-9
+#: Weights of the rows that pull to zero, for columns of unit length: undetermined directions, and all parameters.
+UNDETERMINED_WEIGHT, REGULARISATION_WEIGHT = 1e-3, 1e-7
 
 
 def unit_columns(y: Array) -> tuple[Array, Array]:
-    """Regressor as rows with columns of unit length.
+    """Scale a regressor (2, n, 9) to rows (2 n, 9) with columns of unit length.
 
-    Parameters
-    ----------
-    y : array of shape (2, n, 9)
-        Regressor.
-
-    Returns
-    -------
-    a : array of shape (2 n, 9)
-        Scaled; a column that is nothing but rounding is zero.
-    scale : array of shape (9,)
-        beta = z / scale solves the problem that z solves for `a`.
+    beta = z / scale (9,) solves the problem that z solves for the rows. A column that is nothing but rounding is zero.
     """
     a = y.reshape(-1, y.shape[-1])
     length = np.sqrt(np.einsum("np,np->p", a, a))
-    moved = length > MOVED * length.max(initial=0.0)
+    moved = length > MIN_COLUMN_RATIO * length.max(initial=0.0)
     scale = np.where(moved, length, 1.0)
     return a * np.where(moved, 1.0 / scale, 0.0), scale
 
 
 def pseudo_solve(gram: Array, right: Array) -> Array:
-    """Shortest solution of a symmetric system whose small eigenvalues count as zero."""
+    """Compute the shortest solution of a symmetric system whose small eigenvalues count as zero."""
     values, vectors = np.linalg.eigh(gram)
-    kept = np.abs(values) > RANK_TOLERANCE**2 * np.abs(values).max()
-    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=kept)
+    nonzero = np.abs(values) > RANK_TOLERANCE**2 * np.abs(values).max()
+    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=nonzero)
     solution: Array = vectors @ (inverse * (vectors.T @ right))
     return solution
 
 
 def solve_normal(gram: Array, right: Array, length: Array) -> Array:
-    """Solution of normal equations whose columns are of these lengths; one that is nothing but rounding counts as 0."""
-    moved = length > MOVED * length.max(initial=0.0)
+    """Solve normal equations whose columns have these lengths; a column that is nothing but rounding counts as 0."""
+    moved = length > MIN_COLUMN_RATIO * length.max(initial=0.0)
     inverse = np.divide(1.0, length, out=np.zeros_like(length), where=moved)
     return pseudo_solve(gram * inverse * inverse[:, None], right * inverse) * inverse
 
 
 def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
-    """Parameters with the smallest sum of squared torque errors.
+    """Compute the parameters with the smallest sum of squared torque errors.
 
-    Where they are not unique, those of the smallest length in units of the columns' length.
+    Where they are not unique, they are those of the smallest length in units of the columns' length.
 
     Parameters
     ----------
@@ -84,49 +74,33 @@ def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
     return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
 
 
-def nine_rows(y: Array, tau: Array) -> tuple[Array, Array, Array]:
-    """The least-squares problem in few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant.
+def reduced_problem(y: Array, tau: Array) -> tuple[Array, Array, Array]:
+    """Reduce least squares to few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant, with beta = z / scale.
 
-    Further rows make the solution one: directions that nothing determines are pulled to zero, so that they cannot go
-    anywhere, and so is all of z, too weakly to be seen where anything else determines it.
-
-    Parameters
-    ----------
-    y : array of shape (2, n, 9)
-        Regressor.
-    tau : array of shape (2, n)
-        Torque, N m.
-
-    Returns
-    -------
-    R : array of shape (k, 9)
-        One row for each direction in which the motion moves anything, and nine.
-    c : array of shape (k,)
-        Right side.
-    scale : array of shape (9,)
-        beta = z / scale.
+    Further rows make the solution unique: undetermined directions are pulled to zero, and so is all of z, too weakly to
+    matter where anything else determines it. Returns R (k, 9), c (k,) and scale (9,).
     """
     a, scale = unit_columns(y)
     gram = a.T @ a
     moved = np.flatnonzero(gram.diagonal() > 0.0)
     values, vectors = np.linalg.eigh(gram[np.ix_(moved, moved)])
-    kept = values > RANK_TOLERANCE**2 * values.max(initial=0.0)
+    nonzero = values > RANK_TOLERANCE**2 * values.max(initial=0.0)
     directions = np.zeros((moved.size, len(scale)))
     directions[:, moved] = vectors.T
-    root = np.sqrt(values[kept])
-    open_rows, weak = OPEN * directions[~kept], PULL * np.eye(len(scale))
-    rows = np.vstack([root[:, None] * directions[kept], open_rows, weak])
+    root = np.sqrt(values[nonzero])
+    undetermined, weak = UNDETERMINED_WEIGHT * directions[~nonzero], REGULARISATION_WEIGHT * np.eye(len(scale))
+    rows = np.vstack([root[:, None] * directions[nonzero], undetermined, weak])
     right = np.zeros(len(rows))
-    right[: root.size] = directions[kept] @ (a.T @ tau.reshape(-1)) / root
+    right[: root.size] = directions[nonzero] @ (a.T @ tau.reshape(-1)) / root
     return rows, right, scale
 
 
-def asked(r: Array, c: Array) -> NDArray[np.bool_]:
-    """Parameters that rows R z = c ask for: the others share no row with them and are exactly 0 in the solution."""
+def determined(r: Array, c: Array) -> NDArray[np.bool_]:
+    """Find the parameters that rows R z = c determine; the others share no row with them and are exactly 0."""
     alone = np.count_nonzero(r.T @ r, axis=0) == 1
     return np.asarray(~(alone & (r.T @ c == 0.0)))
 
 
-def snap(z: Array, share: float) -> Array:
-    """Numbers smaller than a share of the largest set to zero: what a solver leaves of a bound that holds."""
-    return np.where(np.abs(z) > share * np.abs(z).max(initial=0.0), z, 0.0)
+def clip_to_bound(z: Array, ratio: float) -> Array:
+    """Set numbers smaller than a fraction of the largest to zero: what a solver leaves of a bound that holds."""
+    return np.where(np.abs(z) > ratio * np.abs(z).max(initial=0.0), z, 0.0)

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from repro.identification.excitation import EXCITED, torque_share
-from repro.identification.filters.interface import FILTERS
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import Method, NoSolutionError
-from repro.identification.methods.names import NETWORKS
+from repro.identification.filters import FILTERS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import NETWORKS, Method, NoSolutionError
 from repro.identification.predicted_motion import position_errors
 from repro.identification.regression import Regression
 from repro.logs.armfile import Arm
@@ -83,7 +82,7 @@ def assemble(problem: Problem, found: Sequence[Found], arm: Arm) -> tuple[Result
         more_logs=tuple(log.told.description for log in problem.logs[1:]),
         validation_logs=tuple(t.description for t, _ in problem.others),
         preparation=Preparation(
-            FILTERS[s.name].name,
+            FILTERS[s.name].description,
             s.cutoff,
             problem.cutoff.reason,
             s.delay,

@@ -7,9 +7,8 @@ import numpy as np
 
 from repro.identification.bootstrap import Spread, bootstrap
 from repro.identification.excitation import EXCITED, torque_share
-from repro.identification.methods.interface import Estimate, Method
-from repro.identification.regression import Regression
-from repro.identification.residuals import lag_one
+from repro.identification.method import Estimate, Method
+from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import relative_rms, similarity
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepared import Problem, together
@@ -92,7 +91,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
         fit=fit,
         validation=validation,
         halves=found.halves,
-        whiteness=lag_one(r, beta, problem.settings.cutoff),
+        whiteness=residual_autocorrelation(r, beta, problem.settings.cutoff),
         notes=found.estimate.notes,
         citation=found.method.citation,
     )

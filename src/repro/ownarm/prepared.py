@@ -11,13 +11,11 @@ from repro.identification.alternatives import Alternative, alternatives, without
 from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.excitation import Excited, excitation
+from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.friction import Term, columns_of_terms, eased, find_terms
-from repro.identification.methods.interface import joint_variance
-from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.regression import Regression, joined
+from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
 from repro.identification.solve import solve
-from repro.identification.standstill import without_rest, without_standstill
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
@@ -187,14 +185,14 @@ def make_ready(told: Told, arm: Arm, options: Options, others: Sequence[Regressi
         told = replace(told, log=corrected(told.log, values_of(faults)))
         settings, chosen, late = _choose(told.log, arm, options)
     hidden = hidden_faults(told.log, settings, faults, others)
-    regression = without_rest(prepare(told.log, settings))
-    moving = without_standstill(regression)
+    regression = drop_idle_joints(prepare(told.log, settings))
+    moving = drop_standstill(regression)
     terms, load = find_terms(told.log, settings, options.friction), solve(moving.y, moving.tau)
     taken = [term for term in terms if term.taken]
     if taken:
         told = replace(told, log=eased(told.log, settings, load, taken))
-        regression = without_rest(prepare(told.log, settings))
-        moving = without(without_standstill(regression), columns_of_terms(told.log, settings, load, taken))
+        regression = drop_idle_joints(prepare(told.log, settings))
+        moving = without(drop_standstill(regression), columns_of_terms(told.log, settings, load, taken))
     as_good = alternatives(told.log, settings, late)
     if faults:
         columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)

@@ -15,8 +15,8 @@ from scipy.signal import welch
 
 from repro.identification.bootstrap import bootstrap
 from repro.identification.cutoff import SEGMENT
-from repro.identification.methods.interface import Method
-from repro.identification.parallel import motion, wide
+from repro.identification.filtering import motion, wide
+from repro.identification.method import Method
 from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.setup import corrected, values_of

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from repro.identification.filters.interface import FILTERS
+from repro.identification.filters import FILTERS
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Options:
     methods : tuple of str
         Names, in the order of the report.
     filter : str
-        Key of `repro.identification.filters.interface.FILTERS`.
+        Key of `repro.identification.filters.FILTERS`.
     cutoff : float or None
         Hz; None: chosen from the log.
     seed : int

@@ -8,9 +8,8 @@ import pandas as pd
 
 from repro.identification.algorithm1.listing import Prepared, derivatives, prepare
 from repro.identification.algorithm1.search import ImageMotion
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import as_json
-from repro.identification.registry import OPPONENTS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import BASELINES, as_json
 from repro.identification.scores import score
 from repro.model.parameters import Array
 from repro.pipeline.recordings import Recording
@@ -57,7 +56,7 @@ def least_squares_of(recording: Recording, signals: SignalSettings, true: Array)
     Each is the method that a user's own arm is identified by.
     """
     regression = recording.regression(signals)
-    methods = as_json({name: METHODS[solver].estimate(regression) for name, solver in OPPONENTS.items()})
+    methods = as_json({name: METHODS[solver].estimate(regression) for name, solver in BASELINES.items()})
     methods["true"] = {"beta": true.tolist()}
     return {"variant": "least-squares", "seed": 0, "arms": {CASE: {"true": true.tolist(), "methods": methods}}}
 

@@ -21,7 +21,7 @@ from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ImageMotion
-from repro.identification.methods.every import METHODS
+from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
 from repro.pipeline.experiment import control_constants, program_from_config
 from repro.pipeline.job import Config

@@ -13,9 +13,8 @@ from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_csv
 from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.methods.every import METHODS
-from repro.identification.methods.interface import as_json
-from repro.identification.registry import OPPONENTS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import BASELINES, as_json
 from repro.identification.regression import Regression
 from repro.identification.scores import score
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
@@ -138,6 +137,6 @@ def least_squares_of_arms(signals: SignalSettings, numeric: NumericSettings) -> 
     """Identify every test arm by least squares on the signals of Algorithm 1."""
     arms = {}
     for name, regression in regressions(signals, numeric).items():
-        found = {method: METHODS[OPPONENTS[method]].estimate(regression) for method in LEAST_SQUARES}
+        found = {method: METHODS[BASELINES[method]].estimate(regression) for method in LEAST_SQUARES}
         arms[name] = {"true": numeric.arms[name].tolist(), "methods": as_json(found)}
     return {"variant": "least-squares", "seed": 0, "arms": arms}

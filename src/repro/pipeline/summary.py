@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from repro.errors import InputError
-from repro.identification.registry import METHODS
+from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 
 #: Columns of the scores of the experiment on the arm.
@@ -26,10 +26,10 @@ def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
 
 
 def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
-    unknown = set(frame["method"]) - set(METHODS)
+    unknown = set(frame["method"]) - set(TABLE_METHODS)
     if unknown:
-        raise InputError.at("results: method", sorted(unknown)[0], f"one of {', '.join(METHODS)}")
-    method = pd.Categorical(frame["method"], list(METHODS), ordered=True)
+        raise InputError.at("results: method", sorted(unknown)[0], f"one of {', '.join(TABLE_METHODS)}")
+    method = pd.Categorical(frame["method"], list(TABLE_METHODS), ordered=True)
     return frame.assign(method=method).sort_values(["method", "case"], kind="stable").astype({"method": str})
 
 
@@ -95,7 +95,7 @@ def parameter_table(
     chosen = median_seeds(scores)
     rows = []
     for case in cases:
-        for method in METHODS:
+        for method in TABLE_METHODS:
             runs = {
                 run["seed"]: run["arms"][case]
                 for run in identifications

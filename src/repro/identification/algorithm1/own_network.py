@@ -25,7 +25,7 @@ from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.search import SearchSettings
-from repro.identification.methods.interface import Estimate, Method, NoSolutionError
+from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.signals.dct import dct2sub
 from repro.signals.metric import UNIT_FREE_METRIC

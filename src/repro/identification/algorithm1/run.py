@@ -11,7 +11,7 @@ from repro.identification.algorithm1.listing import Prepared
 from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, Selected, search, select
-from repro.identification.methods.interface import Estimate
+from repro.identification.method import Estimate
 from repro.model.parameters import Array
 
 #: Control of the refinement without a network.

@@ -6,76 +6,64 @@ from dataclasses import replace
 import log_example
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from log_example import BETA
-from regression_example import log_from, problem, random_regressor, resting
-from strategies import seeds
+from regression_example import beta_of, hostile, log_from, noisy_problem, problem, resting
 
 from repro.export.bibtex import entries
-from repro.identification.filters.interface import FILTERS
-from repro.identification.methods.every import METHODS
-from repro.identification.parallel import FilterSettings, prepare
-from repro.identification.standstill import without_standstill
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filters import FILTERS
+from repro.identification.least_squares import METHODS
+from repro.identification.method import LEAST_SQUARES
+from repro.identification.regression import drop_standstill
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES
 
 CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
+PROBLEMS = {"clean": CLEAN, "noisy": noisy_problem(8, 60, 0.02), "hostile": hostile(3), "more hostile": hostile(5)}
 every_method = pytest.mark.parametrize("name", sorted(METHODS))
 
 
-def beta_of(name, regression):
-    return METHODS[name].estimate(regression).beta
-
-
-def hostile(seed, n=40):
-    """A regression whose best parameters are often not physical: signs of the truth are drawn."""
-    rng = np.random.default_rng(seed)
-    y = random_regressor(rng, n)
-    noise = rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, n))
-    return problem(y, y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + noise)
-
-
-# The interface.
-
-
-def test_names_are_keys():
+def test_names_titles_and_citations():
+    assert tuple(METHODS) == LEAST_SQUARES
     assert [method.name for method in METHODS.values()] == list(METHODS)
     assert len({method.title for method in METHODS.values()}) == len(METHODS)
-
-
-@every_method
-def test_every_method_says_where_it_comes_from(name):
-    assert METHODS[name].citation in entries()
-    assert METHODS[name].title
+    assert {method.citation for method in METHODS.values()} <= set(entries())
 
 
 @every_method
 def test_a_clean_regression_gives_the_arm_back(name):
-    found = METHODS[name].estimate(CLEAN)
-    np.testing.assert_allclose(found.beta, BETA, rtol=0.01)
-    assert found.beta.shape == (9,)
-    assert all("\n" not in note for note in found.notes)
+    np.testing.assert_allclose(beta_of(name, CLEAN), BETA, rtol=0.01)
 
 
 @every_method
-def test_the_same_input_gives_the_same_bytes_and_is_left_alone(name):
-    for regression in (CLEAN, hostile(3)):
-        arrays = [array for array in vars(regression).values() if isinstance(array, np.ndarray)]
-        before = [array.tobytes() for array in arrays]
-        first, second = METHODS[name].estimate(regression), METHODS[name].estimate(regression)
-        assert first.beta.tobytes() == second.beta.tobytes()
-        assert (first.notes, first.choice) == (second.notes, second.choice)
-        assert [array.tobytes() for array in arrays] == before
+@pytest.mark.parametrize("kind", PROBLEMS)
+def test_every_method_keeps_the_contract(name, kind):
+    """Nine finite numbers, the same bytes each time, the input unchanged, and a repetition keeps the choice."""
+    regression, method = PROBLEMS[kind], METHODS[name]
+    arrays = [array for array in vars(regression).values() if isinstance(array, np.ndarray)]
+    before = [array.tobytes() for array in arrays]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        first, second = method.estimate(regression), method.estimate(regression)
+    assert first.beta.shape == (9,)
+    assert np.isfinite(first.beta).all()
+    assert all("\n" not in note for note in first.notes)
+    assert first.beta.tobytes() == second.beta.tobytes() == method.repeat(regression, first).tobytes()
+    assert (first.notes, first.choice) == (second.notes, second.choice)
+    assert [array.tobytes() for array in arrays] == before
 
 
 @pytest.mark.slow
 @every_method
-@pytest.mark.parametrize("factor", [1e-4, 0.1, 3.0, 50.0, 3000.0])
-def test_stronger_torque_is_a_stronger_arm(name, factor):
-    rng = np.random.default_rng(8)
-    noisy = replace(CLEAN, tau=CLEAN.tau + 0.02 * rng.normal(size=CLEAN.tau.shape))
-    one, other = beta_of(name, noisy), beta_of(name, replace(noisy, tau=factor * noisy.tau))
-    np.testing.assert_allclose(other, factor * one, rtol=1e-5, atol=1e-7 * factor)
+@pytest.mark.parametrize("kind", ["noisy", "hostile", "more hostile"])
+@pytest.mark.parametrize("factor", [1e-4, 0.1, 50.0, 3000.0])
+def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
+    """The convex solver's tolerances are for numbers about 1, torques are not; what is held at zero stays so."""
+    one = PROBLEMS[kind]
+    weak, strong = beta_of(name, one), beta_of(name, replace(one, tau=factor * one.tau))
+    size = np.linalg.norm(one.y, axis=(0, 1))
+    np.testing.assert_allclose(size * strong / factor, size * weak, rtol=0, atol=1e-4 * np.linalg.norm(one.tau))
+    np.testing.assert_array_equal(strong[5:] == 0.0, weak[5:] == 0.0)
 
 
 # Joints that do not move.
@@ -94,7 +82,7 @@ AT_REST += [(1, at, [{"I1": 1.0, "I2": np.cos(at)}, *(BENT if at else STRAIGHT)]
 @pytest.mark.parametrize(("joint", "at", "known"), AT_REST)
 def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
     """What the log tells is found, what it does not tell stays a number, and friction that nothing moves is zero."""
-    regression = without_standstill(prepare(resting(joint, at), FilterSettings(name=filter_name, cutoff=5.0)))
+    regression = drop_standstill(prepare(resting(joint, at), FilterSettings(name=filter_name, cutoff=5.0)))
     # Choosing parsimonious' penalty takes half a second where the solver of `consistent` has to run.
     slow = filter_name != "savitzky-golay" or (joint, at) in {(0, 0.0), (0, 0.7)}
     names = [name for name in METHODS if not (slow and name == "parsimonious")]
@@ -130,27 +118,3 @@ def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
     np.testing.assert_allclose(beta[moved], BETA[moved], rtol=0.1)
     assert (beta[[5 + joint, 7 + joint]] == 0.0).all()
     assert np.abs(beta).max() < 100.0
-
-
-@every_method
-def test_a_repetition_keeps_what_was_chosen(name):
-    method, first = METHODS[name], METHODS[name].estimate(CLEAN)
-    np.testing.assert_array_equal(method.repeat(CLEAN, first), first.beta)
-    other = hostile(5)
-    if method.refit is None:
-        np.testing.assert_array_equal(method.repeat(other, first), method.estimate(other).beta)
-
-
-@pytest.mark.parametrize("name", ["bounded", "consistent", "parsimonious", "robust", "weighted", "instrumental"])
-def test_small_normal_noise_moves_no_method_far_from_ordinary(name):
-    rng = np.random.default_rng(1)
-    noisy = replace(CLEAN, tau=CLEAN.tau + 0.01 * rng.normal(size=CLEAN.tau.shape))
-    np.testing.assert_allclose(beta_of(name, noisy), beta_of("ordinary", noisy), rtol=0.05)
-
-
-@given(seeds)
-@settings(max_examples=30)
-def test_ordinary_is_numpy_s(seed):
-    regression = hostile(seed)
-    expected, *_ = np.linalg.lstsq(regression.y.reshape(-1, 9), regression.tau.reshape(-1))
-    np.testing.assert_allclose(beta_of("ordinary", regression), expected, rtol=1e-8, atol=1e-10)

@@ -15,16 +15,16 @@ from strategies import seeds
 
 from repro.identification.best_fit import choose_steepness, estimate_delay
 from repro.identification.cutoff import choose_cutoff
-from repro.identification.filters.interface import FILTERS
-from repro.identification.parallel import FilterSettings, motion, prepare
-from repro.identification.solve import nine_rows, snap, solve, unit_columns
-from repro.identification.standstill import without_standstill
+from repro.identification.filtering import FilterSettings, motion, prepare
+from repro.identification.filters import FILTERS
+from repro.identification.regression import drop_standstill
+from repro.identification.solve import clip_to_bound, reduced_problem, solve, unit_columns
 from repro.model.dynamics import inverse_dynamics, regressor
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
 #: Axis of the samples.
-SIGNALS = {"t": 0, "y": 1, "tau": 1, "interleaved": 2, "q": 1, "dq": 1, "ddq": 1, "moving": 1}
+SIGNALS = {"t": 0, "y": 1, "tau": 1, "even_odd": 2, "q": 1, "dq": 1, "ddq": 1, "mask": 1}
 
 every_filter = pytest.mark.parametrize("name", sorted(FILTERS))
 
@@ -106,10 +106,10 @@ def test_enough_samples_are_kept_in_a_period_of_the_cutoff(cutoff, kept):
 @every_filter
 def test_regressors_of_interleaved_samples_are_the_regressor_on_a_clean_log(name):
     found = prepare(LOG, FilterSettings(name=name, cutoff=8.0))
-    for half in found.interleaved:
+    for half in found.even_odd:
         far = np.linalg.norm(half - found.y, axis=(0, 1)) / np.linalg.norm(found.y, axis=(0, 1))
         assert far.max() < 0.015
-    first, second = found.interleaved
+    first, second = found.even_odd
     assert np.abs(first - second).max() > 0.0
 
 
@@ -117,7 +117,7 @@ def test_interleaved_regressors_share_no_sample():
     """Noise on the even samples moves one of them alone."""
     moved = LOG.q.copy()
     moved[:, ::2] += 0.01 * np.random.default_rng(3).normal(size=moved[:, ::2].shape)
-    clean, noisy = (prepare(log, FilterSettings()).interleaved for log in (LOG, replace(LOG, q=moved)))
+    clean, noisy = (prepare(log, FilterSettings()).even_odd for log in (LOG, replace(LOG, q=moved)))
     changed = [not np.array_equal(a, b) for a, b in zip(clean, noisy, strict=True)]
     assert sorted(changed) == [False, True]
 
@@ -198,13 +198,13 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
 def test_a_joint_that_never_moves_has_no_rows(name, joint, at):
     """Static friction carries what it likes of the torque that gravity and the other joint put on it."""
     whole = prepare(resting(joint, at), FilterSettings(name=name))
-    kept = without_standstill(whole)
-    assert not kept.moving[joint].any()
+    kept = drop_standstill(whole)
+    assert not kept.mask[joint].any()
     assert not kept.tau[joint].any()
     assert not kept.y[joint].any()
     still = np.abs(whole.dq[1 - joint]) < 0.02
     assert still.any()
-    np.testing.assert_array_equal(kept.moving[1 - joint], ~still)
+    np.testing.assert_array_equal(kept.mask[1 - joint], ~still)
     assert not kept.tau[1 - joint, still].any()
 
 
@@ -214,9 +214,9 @@ def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all
     n = whole.t.size
     moves = np.arange(n) < share * n
     held = replace(whole, dq=np.stack([np.where(moves, 1.0, 0.01), np.ones(n)]))
-    kept = without_standstill(held)
-    np.testing.assert_array_equal(kept.moving[0], moves | all_count)
-    assert kept.moving[1].all()
+    kept = drop_standstill(held)
+    np.testing.assert_array_equal(kept.mask[0], moves | all_count)
+    assert kept.mask[1].all()
     assert kept.tau[0, ~moves].any() == all_count
 
 
@@ -361,7 +361,7 @@ def test_nine_rows_hold_the_whole_cost(seed, kind):
     if kind == "collinear":
         y[..., 6] = 2.0 * y[..., 8]
     tau = rng.normal(size=(2, 50))
-    r, c, scale = nine_rows(y, tau)
+    r, c, scale = reduced_problem(y, tau)
     assert len(r) == len(c) <= 18
     one, other = rng.normal(size=(2, 9))
     whole = np.sum((y @ one - tau) ** 2) - np.sum((y @ other - tau) ** 2)
@@ -382,7 +382,7 @@ def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
     if kind == "collinear":
         y[..., 6] = 2.0 * y[..., 8]
     tau = y @ BETA + 0.1 * rng.normal(size=(2, 50))
-    r, c, scale = nine_rows(y, tau)
+    r, c, scale = reduced_problem(y, tau)
     assert np.linalg.matrix_rank(r, tol=1e-9) == 9
     found = np.linalg.lstsq(r, c, rcond=1e-12)[0] / scale
     np.testing.assert_allclose(scale * found, scale * solve(y, tau), rtol=0, atol=1e-6 * np.linalg.norm(tau))
@@ -404,16 +404,16 @@ def test_rounding_is_not_scaled_up(seed):
 def test_no_motion_at_all_has_no_parameters():
     y, tau = np.zeros((2, 20, 9)), np.ones((2, 20))
     assert (solve(y, tau) == 0.0).all()
-    r, c, _ = nine_rows(y, tau)
+    r, c, _ = reduced_problem(y, tau)
     assert not c.any()
     assert np.linalg.matrix_rank(r) == 9
 
 
 def test_what_is_snapped_is_small_beside_the_largest():
     z = np.array([0.0, -3.0, 2.9e-6, -2.9e-6, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(snap(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(snap(1e-9 * z, 1e-6), 1e-9 * snap(z, 1e-6))
-    np.testing.assert_array_equal(snap(np.zeros(3), 1e-6), np.zeros(3))
+    np.testing.assert_array_equal(clip_to_bound(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
+    np.testing.assert_array_equal(clip_to_bound(1e-9 * z, 1e-6), 1e-9 * clip_to_bound(z, 1e-6))
+    np.testing.assert_array_equal(clip_to_bound(np.zeros(3), 1e-6), np.zeros(3))
 
 
 @pytest.mark.slow
@@ -422,7 +422,7 @@ def test_nine_rows_serve_a_bounded_problem(seed):
     rng = np.random.default_rng(seed)
     y = random_regressor(rng)
     tau = inverse_dynamics(*rng.normal(size=(3, 2, 60)), BETA)
-    r, c, scale = nine_rows(y, tau)
+    r, c, scale = reduced_problem(y, tau)
     lower, upper = -rng.uniform(0.0, 1.0, 9), rng.uniform(0.01, 1.0, 9)
     short = lsq_linear(r, c, bounds=(lower * scale, upper * scale), method="bvls", tol=1e-14).x / scale
     whole = lsq_linear(y.reshape(-1, 9), tau.reshape(-1), bounds=(lower, upper), method="bvls", tol=1e-14).x

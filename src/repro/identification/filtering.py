@@ -13,7 +13,7 @@ from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
-from repro.identification.filters.interface import FILTERS
+from repro.identification.filters import FILTERS
 from repro.identification.regression import Regression, joined
 from repro.logs.log import Log, period
 from repro.model.dynamics import LAMBDA, regressor
@@ -30,7 +30,7 @@ class FilterSettings:
     Attributes
     ----------
     name : str
-        Key of `repro.identification.filters.interface.FILTERS`.
+        Key of `repro.identification.filters.FILTERS`.
     cutoff : float
         Half-power frequency of torque and regressor, Hz.
     width : float

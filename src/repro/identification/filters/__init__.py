@@ -1,1 +1,0 @@
-"""Zero-phase filters that differentiate: one a file."""

@@ -1,0 +1,191 @@
+"""Methods of least squares: each solves tau = Y beta of a regression for the nine parameters.
+
+A new method is a function from a `Regression` to an `Estimate`, an entry of `METHODS`, and its name in
+`repro.identification.method.LEAST_SQUARES`.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from repro.identification.consistent import solve_consistent
+from repro.identification.method import Estimate, Method, NoSolutionError
+from repro.identification.regression import Regression, joint_variance
+from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
+from repro.model.parameters import NAMES, Array
+
+#: Iterations of weighted least squares.
+WEIGHTED_ITERATIONS = 5
+#: Error, in standard deviations, beyond which Huber's loss is linear: 95 % efficient for normal errors.
+HUBER_THRESHOLD = 1.345
+#: Most iterations of the robust method, and change of torque over the residual's scale at which they end.
+ROBUST_ITERATIONS, ROBUST_TOLERANCE = 25, 1e-3
+#: Penalties that the parsimonious method tries, in units of the viscous torque's own energy.
+PENALTIES = (0.0, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0)
+#: Blocks of its cross-validation.
+BLOCKS = 10
+VISCOUS = (5, 6)
+
+
+def ordinary(regression: Regression) -> Estimate:
+    """Minimise the sum of squared torque errors (Gautier and Khalil)."""
+    return Estimate(solve(regression.y, regression.tau))
+
+
+def weighted(regression: Regression) -> Estimate:
+    """Minimise each joint's errors in units of their own standard deviation (Swevers and others)."""
+    beta = solve(regression.y, regression.tau)
+    for _ in range(WEIGHTED_ITERATIONS):
+        beta = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, beta))
+    first, second = np.sqrt(joint_variance(regression, beta))[:, 0]
+    return Estimate(beta, (f"torque errors of {first:.3g} and {second:.3g} N m made the weights of joints 1 and 2",))
+
+
+def robust(regression: Regression) -> Estimate:
+    """Compute Huber's M-estimate with each joint's own scale, by iteratively reweighted least squares.
+
+    Large errors count in proportion to their size, not to its square, so that collisions, stiction and other short
+    events have little effect.
+    """
+    y, tau = regression.y, regression.tau
+    error = tau - y @ solve(y, tau)
+    for _ in range(ROBUST_ITERATIONS):
+        scale = _median_scale(error, regression.mask)
+        size = np.abs(error) / scale
+        weight = HUBER_THRESHOLD / np.maximum(size, HUBER_THRESHOLD)
+        beta = solve(y, tau, weight / scale**2)
+        before, error = error, tau - y @ beta
+        if np.max(np.abs(error - before) / scale) < ROBUST_TOLERANCE:
+            break
+    lowered = 100.0 * float(np.mean(weight[regression.mask] < 1.0))
+    return Estimate(beta, (f"{lowered:.3g} % of the samples count less than the rest",))
+
+
+def _median_scale(error: Array, mask: NDArray[np.bool_]) -> Array:
+    """Standard deviation of each joint's error (2, 1), by the median where it moves."""
+    scale = np.array([[1.4826 * np.median(np.abs(e[m])) if m.any() else 0.0] for e, m in zip(error, mask, strict=True)])
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def instrumental(regression: Regression) -> Estimate:
+    """Compute the instrumental-variable estimate, with the joints weighted as in weighted least squares.
+
+    Noise in the position, e.g. of an encoder, attenuates least squares. Instruments follow the motion but not that
+    noise. Here the regressor of every other sample is the instrument for the regressor of the samples between, whose
+    noise is independent, and vice versa; no model of the controller is needed. (The bias of the tanh of Coulomb
+    friction remains, because it is not linear in the noise.)
+    """
+    moments = _instrumental_moments(regression)
+    beta = _solve_moments(moments, np.ones((2, 1)))
+    beta = _solve_moments(moments, joint_variance(regression, beta))
+    return Estimate(beta, ("the instruments are the regressors of every other sample",))
+
+
+def _instrumental_moments(regression: Regression) -> tuple[Array, Array, Array]:
+    """For each joint: Z' Y with both halves as each other's instruments, Z' tau, squared lengths of both halves."""
+    if regression.even_odd is None:
+        raise NoSolutionError("the regression was made without the regressors of every other sample")
+    odd, even = regression.even_odd
+    cross = odd.mT @ even
+    length = np.stack([np.einsum("jnp,jnp->jp", half, half) for half in (odd, even)])
+    return cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0], length
+
+
+def _solve_moments(moments: tuple[Array, Array, Array], variance: Array) -> Array:
+    """Solve Z' (tau - Y beta) = 0, each joint over its variance."""
+    gram, right, length = moments
+    weight = 1.0 / variance  # (2, 1)
+    odd, even = np.sqrt((weight * length).sum(1))
+    return solve_normal((weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even))
+
+
+def bounded(regression: Regression) -> Estimate:
+    """Solve least squares under the bounds beta >= 0, which line 22 of Algorithm 1 requires of a candidate."""
+    r, c, scale = reduced_problem(regression.y, regression.tau)
+    z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(r, c)
+    beta = clip_to_bound(np.maximum(z, 0.0), 1e-12) / scale
+    zero = [name for name, value in zip(NAMES, beta, strict=True) if value == 0.0]
+    return Estimate(beta, (f"held at zero: {', '.join(zero)}",) if zero else ())
+
+
+def consistent(regression: Regression) -> Estimate:
+    """Solve least squares with M(q) positive definite in every pose and no friction negative."""
+    beta, binding = solve_consistent(*reduced_problem(regression.y, regression.tau))
+    note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
+    return Estimate(beta, (note,))
+
+
+def parsimonious(regression: Regression) -> Estimate:
+    """Solve consistent least squares with no more viscous friction than the log can show.
+
+    Slow motion hardly distinguishes viscous from Coulomb friction: a little more of one and less of the other fit as
+    well, and the difference shows on faster motions. A penalty rho |Y_b b|^2 therefore shrinks the viscous torque: the
+    strongest penalty whose error in block cross-validation is within one standard error of the smallest (Breiman et
+    al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks are the
+    same). The bias is on purpose: the difference from the consistent estimate enters the standard errors.
+    """
+    penalty = PENALTIES[choose_penalty(_cross_validation_errors(regression))]
+    note = f"viscous torque shrunk with a penalty of {penalty:g}, the most that prediction of left-out blocks allows"
+    return Estimate(refit_parsimonious(regression, penalty), (note,), penalty)
+
+
+def refit_parsimonious(regression: Regression, penalty: float) -> Array:
+    """Compute consistent parameters (9,) under a given penalty rho."""
+    return _shrunk(reduced_problem(regression.y, regression.tau), penalty)
+
+
+def _shrunk(problem: tuple[Array, Array, Array], penalty: float) -> Array:
+    """Compute consistent parameters with two rows added that pull the viscous torque to zero."""
+    r, c, scale = problem
+    rows = np.zeros((len(VISCOUS), 9))
+    rows[range(len(VISCOUS)), VISCOUS] = np.sqrt(penalty)
+    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(VISCOUS))]), scale)[0]
+
+
+def _cross_validation_errors(regression: Regression) -> Array:
+    """Squared error of each block (penalties, blocks), from parameters fitted without it."""
+    n = regression.t.size
+    edges = np.linspace(0, n, BLOCKS + 1).astype(int)
+    energy = np.mean(regression.tau**2, axis=-1)
+    energy = np.where(energy > 0.0, energy, 1.0)
+    errors = np.empty((len(PENALTIES), BLOCKS))
+    for k in range(BLOCKS):
+        inside = np.zeros(n, dtype=bool)
+        inside[edges[k] : edges[k + 1]] = True
+        rest, block = regression.take(np.flatnonzero(~inside)), regression.take(np.flatnonzero(inside))
+        problem = reduced_problem(rest.y, rest.tau)
+        for i, penalty in enumerate(PENALTIES):
+            error = block.tau - block.y @ _shrunk(problem, penalty)
+            errors[i, k] = np.sum(np.mean(error**2, axis=-1) / energy)
+    return errors
+
+
+def choose_penalty(errors: Array) -> int:
+    """Index of the strongest penalty within one standard error of the best; errors are (penalties, blocks)."""
+    best = int(errors.mean(1).argmin())
+    more = errors - errors[best]
+    allowed = more.mean(1) <= more.std(1, ddof=1) / np.sqrt(errors.shape[1])
+    allowed[best] = True
+    return int(np.flatnonzero(allowed).max())
+
+
+#: Methods by name.
+METHODS: dict[str, Method] = {
+    method.name: method
+    for method in (
+        Method("ordinary", "ordinary least squares", "gautier1992exciting", ordinary),
+        Method("weighted", "weighted least squares", "swevers2007dynamic", weighted),
+        Method("robust", "robust least squares (Huber)", "huber1964robust", robust),
+        Method("instrumental", "instrumental variables", "janot2014generic", instrumental),
+        Method("bounded", "bounded least squares", "branch1999subspace", bounded),
+        Method("consistent", "consistent least squares", "sousa2014physical", consistent),
+        Method(
+            "parsimonious",
+            "parsimonious least squares",
+            "breiman1984cart",
+            parsimonious,
+            refit=refit_parsimonious,
+            unbiased=consistent,
+        ),
+    )
+}

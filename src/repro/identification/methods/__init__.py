@@ -1,1 +1,0 @@
-"""Least squares of a regression: one method a file."""

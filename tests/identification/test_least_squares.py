@@ -1,0 +1,431 @@
+"""Each method of least squares against an independent solver, its conditions of optimality, or Monte Carlo."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import log_example
+import numpy as np
+import pytest
+from experiment_example import CAPTURES, full_config
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from log_example import BETA
+from regression_example import beta_of, cost, hostile, log_from, noisy_problem, problem, random_regressor, slope
+from scipy.optimize import least_squares, nnls
+from strategies import seeds
+
+from repro.identification.consistent import MIN_EIGENVALUE_RATIO, solve_consistent, solve_inequality
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import METHODS, PENALTIES, choose_penalty, refit_parsimonious
+from repro.identification.method import Estimate
+from repro.identification.regression import joint_variance
+from repro.identification.solve import reduced_problem, solve
+from repro.model.dynamics import mass_matrix, regressor
+from repro.model.parameters import NAMES, is_positive_definite
+from repro.pipeline.recordings import read_recording
+from repro.settings import signal_settings
+
+pytestmark = pytest.mark.slow
+
+# Ordinary.
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_ordinary_is_numpy_s(seed):
+    regression = hostile(seed)
+    expected, *_ = np.linalg.lstsq(regression.y.reshape(-1, 9), regression.tau.reshape(-1))
+    np.testing.assert_allclose(beta_of("ordinary", regression), expected, rtol=1e-8, atol=1e-10)
+
+
+def test_ordinary_is_numpy_s_on_the_stored_identification_run():
+    config = full_config()
+    signals = read_recording(CAPTURES / "ID.bin", config).regression(signal_settings(config))
+    expected = np.linalg.lstsq(signals.y.reshape(-1, 9), signals.tau.reshape(-1))[0]
+    np.testing.assert_allclose(solve(signals.y, signals.tau), expected, rtol=1e-7, atol=1e-11)
+    arm = np.array(config["arm"]["parameters"])
+    np.testing.assert_allclose(solve(signals.y, signals.y @ arm), arm, rtol=1e-9)
+
+
+# Robust.
+
+
+def heavy_tailed(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(30, 200))
+    y = random_regressor(rng, n)
+    size = np.array([[0.1], [0.3]]) * rng.choice([0.1, 1.0, 10.0])
+    return problem(y, y @ BETA + size * rng.standard_t(3, size=(2, n)))
+
+
+def scales(error):
+    """Standard deviation of each joint by the median of the error's size."""
+    return np.median(np.abs(error), axis=1, keepdims=True) / 0.6744897501960817
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_robust_minimises_huber_s_loss(seed):
+    """SciPy's minimiser of the same loss, at the scales that the estimate leaves."""
+    regression = heavy_tailed(seed)
+    y, tau, beta = regression.y, regression.tau, beta_of("robust", regression)
+    scale = scales(tau - y @ beta)
+    rows = -(y / scale[..., np.newaxis]).reshape(-1, 9)
+    found = least_squares(
+        lambda b: ((tau - y @ b) / scale).reshape(-1), solve(y, tau), jac=lambda _: rows, loss="huber", f_scale=1.345,
+        xtol=1e-14, ftol=1e-14, gtol=1e-12, x_scale="jac",
+    )  # fmt: skip
+    standard_error = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
+    assert (np.abs(found.x - beta) / standard_error).max() < 0.01
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_gross_outliers_move_ordinary_far_and_robust_little(seed):
+    rng = np.random.default_rng(seed)
+    y = random_regressor(rng, 150)
+    tau = y @ BETA + 0.02 * rng.normal(size=(2, 150))
+    hit = rng.random(tau.shape) < 0.1
+    spoiled = problem(y, tau + np.where(hit, rng.uniform(5.0, 7.0, tau.shape), 0.0))
+    clean = solve(y, tau)
+    ordinary, robust = (np.linalg.norm(beta_of(name, spoiled) - clean) for name in ("ordinary", "robust"))
+    assert ordinary > 0.2
+    assert robust < ordinary / 20.0
+    lowered = float(METHODS["robust"].estimate(spoiled).notes[0].split(" %")[0])
+    assert lowered >= 100.0 * hit.mean()
+
+
+def test_robust_costs_little_where_errors_are_normal():
+    """95 % efficiency: the variance is about 1/0.95 of least squares'."""
+    problems = [noisy_problem(seed) for seed in range(200)]
+    ordinary, robust = ([beta_of(name, r) - BETA for r in problems] for name in ("ordinary", "robust"))
+    ratio = np.mean(np.square(ordinary), 0) / np.mean(np.square(robust), 0)
+    assert 0.9 < ratio.mean() < 1.0
+
+
+# Instrumental variables.
+
+
+def test_noise_in_the_regressor_attenuates_ordinary_and_not_instrumental():
+    """Two regressors with noise of their own, 0.7 of each column's size; truth counts alike in every column."""
+    ordinary, instrumental = [], []
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        y = random_regressor(rng, 200)
+        size = np.sqrt(np.mean(y**2, axis=(0, 1)))
+        halves = y + 0.7 * size * rng.normal(size=(2, *y.shape)) * (y != 0.0)
+        regression = problem(halves.mean(0), y @ (1.0 / size) + 0.02 * rng.normal(size=(2, 200)), halves)
+        ordinary.append(beta_of("ordinary", regression) * size - 1.0)
+        instrumental.append(beta_of("instrumental", regression) * size - 1.0)
+    biased, fair = np.mean(ordinary, 0), np.mean(instrumental, 0)
+    assert (biased < -0.03).all()
+    assert biased.mean() < -0.08
+    assert np.abs(fair).max() < 0.03
+    standard_error = np.std(instrumental, 0) / np.sqrt(200)
+    assert (np.abs(fair) < 4.0 * standard_error).all()
+
+
+def test_noise_in_the_position_biases_inertia_less_with_instruments():
+    """The whole way from a log: inertia and gravity, which noise does not enter through a tanh."""
+    ordinary, instrumental = [], []
+    log = log_from(log_example.motion)
+    for seed in range(10):
+        noise = 0.004 * np.random.default_rng(seed).normal(size=log.q.shape)
+        regression = prepare(replace(log, q=log.q + noise), FilterSettings(cutoff=5.0))
+        ordinary.append(beta_of("ordinary", regression) / BETA - 1.0)
+        instrumental.append(beta_of("instrumental", regression) / BETA - 1.0)
+    biased, fair = np.mean(ordinary, 0)[:5], np.mean(instrumental, 0)[:5]
+    assert (biased < 0.0).all()
+    assert biased[0] < -0.05
+    assert (np.abs(fair) < 0.7 * np.abs(biased)).all()
+    assert abs(fair[0]) < 0.2 * abs(biased[0])
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_instruments_without_noise_make_it_weighted_least_squares(seed):
+    regression = hostile(seed)
+    first = solve(regression.y, regression.tau)
+    expected = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, first))
+    np.testing.assert_allclose(beta_of("instrumental", regression), expected, rtol=1e-7, atol=1e-9)
+
+
+# Weighted.
+
+
+UNEVEN = np.array([[1.0], [0.02]])
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_weighted_solves_its_own_normal_equations(seed):
+    """With weights from the very residuals that it leaves."""
+    regression = noisy_problem(seed, 150, UNEVEN)
+    error = regression.tau - regression.y @ beta_of("weighted", regression)
+    weighted = error / np.mean(error**2, axis=1, keepdims=True)
+    total = np.einsum("jn,jnp->p", weighted, regression.y)
+    assert (np.abs(total) < 1e-9 * np.einsum("jn,jnp->p", np.abs(weighted), np.abs(regression.y))).all()
+
+
+def test_weighted_is_generalised_least_squares_of_known_variances():
+    weighted, known, ordinary = [], [], []
+    for seed in range(100):
+        regression = noisy_problem(seed, 150, UNEVEN)
+        rows = (regression.y / np.array([1.0, 0.02])[:, np.newaxis, np.newaxis]).reshape(-1, 9)
+        whitened = (regression.tau / np.array([[1.0], [0.02]])).reshape(-1)
+        known.append(np.linalg.lstsq(rows, whitened)[0] - BETA)
+        weighted.append(beta_of("weighted", regression) - BETA)
+        ordinary.append(beta_of("ordinary", regression) - BETA)
+    spread = np.std(known, 0)
+    assert (np.std(np.array(weighted) - known, 0) < 0.02 * spread).all()
+    assert (np.abs(np.mean(weighted, 0)) < 4.0 * spread / np.sqrt(100)).all()
+    # Parameters that the accurate joint shows gain; those of joint 1 alone cannot.
+    gain = np.std(ordinary, 0) / np.std(weighted, 0)
+    assert (gain[[1, 2, 4, 6, 8]] > 2.0).all()
+    assert (gain > 0.9).all()
+
+
+# Bounded.
+
+
+@given(seeds)
+def test_bounded_is_scipy_s_nonnegative_solution(seed):
+    regression = hostile(seed)
+    expected, _ = nnls(regression.y.reshape(-1, 9), regression.tau.reshape(-1))
+    found = METHODS["bounded"].estimate(regression)
+    np.testing.assert_allclose(found.beta, expected, rtol=1e-6, atol=1e-9)
+    held = {name for name, value in zip(NAMES, expected, strict=True) if value == 0.0}
+    told = {name for note in found.notes for name in note.removeprefix("held at zero: ").split(", ")}
+    assert told <= held
+
+
+@given(seeds, st.sampled_from([0, 1]), st.floats(0.1, 1.4), st.booleans())
+def test_bounded_on_a_joint_at_rest_is_scipy_s_nonnegative_solution(seed, joint, at, hostile_signs):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = (size * rng.normal(size=(2, 60)) for size in (1.0, 2.0, 5.0))
+    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    truth = BETA * rng.choice([-1.0, 1.0, 1.0], 9) if hostile_signs else BETA
+    regression = problem(y, y @ truth + 0.05 * rng.normal(size=(2, 60)))
+    expected, _ = nnls(y.reshape(-1, 9), regression.tau.reshape(-1))
+    found = beta_of("bounded", regression)
+    assert cost(regression, found) <= (1.0 + 1e-9) * cost(regression, expected)
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+    assert (found[~y.any(axis=(0, 1))] == 0.0).all()
+
+
+# Consistent.
+
+
+def pseudo_inertia(beta):
+    """[[I1 - I3, I2/2], [I2/2, I3]]: positive definite exactly if M(q) is in every pose."""
+    return np.array([[beta[0] - beta[2], 0.5 * beta[1]], [0.5 * beta[1], beta[2]]])
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"), [("consistent", seed) for seed in range(20)] + [("parsimonious", seed) for seed in range(4)]
+)
+def test_what_claims_to_be_consistent_is(name, seed):
+    beta = beta_of(name, hostile(seed))
+    assert is_positive_definite(beta)
+    assert (beta[5:] >= 0.0).all()
+    poses = np.stack([np.zeros(91), np.linspace(0.0, np.pi, 91)], axis=-1)
+    assert np.linalg.eigvalsh(mass_matrix(poses, beta)).min() > 0.0
+
+
+@given(seeds)
+@settings(max_examples=50)
+def test_consistent_meets_the_conditions_of_optimality(seed):
+    """Multipliers of a convex programme: a positive semidefinite matrix S for the inertia, numbers for friction."""
+    regression = hostile(seed)
+    beta = beta_of("consistent", regression)
+    length, size = np.linalg.norm(regression.y, axis=(0, 1)), np.linalg.norm(regression.tau)
+    unit = slope(regression, beta)
+    gradient = unit * length * size
+    assert (np.abs(unit[3:5]) < 1e-5).all()
+    assert (unit[5:] > -1e-5).all()
+    assert (np.abs(gradient[5:] * beta[5:]) < 1e-5 * size**2).all()
+    # d cost = S11 d(I1 - I3) + S12 d(I2) + S22 d(I3).
+    s = np.array([[gradient[0], gradient[1]], [gradient[1], gradient[0] + gradient[2]]])
+    x = pseudo_inertia(beta)
+    assert np.linalg.eigvalsh(s).min() > -1e-5 * size * length[:3].max()
+    beyond = x - np.linalg.eigvalsh(x).min() * np.eye(2)
+    assert abs(np.sum(s * beyond)) < 1e-5 * size**2
+
+
+@pytest.mark.parametrize("seed", [0, 3, 10, 15, 37, 39])
+def test_consistent_is_the_minimum_over_factors_of_the_inertia(seed):
+    """Independent: inertia = L L' + margin cannot leave the set, so SciPy needs bounds on friction alone."""
+    regression = hostile(seed)
+    r, c, scale = reduced_problem(regression.y, regression.tau)
+    margin = 1e-4
+
+    def from_factor(x):
+        low = np.array([[x[0], 0.0], [x[1], x[2]]])
+        inertia = low @ low.T + margin * np.eye(2)
+        return np.array([np.trace(inertia), 2.0 * inertia[0, 1], inertia[1, 1], *x[3:]])
+
+    start = [0.3, 0.0, 0.3, 0.0, 0.0, 0.1, 0.1, 0.1, 0.1]
+    least = least_squares(
+        lambda x: r @ (scale * from_factor(x)) - c, start, bounds=([-np.inf] * 5 + [0.0] * 4, np.inf),
+        xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300,
+    )  # fmt: skip
+    expected, found = from_factor(least.x), solve_inequality(r, c, scale, margin)
+    assert np.linalg.eigvalsh(pseudo_inertia(found)).min() > 0.99 * margin
+    assert np.linalg.norm(r @ (scale * found) - c) ** 2 < 2.0 * least.cost + 1e-7 * (c @ c)
+    np.testing.assert_allclose(scale * found, scale * expected, rtol=0, atol=1e-4 * np.linalg.norm(c))
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_consistent_is_ordinary_where_that_is_consistent(seed):
+    regression = noisy_problem(seed, 60, 5e-3)
+    ordinary, found = beta_of("ordinary", regression), METHODS["consistent"].estimate(regression)
+    assume(is_positive_definite(ordinary - MIN_EIGENVALUE_RATIO * np.array([1.0, 0, 0.5, 0, 0, 0, 0, 0, 0])))
+    np.testing.assert_allclose(found.beta, ordinary, rtol=1e-7)
+    assert found.notes == ("consistent without being held",)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_consistent_says_when_it_is_held(seed):
+    regression = hostile(seed)
+    found, ordinary = METHODS["consistent"].estimate(regression), beta_of("ordinary", regression)
+    held = not np.allclose(found.beta, ordinary, rtol=1e-5, atol=1e-8)
+    assert found.notes == (
+        "the conditions of physical consistency hold it" if held else "consistent without being held",
+    )
+    if not is_positive_definite(ordinary):
+        assert held
+        assert cost(regression, found.beta) > cost(regression, ordinary)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_friction_that_is_held_is_zero_exactly(seed):
+    """By the slope of the cost: it rises with friction that is held, and is level with friction that is not."""
+    regression = hostile(seed)
+    beta = beta_of("consistent", regression)
+    friction, unit = beta[5:], slope(regression, beta)[5:]
+    assert (friction[unit > 1e-3] == 0.0).all()
+    assert (friction[np.abs(unit) < 1e-9] >= 0.0).all()
+    torque = (beta * np.linalg.norm(regression.y, axis=(0, 1)) / np.linalg.norm(regression.tau))[5:]
+    assert not ((torque > 0.0) & (torque < 1e-7)).any()
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_gravity_may_have_either_sign(seed):
+    truth = BETA * np.where(np.isin(np.arange(9), (3, 4)), -1.0, 1.0)
+    regression = noisy_problem(seed, 60, 1e-3, truth)
+    np.testing.assert_allclose(beta_of("consistent", regression)[3:5], truth[3:5], rtol=0.01)
+
+
+# Parsimonious.
+
+
+def sines(seed, pace, viscous, noise, n=400):
+    """Sines of 0.1 to 0.5 Hz played at a pace, an arm with this viscous friction."""
+    rng = np.random.default_rng(seed)
+    t = 0.05 * np.arange(n)
+    omega = 2 * np.pi * pace * rng.uniform(0.1, 0.5, (2, 3, 1))
+    amplitude, phase = rng.uniform(0.2, 0.5, (2, 3, 1)), omega * t + rng.uniform(0, 2 * np.pi, (2, 3, 1))
+    q = (amplitude * np.sin(phase)).sum(1)
+    dq, ddq = (amplitude * omega * np.cos(phase)).sum(1), (-amplitude * omega**2 * np.sin(phase)).sum(1)
+    y, beta = regressor(q, dq, ddq), BETA.copy()
+    beta[5:7] = viscous
+    return problem(y, y @ beta + noise * rng.normal(size=(2, n)))
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_without_penalty_it_is_consistent(seed):
+    regression = hostile(seed)
+    size = np.linalg.norm(regression.y, axis=(0, 1))
+    found, expected = refit_parsimonious(regression, 0.0), beta_of("consistent", regression)
+    np.testing.assert_allclose(size * found, size * expected, rtol=0, atol=1e-6 * np.linalg.norm(regression.tau))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_penalty_adds_the_energy_of_the_viscous_torque(seed):
+    """Where no condition holds, b minimises |Y beta - tau|^2 + rho (|y_b1 b1|^2 + |y_b2 b2|^2)."""
+    regression, flat = sines(seed, 2.5, 0.2, 0.02), np.zeros((2, 9))
+    rows = regression.y.reshape(-1, 9)
+    for penalty in (0.03, 0.3, 3.0):
+        flat[0, 5], flat[1, 6] = np.sqrt(penalty) * np.linalg.norm(rows[:, 5:7], axis=0)
+        right = np.concatenate([regression.tau.reshape(-1), np.zeros(2)])
+        expected, *_ = np.linalg.lstsq(np.vstack([rows, flat]), right)
+        assert is_positive_definite(expected)
+        found = METHODS["parsimonious"].repeat(regression, Estimate(BETA, (), penalty))
+        np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_stronger_penalty_leaves_less_viscous_torque(seed):
+    regression = sines(seed, 1.0, (0.1, 0.05), 0.02)
+    size = np.linalg.norm(regression.y[..., 5:7], axis=(0, 1))
+    left = [np.linalg.norm(size * refit_parsimonious(regression, penalty)[5:7]) for penalty in PENALTIES]
+    assert all(more > less for more, less in pairwise(left))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_viscous_friction_that_shows_is_kept(seed):
+    found = beta_of("parsimonious", sines(seed, 2.5, (0.3, 0.2), 0.05))
+    np.testing.assert_allclose(found[5:7], (0.3, 0.2), rtol=0.1)
+
+
+def test_viscous_friction_that_a_slow_motion_cannot_show_is_dropped():
+    """Truth has none; Coulomb friction of 0.2 and 0.15 N m explains it all."""
+    dropped, unshrunk = [], []
+    for seed in range(6):
+        regression = sines(seed, 0.4, 0.0, 0.02)
+        dropped.append(beta_of("parsimonious", regression)[5:7])
+        unshrunk.append(beta_of("consistent", regression)[5:7])
+        assert is_positive_definite(beta_of("parsimonious", regression))
+    assert np.mean(dropped) < 0.3 * np.mean(unshrunk)
+    assert np.median(dropped) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("errors", "row"),
+    [
+        # Equal in every block: the strongest.
+        ([[1.0, 2.0, 3.0]] * 4, 3),
+        # Worse by the same in every block: no standard error forgives it.
+        ([[1.0, 2.0, 3.0], [1.1, 2.1, 3.1]], 0),
+        # Better by the same in every block.
+        ([[1.1, 2.1, 3.1], [1.0, 2.0, 3.0]], 1),
+        # Worse by 0.1 on average, differences -0.2, 0.1, 0.4: standard error 0.3 / sqrt(3) = 0.173 allows it.
+        ([[1.0, 1.0, 1.0], [0.8, 1.1, 1.4]], 1),
+        # Worse by 0.2 on average, differences 0.1, 0.2, 0.3: standard error 0.0577 does not.
+        ([[1.0, 1.0, 1.0], [1.1, 1.2, 1.3]], 0),
+        # Mean 0.2 within the standard deviation of the differences, 0.25, but not within its error, 0.144.
+        ([[1.0, 1.0, 1.0], [0.95, 1.2, 1.45]], 0),
+        # Mean 0.13 within 0.144, which takes the deviation of a sample: of the whole it would be 0.118.
+        ([[1.0, 1.0, 1.0], [0.88, 1.13, 1.38]], 1),
+        # Differences count, not the spread of the blocks themselves, which is large.
+        ([[1.0, 10.0, 100.0], [1.1, 10.2, 100.3]], 0),
+        # The strongest that is allowed, though one weaker is not.
+        ([[1.0, 1.0, 1.0], [1.1, 1.2, 1.3], [0.8, 1.1, 1.4]], 2),
+        # The best lies between; a stronger one is too bad, a weaker one is not taken.
+        ([[1.2, 1.3, 1.4], [1.0, 1.0, 1.0], [2.0, 2.1, 2.2]], 1),
+    ],
+)
+def test_the_strongest_penalty_within_one_standard_error_is_chosen(errors, row):
+    assert choose_penalty(np.array(errors)) == row
+
+
+def test_the_choice_is_reported():
+    found = METHODS["parsimonious"].estimate(sines(0, 1.0, (0.07, 0.04), 0.05))
+    assert found.choice in PENALTIES
+    assert f"penalty of {found.choice:g}," in found.notes[0]
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_more_rows_can_be_added(seed):
+    """A row that asks for I1 = 1 with great weight is obeyed."""
+    regression = hostile(seed)
+    r, c, scale = reduced_problem(regression.y, regression.tau)
+    row = np.zeros((1, 9))
+    row[0, 0] = 1e4
+    beta, _ = solve_consistent(np.vstack([r, row]), np.append(c, 1e4 * scale[0]), scale)
+    assert beta[0] == pytest.approx(1.0, rel=1e-3)
