@@ -16,7 +16,7 @@ from PIL import Image
 from repro.config import load_config
 from repro.exhibits.catalogue import EXHIBITS
 from repro.files import write_json
-from repro.paper.verification import write_ledger
+from repro.paper.ledger import write_ledger
 from repro.pipeline.provenance import commit
 from repro.pipeline.stored_networks import stored_files
 
