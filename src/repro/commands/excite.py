@@ -54,10 +54,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Design, compare with Eq. 10, write."""
     import numpy as np
 
+    from repro.files import check_folder, fill_folder
     from repro.identification.envelope import Envelope
     from repro.identification.excite import design, published
     from repro.logs.armfile import read_arm
-    from repro.ownarm.outputs import check_folder, put
     from repro.progress import Progress
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not math.isfinite(content["optimised"]["condition"]):
         raise InputError.at(str(arguments.arm), "limits that let no motion separate the parameters", "wider ones")
     given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]
-    files = put(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
+    files = fill_folder(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
     print(summary(content))
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
