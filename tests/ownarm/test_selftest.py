@@ -13,8 +13,7 @@ from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.scores import relative_rms
 from repro.logs.diagnostics import Description, quantisation_step
-from repro.logs.log import Log
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test, assemble, fit_all
 from repro.ownarm.page import render_page

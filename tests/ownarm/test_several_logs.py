@@ -43,7 +43,7 @@ def test_each_log_has_its_own_delay_and_faults(two):
     assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
     assert not problem.logs[0].faults
     assert any(line.startswith("in b.csv the zero of joint 1") for line in result.warnings)
-    assert sum("one arm file cannot put them all right" in line for line in result.warnings) == 1
+    assert sum("no single arm file corrects them all" in line for line in result.warnings) == 1
     assert [len(faults) for faults in result.setup] == [0, 1]
 
 

@@ -9,8 +9,7 @@ from ownarm_problem import ARM, silent
 
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.log import Log
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, uniform
 from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.figures import draw_overlay
 from repro.ownarm.prepare import Options, load_log, make_problem

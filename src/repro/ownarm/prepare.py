@@ -21,8 +21,7 @@ from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import read_log
-from repro.logs.log import Log, period
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, period, uniform
 from repro.model.parameters import Array
 
 

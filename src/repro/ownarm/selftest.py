@@ -22,8 +22,7 @@ from repro.identification.scores import relative_rms
 from repro.identification.setup import corrected, values_of
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import quantisation_step
-from repro.logs.log import Log, period
-from repro.logs.uniform import segments, uniform
+from repro.logs.log import Log, period, segments, uniform
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, join_logs, prepare_log
