@@ -12,11 +12,11 @@ DESIRED, FRAMES = frames_of(SAMPLES)
 
 
 #: Modules that `stub` stands for.
-STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.specimen")
+STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.experiment")
 
 
 def stub():
-    """Stands for `repro.pipeline.experiment` and `repro.pipeline.specimen`: one motion, whatever its name."""
+    """Stands for `repro.pipeline.experiment` and `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.load_config = lambda path: {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
