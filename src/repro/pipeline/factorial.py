@@ -252,9 +252,9 @@ def interval(values: Array) -> tuple[float, float, float]:
 def effects(scores: pd.DataFrame) -> pd.DataFrame:
     """Every main effect and every interaction of two factors, of the image CNN and of the reader.
 
-    From the columns of `repro.pipeline.factorial_networks.score_cell`. Columns ``of, effect, response, value, low, high,
-    blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the plain network
-    compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its better one.
+    From the columns of `repro.pipeline.factorial_networks.score_cell`. Columns ``of, effect, response, value, low,
+    high, blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the
+    plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its better one.
     """
     leveled = with_levels(scores)
     cnn = leveled[leveled["reader"] == "cnn"]

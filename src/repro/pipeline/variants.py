@@ -1,4 +1,4 @@
-"""Readings of what the paper leaves open (docs/reproduction-notes.md), as changes of the configuration."""
+"""Variants: interpretations of what the paper leaves open (docs/reproduction-notes.md), as changes of the configuration."""
 
 import copy
 from collections.abc import Mapping, Sequence
