@@ -13,8 +13,7 @@ from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
-from repro.commands.record import read_program
-from repro.commands.simulate import parse_faults
+from repro.commands.boards import parse_faults, read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
