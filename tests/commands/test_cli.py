@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
+from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
@@ -26,6 +26,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 def experiment(monkeypatch):
     for name in STOOD_FOR:
         monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setattr("repro.config.load_config", load_config)
 
 
 @pytest.fixture
@@ -239,7 +240,7 @@ def test_exit_codes(monkeypatch, stored, error, code):
     def fail(arguments):
         raise error
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     assert main(["decode", str(stored)]) == code
 
 
@@ -247,7 +248,7 @@ def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
     def fail(arguments):
         raise RuntimeError("a fault of ours")
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     with pytest.raises(RuntimeError, match="a fault of ours"):
         main(["decode", str(stored)])
 
