@@ -91,7 +91,7 @@ for (module, *sources), exhibits in TOGETHER.items():
         resources:
             mem_mb=1500,
         params:
-            code=code("exhibits.py", *(one.definition for one in exhibits)),
+            *code("exhibits.py", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],
             config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
         message:

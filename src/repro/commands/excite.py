@@ -145,22 +145,21 @@ def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits
     import numpy as np
     import pandas as pd
 
-    from repro.exhibits import style
+    from repro.exhibits import panels, style
     from repro.files import write_csv, write_json
-    from repro.render import lines
 
     arm, series, columns = limits.arm, [], {"time_s": motion.time}
     own = np.array([[1.0, 0.0], [float(arm.second_joint_absolute), 1.0]]) * np.array(arm.sign)[:, None]
     zeros = (np.array(arm.zero), np.zeros(2), np.zeros(2))
     names = ("q{}_rad", "dq{}_rad/s", "ddq{}_rad/s^2")
-    for panel, name, zero, x in zip(lines.MOTION, names, zeros, (motion.q, motion.dq, motion.ddq), strict=True):
-        for j, joint in enumerate(lines.JOINTS):
+    for panel, name, zero, x in zip(panels.MOTION, names, zeros, (motion.q, motion.dq, motion.ddq), strict=True):
+        for j, joint in enumerate(panels.JOINTS):
             columns[name.format(j + 1)] = own[j] @ x + zero[j]
             series.append(pd.DataFrame({"panel": panel, "series": joint, "x": motion.time, "y": x[j]}))
     write_json(folder / "excite.json", content)
     write_csv(folder / "motion.csv", pd.DataFrame(columns))
     with style.house_style():
-        style.save(lines.motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")
+        style.save(panels.draw_motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")
 
 
 def summary(content: dict[str, Any]) -> str:

@@ -13,10 +13,10 @@ from PIL import Image
 
 from repro.exhibits import style
 from repro.exhibits.markup import unit
+from repro.exhibits.panels import JOINTS, TIME, TORQUE
 from repro.identification.cutoff import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Curves, Parameter, Result, Signals
-from repro.render.lines import JOINTS, TIME, TORQUE
 
 #: Dots per inch: 1432 pixels for the width of a page.
 DPI = 200
