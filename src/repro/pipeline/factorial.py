@@ -254,7 +254,8 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
 
     From the columns of `repro.pipeline.factorial_networks.score_cell`. Columns ``of, effect, response, value, low,
     high, blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the
-    plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its better one.
+    plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its
+    better one.
     """
     leveled = with_levels(scores)
     cnn = leveled[leveled["reader"] == "cnn"]

@@ -1,4 +1,4 @@
-"""Variants: interpretations of what the paper leaves open (docs/reproduction-notes.md), as changes of the configuration."""
+"""Variants of the configuration for what the paper leaves open (docs/reproduction-notes.md)."""
 
 import copy
 from collections.abc import Mapping, Sequence
