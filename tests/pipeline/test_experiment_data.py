@@ -20,7 +20,7 @@ from experiment_example import (
 )
 
 from repro.exhibits import arm_experiment, schematics
-from repro.identification.algorithm1.listing import prepare
+from repro.identification.algorithm1.preprocessing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
 from repro.model.stability import stability_constants

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from repro.identification.excitation import EXCITED, torque_share
+from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filters import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Method, NoSolutionError
-from repro.identification.predicted_motion import position_errors
 from repro.identification.regression import Regression
+from repro.identification.scores import position_errors
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm import setup
@@ -119,9 +119,9 @@ def with_self_test(result: Result, problem: Problem, arm: Arm, options: Options,
 
 
 def _excitation(problem: Problem, beta: Array) -> Excitation:
-    found, share = problem.excited, torque_share(problem.moving, beta)
-    still = torque_share(problem.moving, np.ones(9)) == 0.0
-    weak = (share <= EXCITED) & (beta != 0.0)
+    found, share = problem.excited, torque_fraction(problem.moving, beta)
+    still = torque_fraction(problem.moving, np.ones(9)) == 0.0
+    weak = (share <= MIN_TORQUE_FRACTION) & (beta != 0.0)
     return Excitation(
         found.rank,
         found.condition,

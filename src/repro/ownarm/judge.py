@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from repro.identification.bootstrap import Spread, bootstrap
-from repro.identification.excitation import EXCITED, torque_share
+from repro.identification.bootstrap import Uncertainty, bootstrap
+from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.method import Estimate, Method
 from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import relative_rms, similarity
@@ -31,7 +31,7 @@ class Found:
         Which.
     estimate : Estimate
         Its parameters.
-    spread : Spread or None
+    spread : Uncertainty or None
         Standard errors and intervals, if it claims any.
     halves : tuple of Score
         Each half predicted from the other; of several logs each from the rest.
@@ -39,7 +39,7 @@ class Found:
 
     method: Method
     estimate: Estimate
-    spread: Spread | None
+    spread: Uncertainty | None
     halves: tuple[Score, ...]
 
 
@@ -84,7 +84,7 @@ def judge(found: Found, problem: Problem, positions: tuple[Position, ...]) -> Me
     return MethodResult(
         method=found.method.name,
         title=found.method.title,
-        parameters=_parameters(found, torque_share(problem.moving, beta), problem),
+        parameters=_parameters(found, torque_fraction(problem.moving, beta), problem),
         claims_intervals=found.spread is not None,
         consistent=consistent,
         why_not_consistent="" if consistent else why_not_consistent(beta),
@@ -128,7 +128,7 @@ def _parameters(found: Found, share: Array, problem: Problem) -> tuple[Parameter
             float(beta[k]),
             low,
             high,
-            bool(share[k] > EXCITED),
+            bool(share[k] > MIN_TORQUE_FRACTION),
             held,
             determined[k],
             name in EITHER_SIGN or beta[k] > 0.0,

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from repro.exhibits import style
-from repro.identification.cutoff import Cutoff
+from repro.identification.filtering import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Result, Signals
 from repro.render.lines import JOINTS, TIME, TORQUE

@@ -7,14 +7,31 @@ from pathlib import Path
 import numpy as np
 
 from repro.errors import InputError
-from repro.identification.alternatives import Alternative, alternatives, without
-from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
-from repro.identification.cutoff import Cutoff, choose_cutoff
-from repro.identification.excitation import Excited, excitation
-from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.friction import Term, columns_of_terms, eased, find_terms
+from repro.identification.excitation import Identifiability, excitation
+from repro.identification.extra_terms import (
+    CALIBRATION,
+    FRICTION,
+    CalibrationError,
+    FrictionTerm,
+    calibration_limits,
+    correct_calibration,
+    find_calibration_errors,
+    find_friction,
+    subtract_friction,
+    term_columns,
+    values_of,
+)
+from repro.identification.filtering import (
+    MAX_DELAY,
+    Cutoff,
+    FilterSettings,
+    choose_cutoff,
+    choose_steepness,
+    estimate_delay,
+    prepare,
+)
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
+from repro.identification.sensitivity import Perturbation, perturbations, project_out
 from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
@@ -57,17 +74,17 @@ class Ready:
         Made of it, all samples but of joints that never move: what methods are judged on.
     moving : Regression
         The same without standstill: what methods are fitted to.
-    as_good : dict of Alternative
+    as_good : dict of Perturbation
         As `moving`, by what could have been chosen otherwise.
     settings : FilterSettings
         Its filters and delay.
     cutoff : Cutoff
         How the cut-off was chosen.
-    faults : tuple of Fault
+    faults : tuple of CalibrationError
         What the set-up got wrong.
     hidden : dict of str to float or None
-        What else it could get wrong unseen, and up to which size, see `hidden_faults`.
-    terms : tuple of Term
+        What else it could get wrong unseen, and up to which size, see `calibration_limits`.
+    terms : tuple of FrictionTerm
         Friction beyond Eq. 1; that taken is out of the torque of `told`, and projected out of `moving`.
     load : array of shape (9,) or None
         Parameters that give the load of that friction.
@@ -78,12 +95,12 @@ class Ready:
     told: Told
     regression: Regression
     moving: Regression
-    as_good: dict[str, Alternative]
+    as_good: dict[str, Perturbation]
     settings: FilterSettings
     cutoff: Cutoff
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[CalibrationError, ...] = ()
     hidden: dict[str, float | None] = field(default_factory=dict)
-    terms: tuple[Term, ...] = ()
+    terms: tuple[FrictionTerm, ...] = ()
     load: Array | None = None
     doubt: str = ""
 
@@ -98,11 +115,11 @@ class Problem:
         The logs to fit, each with filters of its own.
     regression, moving : Regression
         Of all of them together; in `moving` each log counts as its errors are small.
-    as_good : dict of Alternative
+    as_good : dict of Perturbation
         As `moving`.
     others : tuple of (Told, Regression)
         Logs to predict, with the filters of the first log and put right as it was.
-    excited : Excited
+    excited : Identifiability
         What the motion tells about the parameters.
     delay_was_found : bool
         Whether the delay was looked for in the log.
@@ -111,9 +128,9 @@ class Problem:
     logs: tuple[Ready, ...]
     regression: Regression
     moving: Regression
-    as_good: dict[str, Alternative]
+    as_good: dict[str, Perturbation]
     others: tuple[tuple[Told, Regression], ...]
-    excited: Excited
+    excited: Identifiability
     delay_was_found: bool
 
     @property
@@ -178,25 +195,25 @@ def make_ready(told: Told, arm: Arm, options: Options, others: Sequence[Regressi
     Other logs of the arm tell what is wrong with one that tells it not of itself.
     """
     settings, chosen, late = _choose(told.log, arm, options)
-    faults = find_faults(told.log, settings, others)
+    faults = find_calibration_errors(told.log, settings, others)
     if faults:  # the delay is found better on a log that is put right, and faults with the right delay
-        settings, _, _ = _choose(corrected(told.log, values_of(faults)), arm, options)
-        faults = find_faults(told.log, settings, others)
-        told = replace(told, log=corrected(told.log, values_of(faults)))
+        settings, _, _ = _choose(correct_calibration(told.log, values_of(faults)), arm, options)
+        faults = find_calibration_errors(told.log, settings, others)
+        told = replace(told, log=correct_calibration(told.log, values_of(faults)))
         settings, chosen, late = _choose(told.log, arm, options)
-    hidden = hidden_faults(told.log, settings, faults, others)
+    hidden = calibration_limits(told.log, settings, faults, others)
     regression = drop_idle_joints(prepare(told.log, settings))
     moving = drop_standstill(regression)
-    terms, load = find_terms(told.log, settings, options.friction), solve(moving.y, moving.tau)
+    terms, load = find_friction(told.log, settings, options.friction), solve(moving.y, moving.tau)
     taken = [term for term in terms if term.taken]
     if taken:
-        told = replace(told, log=eased(told.log, settings, load, taken))
+        told = replace(told, log=subtract_friction(told.log, settings, load, taken))
         regression = drop_idle_joints(prepare(told.log, settings))
-        moving = without(drop_standstill(regression), columns_of_terms(told.log, settings, load, taken))
-    as_good = alternatives(told.log, settings, late)
+        moving = project_out(drop_standstill(regression), term_columns(FRICTION, told.log, settings, load, taken))
+    as_good = perturbations(told.log, settings, late)
     if faults:
-        columns = columns_of_faults(told.log, settings, solve(moving.y, moving.tau), faults)
-        as_good["set-up"] = Alternative((without(moving, columns),))
+        columns = term_columns(CALIBRATION, told.log, settings, solve(moving.y, moving.tau), faults)
+        as_good["set-up"] = Perturbation((project_out(moving, columns),))
     doubt = _doubt(told.log, settings.delay, arm)
     return Ready(told, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
 
@@ -217,7 +234,7 @@ def _all_ready(logs: Sequence[Told], arm: Arm, options: Options) -> tuple[Ready,
     left = [k for k, log in enumerate(ready) if not log.faults and len(logs) > 1]
     while left:
         beside = {k: [log.moving for log in ready if log is not ready[k]] for k in left}
-        found = {k: find_faults(logs[k].log, ready[k].settings, beside[k]) for k in left}
+        found = {k: find_calibration_errors(logs[k].log, ready[k].settings, beside[k]) for k in left}
         gains = {k: min(fault.after / fault.before for fault in faults) for k, faults in found.items() if faults}
         if not gains:
             break
@@ -227,23 +244,23 @@ def _all_ready(logs: Sequence[Told], arm: Arm, options: Options) -> tuple[Ready,
     return tuple(ready)
 
 
-def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Alternative]]:
+def together(logs: Sequence[Ready]) -> tuple[Regression, dict[str, Perturbation]]:
     """Several logs as one regression without standstill, and what could have been chosen otherwise."""
     size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
     weights = [float(np.mean(size)) / one for one in size]
     as_good = {}
     for name in dict.fromkeys(name for log in logs for name in log.as_good):
-        found = [log.as_good.get(name, Alternative((log.moving,), 0.0)) for log in logs]
+        found = [log.as_good.get(name, Perturbation((log.moving,), 0.0)) for log in logs]
         members = max(len(one.regressions) for one in found)
         mixed = [joined([one.regressions[k % len(one.regressions)] for one in found], weights) for k in range(members)]
-        as_good[name] = Alternative(tuple(mixed), max(one.weight for one in found))
+        as_good[name] = Perturbation(tuple(mixed), max(one.weight for one in found))
     return joined([log.moving for log in logs], weights), as_good
 
 
 def _as_first(log: Log, first: Ready) -> Log:
     """A log put right, and without the friction, as the first is."""
-    right, taken = corrected(log, values_of(first.faults)), [term for term in first.terms if term.taken]
-    return eased(right, first.settings, first.load, taken) if taken and first.load is not None else right
+    right, taken = correct_calibration(log, values_of(first.faults)), [term for term in first.terms if term.taken]
+    return subtract_friction(right, first.settings, first.load, taken) if taken and first.load is not None else right
 
 
 def make_problem(
@@ -263,4 +280,4 @@ def make_problem(
 
 def at_limit(delay: float) -> bool:
     """Whether a delay is the end of what is looked at."""
-    return abs(delay) >= 0.99 * REACH
+    return abs(delay) >= 0.99 * MAX_DELAY

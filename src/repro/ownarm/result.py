@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from repro.identification.cutoff import Cutoff
-from repro.identification.friction import Term
-from repro.identification.setup import Fault
+from repro.identification.extra_terms import CalibrationError, FrictionTerm
+from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
 from repro.ownarm.selftest import SelfTest
@@ -195,12 +194,12 @@ class Result:
         About the result as a whole.
     more_logs : tuple of Description
         Logs that were fitted together with `log`.
-    setup : tuple of tuple of Fault
+    setup : tuple of tuple of CalibrationError
         What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
     hidden : tuple of dict of str to float or None
-        What else it could get wrong unseen, and up to which size, see `repro.identification.setup.hidden_faults`, of
-        each log as in `setup`.
-    friction : tuple of tuple of Term
+        What else it could get wrong unseen, and up to which size, see
+        `repro.identification.extra_terms.calibration_limits`, of each log as in `setup`.
+    friction : tuple of tuple of FrictionTerm
         Friction beyond Eq. 1 that was taken out of the torque or would help, of each log as in `setup`.
     selftest : SelfTest or None
         What comes out of known parameters, where it was asked for.
@@ -217,9 +216,9 @@ class Result:
     reason: str
     warnings: tuple[str, ...] = ()
     more_logs: tuple[Description, ...] = ()
-    setup: tuple[tuple[Fault, ...], ...] = ()
+    setup: tuple[tuple[CalibrationError, ...], ...] = ()
     hidden: tuple[dict[str, float | None], ...] = ()
-    friction: tuple[tuple[Term, ...], ...] = ()
+    friction: tuple[tuple[FrictionTerm, ...], ...] = ()
     selftest: SelfTest | None = None
 
 

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from repro.identification.friction import Term
-from repro.identification.more_columns import SURE
-from repro.identification.setup import Fault
+from repro.identification.extra_terms import MIN_Z_SCORE, CalibrationError, FrictionTerm
 from repro.logs.armfile import Arm
 from repro.ownarm.prepared import Ready
 from repro.ownarm.result import Result
@@ -20,7 +18,7 @@ APART = (
 KINDS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
 
 
-def arm_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str, ...]:
     """Lines of the arm file that put a log right, all faults together."""
     found = {fault.name: fault.value for fault in faults}
     sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
@@ -48,14 +46,14 @@ def told(logs: Sequence[Ready], arm: Arm) -> tuple[str, ...]:
     return (*lines, *([] if all(_alike(log.faults, logs[0].faults) for log in logs) else [APART]))
 
 
-def _alike(some: Sequence[Fault], others: Sequence[Fault]) -> bool:
+def _alike(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
     """Whether two logs have the same faults, of sizes within what both are sure of."""
     pairs = list(zip(some, others, strict=False))
     same = [a.name for a in some] == [b.name for b in others]
-    return same and all(abs(a.value - b.value) <= SURE * np.hypot(a.error, b.error) for a, b in pairs)
+    return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
-def friction(term: Term) -> str:
+def friction(term: FrictionTerm) -> str:
     """A row of its own for friction beyond Eq. 1."""
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
@@ -63,7 +61,7 @@ def friction(term: Term) -> str:
     return f"{size}; {done} {100 * term.gain:.0f} % of the squared error of parts not fitted"
 
 
-def words(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+def words(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str, ...]:
     """One line for each fault, and one with what to write into the arm file."""
     lines = []
     for fault in faults:
@@ -102,7 +100,7 @@ def _up_to(kind: str, size: float | None) -> str:
     return f"up to {units[kind]}"
 
 
-def _instead(fault: Fault) -> str:
+def _instead(fault: CalibrationError) -> str:
     if not fault.instead:
         return ""
     others = (f"the {KINDS[name[:-1]]} of joint {name[-1]}: {_size(name, x)}" for name, x in fault.instead.items())

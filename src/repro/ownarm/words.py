@@ -2,11 +2,12 @@
 
 import math
 
-from repro.identification.alternatives import BEYOND
+from repro.identification.sensitivity import UNMODELLED_EFFECTS
 
 #: What the intervals are valid for, in one sentence.
 ALLOWED = (
-    f"the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, {', '.join(BEYOND)}, "
+    "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
+    f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
 )
 #: Half an interval over the estimate: up to this the parameter is known.

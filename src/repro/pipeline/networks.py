@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from repro.cnn.network import load_network
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.pipeline.job import Config
 from repro.settings import data_settings, network_settings, refinement_settings, search_settings, training_settings
 

@@ -10,7 +10,7 @@ from repro.errors import InputError
 from repro.fpga.capture import Capture, read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.recording import recording_of
-from repro.identification.algorithm1.listing import filtered
+from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.experiment import program_from_config

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
 from repro.pipeline.job import Config
