@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from repro.errors import InputError
-from repro.paper.audit import audit, findings
-from repro.paper.checks.finding import VERDICTS, Finding, agreement, findings_frame
+from repro.paper.audit import CHECKS, audit, findings
+from repro.paper.finding import FINDINGS_FILE, VERDICTS, agrees, read_checks
 from repro.paper.published import Published, load_published
 
 # Tables 4 and 5, I1 I2 I3 g1 g2 of the true sets and I1 I2 I3 of the estimates, typed again.
@@ -246,12 +246,15 @@ def test_a_missing_number_is_named(published):
 
 
 def test_agreement_allows_rounding_and_no_more():
-    assert agreement(1.0 + 5e-3, 1.0, 5e-3) == "consistent"
-    assert agreement(1.0051, 1.0, 5e-3) == "contradicts itself"
-    assert agreement(math.nan, 1.0, 1.0) == "contradicts itself"
+    assert agrees(1.0 + 5e-3, 1.0, 5e-3)
+    assert not agrees(1.0051, 1.0, 5e-3)
+    assert not agrees(math.nan, 1.0, 1.0)
 
 
-def test_an_unknown_verdict_is_refused():
-    with pytest.raises(ValueError, match="verdict"):
-        Finding("a", "b", "c", "d", 0.0, 0.0, 0.0, "1", "fine")
-    assert list(findings_frame([]).columns) == list(Finding.__dataclass_fields__)
+def test_each_check_has_a_row_and_an_unknown_verdict_is_refused(published, tmp_path):
+    text = FINDINGS_FILE.read_text(encoding="utf-8")
+    assert set(CHECKS) <= {check.id for check in read_checks(published)}
+    path = tmp_path / "findings.csv"
+    path.write_text(text.replace(",holds in part,", ",fine,", 1), encoding="utf-8")
+    with pytest.raises(InputError, match="line 4: verdict: found fine, expected one of"):
+        read_checks(published, path)

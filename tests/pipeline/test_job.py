@@ -1,13 +1,14 @@
 """A rule's work: bad input is one line and exit code 2, any other failure keeps its traceback to the log."""
 
 import logging
+import subprocess
+import sys
 
 import pytest
 import torch
 
 from repro.errors import InputError
-from repro.pipeline.alive import RUN
-from repro.pipeline.job import job
+from repro.pipeline.job import job, share_lock
 
 MESSAGE = "results/data/mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
 
@@ -128,9 +129,26 @@ def test_threads_are_those_of_the_rule(log, threads):
         assert torch.are_deterministic_algorithms_enabled()
 
 
-def test_a_job_whose_run_is_over_does_nothing(log, tmp_path, monkeypatch):
-    monkeypatch.setenv(RUN, str(tmp_path / "over"))
-    with pytest.raises(SystemExit) as stop, job(str(log)):
-        pytest.fail("it ran")
-    assert stop.value.code == 1
-    assert not log.parent.exists()
+HOLDER = """
+import sys
+from pathlib import Path
+from repro.pipeline.job import share_lock
+lock = share_lock(Path(sys.argv[1]))
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_locks_of_a_run_are_removed_once_it_and_its_jobs_are_dead(tmp_path):
+    locks = tmp_path / "locks"
+    share_lock(tmp_path).close()
+    with subprocess.Popen([sys.executable, "-c", HOLDER, tmp_path], stdin=-1, stdout=-1) as holder:
+        assert holder.stdout.readline() == b"held\n"
+        locks.mkdir()
+        share_lock(tmp_path, clear=True).close()
+        assert locks.exists()
+        holder.kill()
+    share_lock(tmp_path).close()
+    assert locks.exists()  # a job removes nothing
+    share_lock(tmp_path, clear=True).close()
+    assert not locks.exists()

@@ -1,4 +1,4 @@
-"""The arm that Appendix A describes: which parameter sets give all six numbers printed there.
+"""Appendix A: the arm that it describes, and the checks of its six numbers, inequalities and matrices.
 
 Table 9 is lost, but Appendix A prints six numbers computed from the identified arm. Together they fix four
 combinations of the nine parameters and leave a family with five free ones.
@@ -17,6 +17,8 @@ printed numbers                      what they fix
 Free are I1, l1 (which gives I2 = 2 l1 g2 / g), g1, k1 and k2. Joint 1 is taken to have the larger friction.
 """
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +26,7 @@ from scipy.optimize import brentq
 
 from repro.model.parameters import STANDARD_GRAVITY, Array, is_positive, is_positive_definite
 from repro.model.stability import LyapunovSettings, stability_constants
+from repro.paper.finding import Check, Finding
 from repro.paper.published import Published, PublishedValue, load_published
 
 #: The printed numbers, by the `repro.model.stability.StabilityConstants` field that each is.
@@ -95,3 +98,80 @@ def appendix_arm(choices: FreeChoices | None = None, published: Published | None
     if not all(reproduced(beta, published).values()):
         raise ValueError(f"choices: {c} make joint 2's friction the larger; the numbers are solved for joint 1's.")
     return beta
+
+
+def determinant(c: Check) -> Finding:
+    """Compare the determinant of R1 from its eigenvalues with that from the sides of Eq. 18's condition.
+
+    With R2 = rho epsilon R1, both eigenvalues, the product of the diagonal and the square of the other corner of R1 are
+    printed: the numbers over-determine R1.
+    """
+    n, scale = c.numbers, c.rho * c.epsilon
+    found, printed = c.r1_min * (c.r2_max / scale), c.dissipation - c.coupling
+    rounding = n["r1_min"].half_step / c.r1_min + n["r2_max"].half_step / c.r2_max
+    tolerance = found * rounding + n["dissipation"].half_step + n["coupling"].half_step
+    return c.equals(found, printed, tolerance, scale=scale)
+
+
+def corner(c: Check) -> Finding:
+    """Compute lambda_Q^min from the corner of R1, the smaller root of its characteristic polynomial."""
+    scale = c.rho * c.epsilon
+    trace = c.r1_min + c.r2_max / scale
+    inside = trace**2 - 4.0 * c.dissipation
+    lambda_q = (0.5 * (trace - math.sqrt(inside)) if inside >= 0.0 else math.nan) / scale
+    tolerance = c.numbers["potential"].half_step
+    return c.equals(c.rho * lambda_q, c.potential, tolerance, trace=trace, scale=scale, lambda_q=lambda_q)
+
+
+def condition(c: Check) -> Finding:
+    """Compare the ratio of the eigenvalues of R1 with the limit that R2 = rho epsilon R1 gives."""
+    scale = c.rho * c.epsilon
+    r1_max = c.r2_max / scale
+    ratio, limit = r1_max / c.r1_min, 1.0 / scale
+    return c.compares(ratio, limit, ratio < limit, r1_max=r1_max)
+
+
+def arm(c: Check) -> Finding:
+    """Count the printed numbers that one physical arm gives."""
+    try:
+        beta = appendix_arm(published=c.published)
+    except ValueError as error:
+        count, outcome = 0, f"no physical arm: {error}"
+    else:
+        count = sum(reproduced(beta, c.published).values())
+        outcome = f"beta = ({', '.join(f'{x:.4g}' for x in beta)}) gives {count} of {len(APPENDIX_NUMBERS)}"
+    return c.equals(count, len(APPENDIX_NUMBERS), 0.0, outcome=outcome)
+
+
+def _crossing(ratio: Callable[[float], float], level: float, low: float, high: float) -> float:
+    """Find where a falling ratio reaches `level`; nan if not between the ends."""
+    if not ratio(low) > level > ratio(high):
+        return math.nan
+    return float(brentq(lambda x: ratio(x) - level, low, high, xtol=1e-12))
+
+
+def cosine(c: Check) -> Finding:
+    """Find where 1 - cos x > rho x^2 ends; ||q|| < pi lets |q1 + q2| reach sqrt(2) pi."""
+    end = _crossing(lambda x: (1.0 - math.cos(x)) / x**2, c.rho, 1e-3, 2.0 * math.pi)
+    needed = math.sqrt(2.0) * (c.domain * math.pi)
+    enough = math.floor(1e3 * ((1.0 - math.cos(needed)) / needed**2)) / 1e3
+    return c.compares(end, needed, end >= needed, enough=enough)
+
+
+def sine(c: Check) -> Finding:
+    """Find where sin(q1) / q1 >= rho, which q.g(q) >= rho q.Qq requires at q2 = 0, ends."""
+    end, radius = _crossing(lambda x: math.sin(x) / x, c.rho, 1e-3, math.pi), c.domain * math.pi
+    return c.compares(end, radius, end >= radius, at_3=math.sin(3.0) / 3.0)
+
+
+def tanh(c: Check) -> Finding:
+    """Find where x tanh(lambda x) >= gamma lambda x^2 ends."""
+    end = _crossing(lambda u: math.tanh(u) / u, c.gamma, 1e-3, 1e6) / c.steepness
+    return c.compares(end, c.speed, end >= c.speed)
+
+
+def s1_corner(c: Check) -> Finding:
+    """Compare the corner of S1 with the lower bound of Eq. 17."""
+    constants = stability_constants(appendix_arm())
+    half = 0.5 * constants.lambda_m_min
+    return c.compares(1.0, 0.5, False, tolerance=0.0, s1_min=constants.s1_min, half=half)

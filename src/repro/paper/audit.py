@@ -1,42 +1,392 @@
 """Audit of the paper: its printed numbers and formulas against each other, each check with its arithmetic.
 
 The audit uses the paper only, not our results. A check either computes a printed number from others, or compares a
-statement with the numbers it is about; where a part of the paper is lost, the note names what the check assumes.
+statement with the numbers it is about; where a part of the paper is lost, the note names what the check assumes. The
+texts, and findings about words alone, are in ``findings.csv`` (`repro.paper.finding`).
 """
 
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 import pandas as pd
 
-from repro.paper.checks import arms, hardware, method, proof, tables
-from repro.paper.checks.finding import Finding, findings_frame
-from repro.paper.published import Published, load_published
+from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links, is_positive_definite
+from repro.paper import appendix
+from repro.paper.finding import CONTRADICTS, QUESTIONABLE, Check, Finding, findings_frame, read_checks
+from repro.paper.metric_checks import abstract_check, composition, torque_bounds
+from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published, parameter_id
+from repro.signals.metric import TIME_FORMULAS, MetricSettings
+from repro.signals.programs import MEMORY_SAMPLES
+
+#: Memory of the EP4CE22; like the length of the desired trajectory that fills it best, not printed in the paper.
+DEVICE_MEMORY_BITS = 608256
+FLOAT_BITS = 32
+VALIDATION = ("T1", "T2", "T3", "T4")
+#: Interpretations of the time factor, by the formula of the metric.
+TIME_FACTORS = {"energy": "energy ratio", "mean-square": "mean square"}
+
+
+def _cell(c: Check, total: str) -> tuple[PublishedValue, ...]:
+    """Time, Freq. and Total of a cell, by the id of its Total."""
+    return tuple(c.published[total.replace("/total/", f"/{name}/")] for name in ("time", "frequency", "total"))
+
+
+def _totals_of_table(c: Check) -> list[Finding]:
+    findings = []
+    for place, cells in composition(c.published).groupby("place", sort=False):
+        used = [number for total in cells["id"] for number in _cell(c, total)]
+        table = used[0].id.split("/")[0]
+        agree = int(cells["agrees"].sum())
+        findings.append(c.equals(agree, len(cells), 0.0, used, table=table, cells_place=place))
+    return findings
+
+
+def _wrong_totals(c: Check) -> list[Finding]:
+    cells = composition(c.published)
+    findings = []
+    for cell in cells[~cells["agrees"]].itertuples():
+        time, frequency, total = used = _cell(c, str(cell.id))
+        product, tolerance = time.value * frequency.value / 100.0, float(str(cell.tolerance))
+        texts: dict[str, Any] = {"time": time, "frequency": frequency, "total": total}
+        findings.append(c.compares(product, total.value, False, tolerance=tolerance, uses=used, **texts))
+    return findings
+
+
+def _totals(c: Check, method: str, *cases: str) -> list[PublishedValue]:
+    """Totals of Table 10, case by case, joint 1 before joint 2."""
+    return [c.published[f"table10/{case}/{method}/total/joint{j}"] for case in cases for j in (1, 2)]
+
+
+def _numeric_statements(c: Check) -> list[Finding]:
+    """Score the published pairs on Eq. 10, against 97.38 % of the abstract and 97 % of Section VI."""
+    pairs = [
+        parameter_id(case, method, n) for case in NUMERIC_CASES for method in ("true", "algorithm1") for n in NAMES
+    ]
+    findings = []
+    for formula in TIME_FORMULAS:
+        totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula)).cells["total"]
+        for stated in (c.published["abstract/numeric/total"], c.published["section6/numeric/total"]):
+            over, least = int((totals > stated.value).sum()), float(totals.min())
+            texts: dict[str, Any] = {
+                "stated": stated,
+                "formula": formula,
+                "factor": TIME_FACTORS[formula],
+                "over": over,
+            }
+            findings.append(
+                c.compares(
+                    least, stated.value, over == len(totals), tolerance=stated.half_step, uses=(stated, *pairs),
+                    of=len(totals), mean=totals.mean(), **texts,
+                )
+            )  # fmt: skip
+    return findings
+
+
+def _abstract_total(c: Check) -> Finding:
+    identification, validation = _totals(c, "algorithm1", "ID"), _totals(c, "algorithm1", *VALIDATION)
+    least, both = min(identification, key=_value), (*identification, *validation)
+    below = sum(v.value < c.abstract for v in validation)
+    least_validation = f"{min(v.value for v in validation):.2f}"
+    return c.compares(
+        min(v.value for v in both), c.abstract, below == 0 and least.value >= c.abstract, uses=both,
+        tolerance=c.numbers["abstract"].half_step, least=least, least_validation=least_validation, below=below,
+        of=len(validation),
+    )  # fmt: skip
+
+
+def _value(number: PublishedValue) -> float:
+    return number.value
+
+
+def _conclusion_total(c: Check) -> Finding:
+    identification, validation = _totals(c, "algorithm1", "ID"), _totals(c, "algorithm1", *VALIDATION)
+    best, best_identification = max(validation, key=_value), f"{max(v.value for v in identification):.2f}"
+    tolerance, uses = c.numbers["conclusion"].half_step + best.half_step, (*identification, *validation)
+    return c.equals(best.value, None, tolerance, uses, best=best, best_identification=best_identification)
+
+
+def _discussion_total(c: Check) -> Finding:
+    validation = _totals(c, "algorithm1", *VALIDATION)
+    return c.equals(sum(v.value > c.discussion for v in validation), len(validation), 0.0, validation)
+
+
+def _threshold(c: Check) -> Finding:
+    totals = _totals(c, "algorithm1", "ID")
+    mean, text = float(np.mean([v.value for v in totals])), " + ".join(v.printed for v in totals)
+    return c.compares(mean, c.threshold, mean > c.threshold, uses=totals, sum=text)
+
+
+def _against_least_squares(c: Check) -> Finding:
+    cases = VALIDATION if c.id.endswith("validation") else ("ID",)
+    sides = [_totals(c, method, *cases) for method in ("algorithm1", "least-squares")]
+    better = sum(a.value > b.value for a, b in zip(*sides, strict=True))
+    ours, theirs = (float(np.mean([v.value for v in side])) for side in sides)
+    return c.equals(better, len(sides[0]), 0.0, (*sides[0], *sides[1]), ours=ours, theirs=theirs)
+
+
+def _coulomb_friction(c: Check) -> Finding:
+    """Compare the largest torques that the printed pairs of T1 and T4 permit for joint 1 with the Coulomb friction."""
+    bounds = torque_bounds(c.published).set_index(["case", "joint"])["largest_mean_square"]
+    t1, t4, joint2 = (math.sqrt(bounds[cell]) for cell in (("T1", 1), ("T4", 1), ("T1", 2)))
+    least, friction = min(t1, t4), 2.0 * math.sqrt(c.coupling) / c.epsilon
+    verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE
+    texts: dict[str, Any] = {
+        "t1": t1,
+        "t4": t4,
+        "joint2": joint2,
+        "friction": friction,
+        "k1": appendix.FreeChoices().k1,
+    }
+    return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, **texts)
+
+
+def _definite(c: Check) -> list[Finding]:
+    """Is M(q) positive definite for every q2? One finding for each true set or each published estimate."""
+    method = c.id.rpartition("/")[2]
+    findings = []
+    for case, beta in zip(NUMERIC_CASES, c.published.parameter_sets(method), strict=True):
+        i1, i2, i3 = beta[:3]
+        order = "I1 is not above I3: more inertia about joint 2 than about joint 1." if i1 <= i3 else ""
+        texts: dict[str, Any] = {"case": case, "table": 4 if case in NUMERIC_CASES[:2] else 5, "order": order}
+        uses = [parameter_id(case, method, name) for name in ("I1", "I2", "I3")]
+        found = float(i3 * (i1 - i3) - 0.25 * i2**2)
+        findings.append(
+            c.compares(found, 0.0, bool(is_positive_definite(beta)), uses=uses, i1=i1, i2=i2, i3=i3, **texts)
+        )
+    return findings
+
+
+def _true_ids(*names: str) -> list[str]:
+    return [parameter_id(case, "true", name) for case in NUMERIC_CASES for name in names]
+
+
+def _link_limits(length: float, mass: float) -> Array:
+    """Compute (I1, I2, I3, g1, g2, I1 - I3) of links of one length and one mass.
+
+    Each rises with every link quantity, so the ends of the ranges give the ends; I1 - I3 = m1 lc1^2 + J1 + m2 l1^2 too.
+    """
+    inertial = inertial_from_links(Links(m1=mass, m2=mass, l1=length, lc1=length, lc2=length, j1=length, j2=mass))
+    return np.append(inertial, 2.0 * mass * length**2 + length)
+
+
+def _training_ranges(c: Check) -> list[Finding]:
+    """Could the published ranges of the links have made N1 to N4?"""
+    low, high = _link_limits(c.length_low, c.mass_low), _link_limits(c.length_high, c.mass_high)
+    true = c.published.parameter_sets("true")
+    values = np.column_stack([true[:, :5], true[:, 0] - true[:, 2]])
+    length, mass = c.numbers["length_high"], c.numbers["mass_high"]
+    formulas = {
+        "I1": f"m1 lc1^2 + J1 + m2 l1^2 + m2 lc2^2 + J2 <= 3 x {mass} x {length}^2 + {length} + {mass}",
+        "I2": f"2 m2 l1 lc2 <= 2 x {mass} x {length} x {length}",
+        "I3": f"m2 lc2^2 + J2 <= {mass} x {length}^2 + {mass}",
+        "g1": f"(m1 lc1 + m2 l1) g <= 2 x {mass} x {length} x {STANDARD_GRAVITY}",
+        "g2": f"m2 lc2 g <= {mass} x {length} x {STANDARD_GRAVITY}",
+        "I1 - I3": f"m1 lc1^2 + J1 + m2 l1^2 <= 2 x {mass} x {length}^2 + {length}",
+    }
+    findings = []
+    for k, (name, formula) in enumerate(formulas.items()):
+        v = values[:, k]
+        count = int(((v < low[k]) | (v > high[k])).sum())
+        outside = f"{count} of 4 arms lie outside; the value printed here is the farthest." if count else ""
+        farthest = v[np.argmax(np.maximum(v - high[k], low[k] - v))] if count else v.max()
+        texts: dict[str, Any] = {
+            "name": name,
+            "id": name.replace(" ", ""),
+            "formula": formula,
+            "low": low[k],
+            "outside": outside,
+        }
+        texts["range_unit"] = "kg m^2/s^2" if name[0] == "g" else "kg m^2"
+        texts["values"] = ", ".join(f"{x:.4f}" for x in v)
+        uses = _true_ids(*name.split(" - "))
+        findings.append(c.compares(float(high[k]), float(farthest), count == 0, uses=uses, **texts))
+    return findings
+
+
+def _friction_range(c: Check) -> Finding:
+    friction = c.published.parameter_sets("true")[:, 5:]
+    least, most = float(friction.min()), float(friction.max())
+    return c.compares(most, c.high, c.low <= least and most <= c.high, uses=_true_ids(*NAMES[5:]), least=least)
+
+
+def _link_one(c: Check) -> Finding:
+    """Compute the length of link 1 that I2 and g2 imply: I2 / g2 = 2 l1 / g whatever the masses."""
+    true = c.published.parameter_sets("true")
+    l1 = true[:, 1] * STANDARD_GRAVITY / (2.0 * true[:, 4])
+    lengths = ", ".join(f"{x:.2f}" for x in l1)
+    inside = not (l1 > c.limit).any()
+    return c.compares(float(l1.min()), c.limit, inside, uses=_true_ids("I2", "g2"), lengths=lengths)
+
+
+def _repeated(c: Check) -> Finding:
+    """Compare a number that is stated more than once with itself."""
+    numbers = list(c.numbers.values())
+    places = ", ".join(dict.fromkeys(v.place for v in numbers))
+    texts = {"places": places, "values": " = ".join(v.text or v.printed for v in numbers)}
+    least, most = min(map(_value, numbers)), max(map(_value, numbers))
+    return c.equals(most, least, 0.0, number_unit=numbers[0].unit, **texts)
+
+
+def _band(c: Check) -> Finding:
+    """Compute the band that 100 coefficients cover on the identification trajectory."""
+    h, last = c.period / 1000.0, c.bands - 1.0
+    n = round(c.duration * math.pi / h)
+    return c.equals(last / (2.0 * h * n), n=n, h=h, last=last, wanted=last / (2.0 * h * c.high))
+
+
+def _trajectory_speed(c: Check) -> Finding:
+    t = np.linspace(0.0, c.duration * math.pi, 20001)
+    second = (-c.a1 * c.f1 * np.sin(c.f1 * t + c.p1), c.a2 * c.f2 * np.cos(c.f2 * t + c.p2))
+    peak1, peak2 = (float(np.abs(first + s).max()) for first, s in zip((np.cos(t), np.sin(t)), second, strict=True))
+    largest = max(peak1, peak2)
+    return c.compares(largest, c.speed, largest <= c.speed, peak1=peak1, peak2=peak2)
+
+
+def _learning_rate(c: Check) -> Finding:
+    end = c.start + c.slope * c.steps
+    return c.compares(end, c.start, end <= c.start)
+
+
+def _map_sizes(c: Check) -> Finding:
+    """Follow the sizes of the maps through kernels without padding, and pooling in the first two layers."""
+    sizes, fits = [c.side], True
+    for layer, kernel in enumerate((c.kernel1, c.kernel2, c.kernel3), start=1):
+        sizes.append(sizes[-1] - kernel + 1.0)
+        if layer < 3:
+            fits &= sizes[-1] % c.pool == 0
+            sizes.append(sizes[-1] / c.pool)
+    size = sizes[-1]
+    whole = fits and size > 0 and size == round(size)
+    chain = " -> ".join(f"{each:g}" for each in sizes)
+    return c.compares(size, round(size), whole, tolerance=0.0, chain=chain, inputs=size**2 * c.maps)
+
+
+def _label(c: Check) -> Finding:
+    """Send the label of a residual of 1 through line 20."""
+    label = 1.0 / (1.0 + math.exp(1.0))
+    return c.compares(-math.log((1.0 - label) / label), 1.0, False, tolerance=0.0, label=label)
+
+
+def _motor_counts(c: Check) -> int:
+    """Return the motor's counts a turn: not printed, but the whole number that the printed ones lead to."""
+    return round(2.0 * math.pi / (c.step * c.gear))
+
+
+def _encoder_step(c: Check) -> Finding:
+    motor = _motor_counts(c)
+    counts = motor * c.gear
+    return c.equals(2.0 * math.pi / counts, motor=motor, counts=counts, per_turn=2.0 * math.pi / (c.step * c.gear))
+
+
+def _least_duty(c: Check) -> Finding:
+    percent = 100.0 / c.high
+    duty = c.low * percent
+    return c.compares(duty, -100.0, duty >= -100.0, percent=percent)
+
+
+def _full_torque(c: Check) -> Finding:
+    return c.compares(
+        c.full, c.motor, c.full <= c.motor, share=100.0 * c.full / c.motor, step=1e3 * c.full / c.count
+    )  # fmt: skip
+
+
+def _velocity_gain(c: Check) -> Finding:
+    """Multiply K_v with an encoder step: in Eq. 2 it multiplies a difference of positions, so its unit is K_p's."""
+    one = c.gain * c.step
+    return c.compares(one, c.full, one <= c.full, damping=c.gain * c.h / 1000.0, share=100.0 * one / c.full)
+
+
+def _frame(c: Check) -> Finding:
+    used = 8.0 * c.identifier + c.fields * c.position + c.joints * c.bits
+    return c.compares(used, c.frame, used <= c.frame)
+
+
+def _link_rate(c: Check) -> Finding:
+    rate = c.frame / 8.0 / (c.h / 1000.0)
+    return c.compares(10.0 * rate, math.nan, False, bytes=rate)
+
+
+def _memory_share(c: Check) -> Finding:
+    stored = MEMORY_SAMPLES * c.joints * FLOAT_BITS
+    texts: dict[str, Any] = {"samples": MEMORY_SAMPLES, "float_bits": FLOAT_BITS, "available": DEVICE_MEMORY_BITS}
+    rest = c.memory * DEVICE_MEMORY_BITS / 100.0 - stored
+    return c.equals(100.0 * stored / DEVICE_MEMORY_BITS, rest=rest, **texts)
+
+
+def _circle(c: Check) -> Finding:
+    reach = 100.0 * c.tip / c.speed
+    return c.compares(c.circle, reach, c.circle < reach, share=c.circle / reach)
+
+
+#: Checks by the id of their row in ``findings.csv``; rows that are not listed are about words alone.
+CHECKS: dict[str, Callable[[Check], Finding | list[Finding]]] = {
+    "composition/{table}": _totals_of_table,
+    "composition/{total.id}": _wrong_totals,
+    "{stated.id}/{formula}": _numeric_statements,
+    "abstract/experimental/total": _abstract_total,
+    "section7/experimental/total": _conclusion_total,
+    "section6/experimental/total": _discussion_total,
+    "section6/experimental/threshold": _threshold,
+    "least-squares/identification": _against_least_squares,
+    "least-squares/validation": _against_least_squares,
+    "table10/coulomb-friction": _coulomb_friction,
+    "definite/{case}/true": _definite,
+    "definite/{case}/algorithm1": _definite,
+    "range/{id}": _training_ranges,
+    "range/friction": _friction_range,
+    "range/l1": _link_one,
+    "range/reach": lambda c: c.compares(
+        c.tip / c.speed, 3.0 * c.limit, c.tip / c.speed <= 3.0 * c.limit, stretched=2.0 * c.limit
+    ),
+    "section3/sampling-rate": lambda c: c.equals(1000.0 / c.period),
+    "section4a/band-high": _band,
+    "eq16/blue": lambda c: c.compares(c.weight / 3.0 + 1.0, 1.0, c.weight / 3.0 + 1.0 <= 1.0),
+    "eq10/speed": _trajectory_speed,
+    "section4b/train-images": lambda c: c.equals(c.share * c.sets / 100.0, tolerance=0.0),
+    "section4b/test-images": lambda c: c.equals(c.share * c.sets / 100.0, tolerance=0.0),
+    "section4b/loss-divisor": lambda c: c.equals(c.terms, tolerance=0.0),
+    "section4b/learning-rate-slope": _learning_rate,
+    "section4b/sizes": _map_sizes,
+    "section4b/labels": _label,
+    "section3/encoder-step": _encoder_step,
+    "section3/position-turns": lambda c: c.equals(
+        c.high / (_motor_counts(c) * c.gear), counts=_motor_counts(c) * c.gear
+    ),
+    "section3/position-low": lambda c: c.equals(c.high - c.low + 1.0, 2.0**c.bits, 0.0),
+    "section3/torque-unit": lambda c: c.equals(100.0 / c.high, values=c.high + 1.0, smaller=100.0 / (c.high + 1.0)),
+    "section3/torque-bits": lambda c: c.equals(c.high - c.low + 1.0, 2.0**c.bits, 0.0),
+    "section3/torque-low": _least_duty,
+    "section5c/full-torque/joint1": _full_torque,
+    "section5c/full-torque/joint2": _full_torque,
+    "table08/kv/joint1": _velocity_gain,
+    "section3/frame": _frame,
+    "section3/rate": _link_rate,
+    "section3/logic-share": lambda c: c.equals(100.0 * c.elements / c.of),
+    "section3/memory-share": _memory_share,
+    "section6/T2/circle": _circle,
+    "appendix/determinant": appendix.determinant,
+    "appendix/corner": appendix.corner,
+    "appendix/condition": appendix.condition,
+    "appendix/rate": lambda c: c.compares(c.dissipation, c.coupling, c.dissipation > c.coupling),
+    "appendix/arm": appendix.arm,
+    "appendix/cosine": appendix.cosine,
+    "appendix/sine": appendix.sine,
+    "appendix/tanh": appendix.tanh,
+    "appendix/s1-corner": appendix.s1_corner,
+    "appendix/gain": lambda c: c.compares(1.0 / (c.rho * c.epsilon), 1.0, False, tolerance=0.0),
+}
 
 
 def findings(published: Published | None = None) -> tuple[Finding, ...]:
-    """Run every check, by subject."""
-    p = load_published() if published is None else published
-    return (
-        *tables.totals_against_factors(p),
-        *tables.numeric_claims(p),
-        *tables.experimental_claims(p),
-        *tables.comparison_with_least_squares(p),
-        *tables.coulomb_friction(p),
-        *tables.lost_table(p),
-        *arms.definiteness(p),
-        *arms.training_ranges(p),
-        *tables.repeated_numbers(p),
-        *hardware.sampling(p),
-        *method.image_and_trajectory(p),
-        *method.random_trajectories(p),
-        *method.level_factor(),
-        *method.training(p),
-        *hardware.encoder(p),
-        *hardware.torque(p),
-        *hardware.link_and_device(p),
-        *proof.numbers_against_each_other(p),
-        *proof.bounds(p),
-        *proof.matrices(p),
-        *tables.misprints(),
-    )
+    """Run every check, in the order of ``findings.csv``."""
+    found: list[Finding] = []
+    for check in read_checks(load_published() if published is None else published):
+        function = _repeated if check.id.startswith("repeated/") else CHECKS.get(check.id, Check.remark)
+        result = function(check)
+        found += [result] if isinstance(result, Finding) else result
+    return tuple(found)
 
 
 def audit(published: Published | None = None) -> pd.DataFrame:

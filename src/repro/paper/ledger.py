@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from repro.paper.audit import findings
-from repro.paper.checks.finding import CONTRADICTS, NOT_POSSIBLE, Finding
 from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, judge_all
+from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
 from repro.paper.our_values import declared_value
 from repro.paper.published import Published
 from repro.paper.results import REFINED, Results, measured_values

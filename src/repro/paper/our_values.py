@@ -28,7 +28,7 @@ from repro.comparison.tolerances import LEDGER
 from repro.errors import InputError
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
-from repro.paper.checks import hardware
+from repro.paper import audit as hardware
 from repro.paper.claims import Basis, OurValue
 from repro.paper.published import Published, PublishedValue
 from repro.signals import programs, trajectories, validation_motions

@@ -84,6 +84,10 @@ class PublishedValue:
     ours: str = ""  # where our value comes from (`repro.paper.our_values`)
     note: str = ""  # what a reader of the comparison should know
 
+    def __str__(self) -> str:
+        """The number as it is printed."""
+        return self.printed
+
     @property
     def value(self) -> float:
         """The number, in `unit`."""

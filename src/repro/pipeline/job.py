@@ -1,18 +1,41 @@
-"""What every workflow script runs inside: its files by name, a log with the traceback, one line for bad input."""
+"""Runs and their jobs: the lock of the folder, the log with the traceback, one line for bad input."""
 
+import fcntl
 import logging
-import os
+import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from repro.errors import InputError
-from repro.pipeline.alive import join_run
 
 Config = Mapping[str, Any]
 Named = Iterable[tuple[str, str | Sequence[str]]]
+
+
+#: Folder of Snakemake's records.
+STATE = Path(".snakemake")
+
+
+def share_lock(state: Path = STATE, clear: bool = False) -> TextIO:
+    """Hold the folder's lock, which runs and jobs share, until the file is closed or the process ends.
+
+    With `clear` Snakemake's own locks are removed if nobody else holds it: their run was killed.
+    """
+    state.mkdir(exist_ok=True)
+    file = (state / "run.lock").open("a")
+    try:
+        if clear:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            shutil.rmtree(state / "locks", ignore_errors=True)
+        fcntl.flock(file, fcntl.LOCK_SH)
+    except BlockingIOError:
+        fcntl.flock(file, fcntl.LOCK_SH)
+    except OSError:
+        pass  # a file system without locks: there a killed run needs snakemake --unlock
+    return file
 
 
 def paths(named: Named) -> dict[str, list[Path]]:
@@ -28,7 +51,7 @@ def _worth_telling(record: logging.LogRecord) -> bool:
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
     """Run a rule's work."""
-    join_run(os.environ)
+    lock = share_lock() if STATE.is_dir() else None
     path = Path(log)
     path.parent.mkdir(parents=True, exist_ok=True)
     root = logging.getLogger()
@@ -53,6 +76,8 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
         print(f"failed: the traceback is in {log}", file=sys.stderr)
         raise SystemExit(1) from None
     finally:
+        if lock:
+            lock.close()
         root.removeHandler(to_terminal)
         root.removeHandler(to_file)
         to_file.close()

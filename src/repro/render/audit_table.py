@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from repro.exhibits.markup import EMPTY, PAGE, Table, Text, formula, plain, scientific, tex_row, unit
-from repro.paper.checks.finding import CONSISTENT, VERDICTS
+from repro.paper.finding import CONSISTENT, VERDICTS
 
 #: Between two columns, and of an inch, pt.
 _GAP = 9.0

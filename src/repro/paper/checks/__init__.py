@@ -1,1 +1,0 @@
-"""Checks of the paper against itself, one subject a module; `repro.paper.audit` runs them all."""

@@ -1,0 +1,143 @@
+"""Findings of the audit. ``findings.csv`` has their texts, in the order of the table; `Check` computes a row of it.
+
+Texts are templates. Their names are those of the row's published numbers (``name=id`` in the column ``numbers``), what
+the check computed (``found``, ``printed``), and further names that it passes. The column ``verdict`` is the verdict of
+a check that fails, or of a row without a calculation. If the place is empty, the published number with the id of the
+row gives place and unit.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from repro.errors import InputError
+from repro.files import read_rows
+from repro.paper.published import Published, PublishedValue
+
+FINDINGS_FILE = Path(__file__).with_name("findings.csv")
+
+#: Outcomes of a check.
+CONSISTENT = "consistent"
+CONTRADICTS = "contradicts itself"
+NOT_POSSIBLE = "not possible"
+OUTSIDE = "outside its own range"
+IN_PART = "holds in part"
+MISPRINT = "misprint"
+QUESTIONABLE = "questionable"
+OPEN = "cannot be decided"
+
+VERDICTS = {
+    CONSISTENT: "the printed numbers agree",
+    CONTRADICTS: "two statements of the paper exclude each other",
+    NOT_POSSIBLE: "no arm, or no signal, can have the printed value",
+    OUTSIDE: "the value lies outside the range that the paper gives for it",
+    IN_PART: "true for some of the cases it is said of",
+    MISPRINT: "a symbol, unit or reference that the rest of the paper corrects",
+    QUESTIONABLE: "no contradiction, but a reader should know",
+    OPEN: "the part of the paper that would decide it is lost or was not printed",
+}
+
+#: Rounding of binary numbers, relative to the tolerance.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Result of one check."""
+
+    id: str  # stable name, for example ``composition/table10``
+    place: str  # where the statement is printed
+    what: str  # what is checked, in words
+    arithmetic: str  # the calculation, with its numbers
+    found: float  # what the calculation gives, in `unit`; nan where there is no number
+    printed: float  # what it is compared with, in `unit`
+    tolerance: float  # by how much rounding lets them differ; nan where they are not compared as values
+    unit: str  # unit of `found` and `printed`
+    verdict: str  # one of `VERDICTS`
+    note: str = ""  # what a reader should know; says so where the extraction of the text may be at fault
+    numbers: tuple[str, ...] = ()  # ids of the published numbers that the check uses
+
+
+def agrees(found: float, printed: float, tolerance: float) -> bool:
+    """Whether two numbers that should be equal are, to a tolerance."""
+    return abs(found - printed) <= tolerance * (1.0 + _ROUNDING)
+
+
+class Check:
+    """One row of ``findings.csv`` with its published numbers, whose values are attributes by their names in the row."""
+
+    def __init__(self, row: dict[str, str], published: Published) -> None:
+        self.id = row["id"]
+        self.published = published
+        self._row = row
+        names = [entry.partition("=") for entry in row["numbers"].split()]
+        self.numbers: dict[str, PublishedValue] = {name: published[id_] for name, _, id_ in names}
+
+    def __getattr__(self, name: str) -> float:
+        """Value of a published number of the row."""
+        if name not in self.__dict__.get("numbers", {}):
+            raise AttributeError(name)
+        return self.numbers[name].value
+
+    def equals(
+        self,
+        found: float,
+        printed: float | None = None,
+        tolerance: float | None = None,
+        uses: Iterable[PublishedValue | str] = (),
+        **texts: Any,  # noqa: ANN401
+    ) -> Finding:
+        """Compare a calculated number with a printed one, by default the published number of this id as printed."""
+        if printed is None or tolerance is None:
+            subject = self.published[self.id]
+            printed = subject.value if printed is None else printed
+            tolerance = subject.half_step if tolerance is None else tolerance
+        same = agrees(found, printed, tolerance)
+        return self.compares(found, printed, same, tolerance=tolerance, uses=uses, **texts)
+
+    def compares(
+        self,
+        found: float,
+        printed: float,
+        consistent: bool,
+        *,
+        tolerance: float = math.nan,
+        verdict: str = "",
+        uses: Iterable[PublishedValue | str] = (),
+        **texts: Any,  # noqa: ANN401
+    ) -> Finding:
+        """Report a calculated number next to a printed one, for example a limit, with the outcome of the check."""
+        named = {"found": found, "printed": printed, **self.numbers, **texts}
+        text = {name: template.format(**named) for name, template in self._row.items() if name != "numbers"}
+        if not text["place"]:
+            subject = self.published[self.id]
+            text |= {"place": subject.place, "unit": text["unit"] or subject.unit}
+        used = (*self.numbers.values(), *uses)
+        text["note"] = text["note"].strip()
+        text["verdict"] = CONSISTENT if consistent else verdict or text["verdict"]
+        ids = tuple(number if isinstance(number, str) else number.id for number in used)
+        return Finding(**text, found=found, printed=printed, tolerance=tolerance, numbers=ids)
+
+    def remark(self) -> Finding:
+        """Report on words or symbols, which have no numbers to compare."""
+        return self.compares(math.nan, math.nan, consistent=False)
+
+
+def read_checks(published: Published, path: Path = FINDINGS_FILE) -> list[Check]:
+    """Read the rows of ``findings.csv``."""
+    rows = read_rows(path)
+    for number, row in enumerate(rows, start=2):
+        if row["verdict"] not in VERDICTS:
+            raise InputError.at(f"{path}: line {number}: verdict", row["verdict"], f"one of {', '.join(VERDICTS)}")
+    return [Check(row, published) for row in rows]
+
+
+def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:
+    """Tidy table of findings."""
+    return pd.DataFrame(
+        [{**vars(f), "numbers": " ".join(f.numbers)} for f in findings], columns=list(Finding.__dataclass_fields__)
+    )
