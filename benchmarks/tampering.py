@@ -14,7 +14,7 @@ from pathlib import Path
 
 from repro.config import load_config
 from repro.errors import InputError
-from repro.paper.verification import PUBLISHED_NAME, verify_ledger
+from repro.paper.ledger import PUBLISHED_NAME, verify_ledger
 
 FOLDERS = ("docs/reference", "data/captures", "data/networks")
 Edit = Callable[[random.Random, Path], Path | None]

@@ -10,8 +10,8 @@ import yaml
 from repro.config import load_config
 from repro.files import write_csv
 from repro.model.parameters import NAMES
+from repro.paper.ledger import write_ledger
 from repro.paper.published import PUBLISHED_FILE
-from repro.paper.verification import write_ledger
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "config" / "config.yaml"

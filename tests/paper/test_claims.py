@@ -1,12 +1,10 @@
 """The claims ledger: its verdicts, that every published number has a counterpart, and what is asserted."""
 
 import math
-from itertools import pairwise
 
-import numpy as np
 import pandas as pd
 import pytest
-from claims_example import APPENDIX, CONFIG, LOSS, METHODS, NUMERIC, write_results
+from claims_example import CONFIG, LOSS, METHODS, write_results
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -146,6 +144,8 @@ def test_each_verdict_at_its_edge(number, side, verdict):
         (Basis.NUMERIC, (95.0, 97.6), INCONCLUSIVE),
         (Basis.ARM, (96.6,), INCONCLUSIVE),
         (Basis.CONSTRUCTION, (96.6,), REPRODUCED),
+        (Basis.NUMERIC, (96.49, 97.61), REPRODUCED),  # another case within 0.505 of either number would pass as well
+        (Basis.NUMERIC, (96.5,), INCONCLUSIVE),
     ],
 )
 def test_a_match_that_another_case_would_pass_too_is_no_evidence(basis, others, verdict):
@@ -182,13 +182,6 @@ def test_a_row_adds_up(published, value, spread):
     if clear:
         assert (row["verdict"] == REPRODUCED) == (abs(row["difference"]) < row["tolerance"])
         assert (row["cause"] == "another network") == (row["verdict"] == DIFFERS)
-
-
-def test_without_a_number_of_ours_nothing_is_compared():
-    row = judge(printed(kind="hardware-only"), OurValue(None, "", note="a clock"))
-    assert all(math.isnan(row[name]) for name in ("ours", "difference", "tolerance"))
-    assert (row["tolerance_from"], row["note"], row["asserted"]) == ("", "a clock", "")
-    assert row["basis"] == "hardware"
 
 
 def test_a_number_on_one_side_only_is_refused():
@@ -232,14 +225,6 @@ def test_every_published_number_of_the_papers_own_is_there_once(published, confi
     assert set(known["tolerance_from"]) == {PRINT, PREDICTION, EQUIVALENCE, NONE}
 
 
-@pytest.mark.slow
-def test_a_number_that_differs_has_a_cause(claims):
-    differing = claims["verdict"] == DIFFERS
-    assert differing.sum() > 5
-    assert claims.loc[differing, "cause"].isin(CAUSES).all()
-    assert (claims.loc[~differing, "cause"] == "").all()
-
-
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
@@ -247,6 +232,11 @@ CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 def test_what_is_asserted_follows_the_rule(claims, published):
     kinds = {number.id: number.kind for number in published}
     compared = ~claims["verdict"].isin([HARDWARE, CONTRADICTS, NOT_RUN])
+    differing = claims["verdict"] == DIFFERS
+    assert claims.loc[differing, "cause"].isin(CAUSES).all() and (claims.loc[~differing, "cause"] == "").all()
+    settings = claims[(claims["kind"] == "setting") & (claims["verdict"] != CONTRADICTS)]
+    assert set(settings["verdict"]) == {REPRODUCED, NOT_RUN}
+    assert set(claims.loc[claims["kind"] == "deterministic", "verdict"]) == {REPRODUCED}
     for name, row in claims.iterrows():
         by_kind = kinds[name.partition("@")[0]] in ("setting", "exact", "deterministic") and compared[name]
         expected = REPRODUCED if by_kind or name in (*ASSERTED, "section5a/loss") else ""
@@ -254,25 +244,6 @@ def test_what_is_asserted_follows_the_rule(claims, published):
         assert row["must"] == (row["asserted"] == REPRODUCED)
     # Algorithm 1 itself, on the paper's arms and on the simulated one.
     assert {"abstract/numeric/total", CENTRAL} <= set(claims.index[claims["asserted"] != ""])
-
-
-@pytest.mark.slow
-def test_only_numbers_of_the_bench_need_the_hardware(claims, published):
-    kinds = {number.id: number.kind for number in published}
-    needed = claims.index[claims["verdict"] == HARDWARE]
-    assert {kinds[name] for name in needed} == {"hardware-only"}
-    assert 5 <= len(needed) <= 12 and not any(name.startswith("table") for name in needed)
-
-
-@pytest.mark.slow
-def test_every_setting_is_adopted_as_printed(claims):
-    settings = claims[(claims["kind"] == "setting") & (claims["verdict"] != CONTRADICTS)]
-    assert set(settings["verdict"]) == {REPRODUCED, NOT_RUN}
-    # The paper's own training is a target of its own: what it is set to is not what the default run was made with.
-    unused = settings.index[settings["verdict"] == NOT_RUN]
-    assert {name.partition("/")[0] for name in unused} == {"section4b", "section5a", "section6"}
-    assert len(unused) == 11
-    np.testing.assert_allclose(settings["ours"].astype(float), settings["published"].astype(float), rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -289,16 +260,6 @@ def test_another_setting_breaks_its_claim(published, config, folder, section, ke
     changed = {**config, section: {**config[section], key: value}}
     rows = compute(published, changed, Results(folder))
     assert broken_id in broken(rows)["id"].tolist()
-
-
-@pytest.mark.slow
-def test_arithmetic_and_the_appendix_come_out(claims):
-    for name in ("section3/encoder-step", "section3/logic-share", "section3/position-turns", "section3/torque-unit"):
-        assert claims.loc[name, "verdict"] == REPRODUCED, name
-    appendix = claims[claims["kind"] == "deterministic"]
-    assert len(appendix) == 6 and set(appendix["verdict"]) == {REPRODUCED}
-    assert claims.loc["appendix/coupling", "ours"] == APPENDIX["Dissipation (Eq. 18)"][1]
-    assert claims.loc["section3/memory-share", "ours"] == pytest.approx(100 * 8192 * 2 * 32 / 608256)
 
 
 @pytest.mark.slow
@@ -320,67 +281,6 @@ def test_numbers_of_the_results_are_where_they_belong(claims):
     assert (on_arm["basis"] == "by construction").sum() == 2 * 6 + 1
 
 
-@pytest.mark.slow
-def test_a_result_that_scatters_is_inconclusive(published, config, folder):
-    """Its interval would let 40 % pass for 93.91 %."""
-    path = folder / "validation" / "experiment.csv"
-    scores = pd.read_csv(path)
-    table = pd.read_csv(folder / "tables" / "table10.csv")
-    ours = (table["case"] == "T3") & (table["method"] == "algorithm1") & (table["joint"] == 1)
-    table.loc[ours, "total"] = 0.4
-    table.to_csv(folder / "tables" / "table10.csv", index=False)
-    seeds = (scores["case"] == "T3") & (scores["method"] == "algorithm1") & (scores["joint"] == 1)
-    scores.loc[seeds, "total"] = [0.1, 0.4, 0.7]
-    scores.to_csv(path, index=False)
-    row = compute(published, config, Results(folder)).set_index("id").loc["table10/T3/algorithm1/total/joint1"]
-    assert (row["verdict"], row["tolerance_from"]) == (INCONCLUSIVE, PREDICTION)
-    assert row["tolerance"] == pytest.approx(0.005 + 4.9683 * 30.0, rel=1e-4)
-
-
-@pytest.mark.slow
-def test_a_parameter_nearer_the_truth_is_better(claims, config):
-    for case in NUMERIC:
-        table = "table04" if case in NUMERIC[:2] else "table05"
-        for name, true in zip(("I1", "g1"), (config["numeric"]["arms"][case][k] for k in (0, 3)), strict=True):
-            row = claims.loc[f"{table}/{case}/algorithm1/{name}"]
-            wide = row["tolerance"] - 5e-5 > 0.25 * float(row["published"])
-            nearer = 0.01 * true < abs(float(row["published"]) - true)
-            within = abs(row["difference"]) <= row["tolerance"]
-            if within or nearer:
-                allowed = {INCONCLUSIVE} if wide else {REPRODUCED, INCONCLUSIVE} if within else {BETTER}
-                assert row["verdict"] in allowed
-            else:
-                assert row["verdict"] == DIFFERS
-
-
-@pytest.mark.slow
-def test_statements_about_all_cases_hold_for_the_worst_or_the_best(published, config, folder):
-    path = folder / "tables" / "table10.csv"
-    table = pd.read_csv(path)
-    t3 = (table["case"] == "T3") & (table["method"] == "algorithm1") & (table["joint"] == 2)
-    on_id = (table["case"] == "ID") & (table["method"] == "algorithm1") & (table["joint"] == 1)
-    table.loc[t3, "total"], table.loc[on_id, "total"] = 0.985, 0.6
-    table.to_csv(path, index=False)
-    rows = compute(published, config, Results(folder)).set_index("id")
-    assert rows.loc["section7/experimental/total", "ours"] == pytest.approx(98.5)
-    assert rows.loc["abstract/experimental/total", "ours"] == pytest.approx(60.0)
-    assert rows.loc["abstract/experimental/total", "verdict"] == DIFFERS
-
-
-@pytest.mark.slow
-def test_the_numeric_statement_is_about_the_mean_of_the_eight_totals(published, config, folder):
-    path = folder / "tables" / "table06.csv"
-    table = pd.read_csv(path)
-    cells = (table["method"] == "algorithm1") & table["case"].isin(NUMERIC)
-    assert cells.sum() == 8
-    table.loc[cells, "total"] = [0.90, 0.92, 0.94, 0.96, 0.95, 0.97, 0.98, 0.90]
-    table.to_csv(path, index=False)
-    rows = compute(published, config, Results(folder)).set_index("id")
-    for name in ("abstract/numeric/total", "section6/numeric/total"):
-        assert rows.loc[name, "ours"] == pytest.approx(94.0)
-        assert (rows.loc[name, "verdict"], rows.loc[name, "basis"]) == (DIFFERS, "numeric")
-
-
 IN_WORDS = {
     "gravity-over-inertia/algorithm1": 0.6 / 0.12,
     "gravity-over-inertia/least-squares": 0.8 / 0.1,
@@ -398,40 +298,6 @@ def test_comparisons_of_table_9_in_words_are_ratios_of_its_parameters(claims):
     assert set(rows["verdict"]) == {REPRODUCED, DIFFERS}
     assert (rows["asserted"] == "").all()
     assert (rows["basis"] == "simulated arm").all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("method", "parameter", "value", "differing", "ratio"),
-    [
-        ("algorithm1", "I3", 0.61, "gravity-over-inertia/algorithm1", 0.6 / 0.61),  # not I1 alone counts
-        ("least-squares", "I2", 1.6, "gravity-over-inertia/least-squares", 0.5),
-        ("algorithm1", "k1", 0.064, "viscous-over-coulomb/algorithm1", 1.25),  # the worse joint
-        ("algorithm1", "k2", 0.0, "viscous-over-coulomb/algorithm1", math.inf),
-        ("least-squares", "b1", -0.04, "viscous-over-algorithm1", -0.5),
-    ],
-)
-def test_a_comparison_in_words_fails_for_one_parameter_that_violates_it(
-    published, config, folder, method, parameter, value, differing, ratio
-):
-    path = folder / "tables" / "table09.csv"
-    table = pd.read_csv(path)
-    table.loc[(table["method"] == method) & (table["parameter"] == parameter), "estimate"] = value
-    table.to_csv(path, index=False)
-    row = compute(published, config, Results(folder)).set_index("id").loc[f"section5c/{differing}"]
-    assert (row["verdict"], row["asserted"]) == (DIFFERS, "")
-    assert row["ours"] == pytest.approx(ratio)
-
-
-@pytest.mark.slow
-def test_least_squares_with_higher_viscous_friction_in_both_joints_is_as_published(published, config, folder):
-    path = folder / "tables" / "table09.csv"
-    table = pd.read_csv(path)
-    higher_b2 = (table["method"] == "least-squares") & (table["parameter"] == "b2")
-    table.loc[higher_b2, "estimate"] = 0.3
-    table.to_csv(path, index=False)
-    row = compute(published, config, Results(folder)).set_index("id").loc["section5c/viscous-over-algorithm1"]
-    assert (row["verdict"], row["ours"]) == (REPRODUCED, pytest.approx(3.0))  # b1: 0.32 over 0.08
 
 
 @pytest.mark.slow
@@ -472,6 +338,82 @@ def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, publishe
     assert "not possible" in claims.loc["table04/N2/true/I1", "note"]
 
 
+def altered(folder, name, column, value, **wanted):
+    """Set the cells of a column in the rows of a result file that match."""
+    frame = pd.read_csv(folder / name)
+    rows = pd.Series(True, frame.index)
+    for key, allowed in wanted.items():
+        rows &= frame[key].isin(allowed if isinstance(allowed, list) else [allowed])
+    assert rows.any()
+    frame.loc[rows, column] = value
+    frame.to_csv(folder / name, index=False)
+
+
+@pytest.mark.slow
+def test_statements_about_all_cases_use_the_worst_the_best_or_the_mean(published, config, folder):
+    altered(folder, "tables/table10.csv", "total", 0.985, case="T3", method="algorithm1", joint=2)
+    altered(folder, "tables/table10.csv", "total", 0.6, case="ID", method="algorithm1", joint=1)
+    totals = [0.90, 0.92, 0.94, 0.96, 0.95, 0.97, 0.98, 0.90]
+    altered(folder, "tables/table06.csv", "total", totals, method="algorithm1")
+    altered(folder, "tables/table06.csv", "total", 0.9, method="algorithm1+refinement")
+    rows = compute(published, config, Results(folder)).set_index("id")
+    assert rows.loc["section7/experimental/total", "ours"] == pytest.approx(98.5)
+    assert rows.loc["abstract/experimental/total", ["ours", "verdict"]].tolist() == [pytest.approx(60.0), DIFFERS]
+    for name in ("abstract/numeric/total", "section6/numeric/total"):
+        row = rows.loc[name, ["ours", "verdict", "basis"]]
+        assert row.tolist() == [pytest.approx(94.0), DIFFERS, "numeric"]
+    assert set(broken(rows.reset_index())["id"]) == set(ASSERTED)
+
+
+@pytest.mark.slow
+def test_a_result_that_scatters_is_inconclusive(published, config, folder):
+    """Its interval would let 40 % pass for 93.91 %."""
+    cell = {"case": "T3", "method": "algorithm1", "joint": 1}
+    altered(folder, "tables/table10.csv", "total", 0.4, **cell)
+    altered(folder, "validation/experiment.csv", "total", [0.1, 0.4, 0.7], **cell)
+    row = compute(published, config, Results(folder)).set_index("id").loc["table10/T3/algorithm1/total/joint1"]
+    assert (row["verdict"], row["tolerance_from"]) == (INCONCLUSIVE, PREDICTION)
+    assert row["tolerance"] == pytest.approx(0.005 + 4.9683 * 30.0, rel=1e-4)
+
+
+def test_an_estimate_nearer_the_truth_than_the_published_one_is_better(published, config, folder):
+    true = config["numeric"]["arms"]["N1"][0]
+    altered(folder, "validation/numeric.csv", "seed", 1, case="N1")  # no scatter, so no interval
+    for estimate, verdict in ((1.05 * true, BETTER), (1.2 * true, DIFFERS)):
+        altered(folder, "tables/table04.csv", "estimate", estimate, case="N1", parameter="I1")
+        row = compute(published, config, Results(folder)).set_index("id").loc["table04/N1/algorithm1/I1"]
+        assert row["verdict"] == verdict
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(0.99, DIFFERS), (1.01, REPRODUCED)])
+def test_if_algorithm_1_beats_least_squares_the_assertion_that_it_does_not_fails(
+    published, config, folder, factor, verdict
+):
+    altered(folder, "tables/table10.csv", "total", factor * 0.98, method="algorithm1", case=["T1", "T2", "T3", "T4"])
+    rows = compute(published, config, Results(folder)).set_index("id")
+    assert rows.loc[CENTRAL, ["ours", "verdict"]].tolist() == [pytest.approx(factor), verdict]
+    assert (CENTRAL in broken(rows.reset_index())["id"].tolist()) == (verdict != DIFFERS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("method", "parameter", "value", "name", "ratio"),
+    [
+        ("algorithm1", "I3", 0.61, "gravity-over-inertia/algorithm1", 0.6 / 0.61),  # not I1 alone counts
+        ("least-squares", "I2", 1.6, "gravity-over-inertia/least-squares", 0.5),
+        ("algorithm1", "k1", 0.064, "viscous-over-coulomb/algorithm1", 1.25),  # the worse joint
+        ("algorithm1", "k2", 0.0, "viscous-over-coulomb/algorithm1", math.inf),
+        ("least-squares", "b1", -0.04, "viscous-over-algorithm1", -0.5),
+        ("least-squares", "b2", 0.3, "viscous-over-algorithm1", 3.0),  # b1: 0.32 over 0.08
+    ],
+)
+def test_a_comparison_in_words_follows_one_parameter(published, config, folder, method, parameter, value, name, ratio):
+    altered(folder, "tables/table09.csv", "estimate", value, method=method, parameter=parameter)
+    row = compute(published, config, Results(folder)).set_index("id").loc[f"section5c/{name}"]
+    assert row["ours"] == pytest.approx(ratio) and row["asserted"] == ""
+    assert row["verdict"] == (REPRODUCED if ratio == pytest.approx(3.0) else DIFFERS)
+
+
 def test_a_claim_that_fails_is_named(published, config, folder):
     path = folder / "model" / "training.csv"
     path.write_text(path.read_text().replace(f"{LOSS:g}", "0.00101"), encoding="utf-8")
@@ -481,28 +423,6 @@ def test_a_claim_that_fails_is_named(published, config, folder):
     assert all(part in line for part in ("section5a/loss", DIFFERS, REPRODUCED, "1e-3", "0.00101"))
     page = markdown(rows, specificity(rows, published))
     assert "| section5a/loss |" in page.split("## What differs")[0]
-
-
-def test_the_listed_algorithm_and_the_extension_must_reach_the_published_mean(published, config, folder):
-    path = folder / "tables" / "table06.csv"
-    table = pd.read_csv(path)
-    table.loc[table["method"].isin(["algorithm1", "algorithm1+refinement"]), "total"] = 0.9
-    table.to_csv(path, index=False)
-    assert set(broken(compute(published, config, Results(folder)))["id"]) == set(ASSERTED)
-
-
-def test_if_algorithm_1_beats_least_squares_the_assertion_that_it_does_not_fails(published, config, folder):
-    path = folder / "tables" / "table10.csv"
-    table = pd.read_csv(path)
-    listed = (table["method"] == "algorithm1") & (table["case"] != "ID")
-    opponent = table[(table["method"] == "least-squares") & (table["case"] != "ID")]["total"].mean()
-    for factor, verdict in ((0.99, DIFFERS), (1.01, REPRODUCED)):
-        table.loc[listed, "total"] = factor * opponent
-        table.to_csv(path, index=False)
-        rows = compute(published, config, Results(folder)).set_index("id")
-        assert rows.loc[CENTRAL, "ours"] == pytest.approx(factor)
-        assert rows.loc[CENTRAL, "verdict"] == verdict
-        assert (CENTRAL in broken(rows.reset_index())["id"].tolist()) == (verdict != DIFFERS)
 
 
 @pytest.mark.slow
@@ -552,18 +472,3 @@ def test_a_damaged_result_is_named(published, config, folder, name, old, new, na
     with pytest.raises(InputError, match=named) as caught:
         our_values(published, config, Results(folder))
     assert name in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_better_is_the_right_way_round():
-    for a, b in pairwise((1.0, 2.0, 3.0)):
-        assert higher(a, b) and lower(b, a) and not higher(b, a) and not lower(a, b)
-    assert judge(printed(), ours(98.0, better=lower))["verdict"] == DIFFERS
-
-
-@pytest.mark.parametrize(
-    ("other", "verdict"),
-    [(98.2, REPRODUCED), (97.55, INCONCLUSIVE), (96.75, INCONCLUSIVE), (97.95, INCONCLUSIVE), (96.5, REPRODUCED)],
-)
-def test_a_match_that_another_case_would_pass_is_inconclusive(other, verdict):
-    """97.45 matches the published 97.10 to 0.505; another case within that of either number would pass as well."""
-    assert judge(printed(), ours(97.45, margin=HALF), [other])["verdict"] == verdict

@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 
 from repro.errors import InputError
-from repro.paper.our_values import declared_value, evaluate
+from repro.paper.our_values import RESULT_SOURCES, evaluate, values_of
 from repro.paper.published import Published, load_published
-from repro.paper.results import SOURCES
 
 CONFIG = {"training": {"recipe": "streamed", "paper": {"images": 40}}, "arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
 NUMBER = load_published()["section3/joints"]
@@ -16,7 +15,7 @@ NUMBER = load_published()["section3/joints"]
 
 def value_of(ours, note=""):
     number = replace(NUMBER, ours=ours, note=note)
-    return declared_value(number, Published((number,)), CONFIG, {"check": 2.5})
+    return values_of(number, Published((number,)), CONFIG, {"check": 2.5}, None)[""]
 
 
 @pytest.mark.parametrize(
@@ -54,7 +53,8 @@ def test_each_source_has_its_value_and_note(ours, note, value, shown):
 @pytest.mark.parametrize(
     "ours",
     [
-        "", "guess:1", "config:arm.nothing", "config:arm.lengths[9]", "const:no.module:X", "const:fpga.frames:__name__",
+        "", "guess:1", "result:nothing", "config:arm.nothing", "config:arm.lengths[9]", "const:no.module:X",
+        "const:fpga.frames:__name__",
         "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +",
     ],
 )  # fmt: skip
@@ -71,4 +71,4 @@ def test_every_number_of_the_papers_own_has_a_source_that_exists():
         if source == "const":
             assert importlib.util.find_spec("repro." + rest.partition(":")[0]), number.id
         if source == "result":
-            assert rest.partition(":")[0] in SOURCES, number.id
+            assert rest.partition(":")[0] in RESULT_SOURCES, number.id

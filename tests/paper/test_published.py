@@ -10,7 +10,6 @@ import pytest
 
 import repro
 from repro.errors import InputError
-from repro.paper.appendix import appendix_numbers
 from repro.paper.published import COLUMNS, KINDS, PUBLISHED_FILE, RELATIONS, load_published, place_head
 from repro.pipeline.code import CodeDigests
 
@@ -59,66 +58,35 @@ def test_the_running_text_is_there_too(published):
 
 
 @pytest.mark.parametrize(
-    ("id_", "value", "half_step", "relation", "kind"),
+    ("id_", "value", "half_step", "relation", "kind", "unit"),
     [
-        ("abstract/numeric/total", 97.38, 5e-3, "above", "stochastic"),
-        ("section7/experimental/total", 93.91, 5e-3, "up to", "hardware-only"),
-        ("section5a/loss", 1e-3, 5e-4, "about", "stochastic"),
-        ("section4b/iterations", 500_000, 500, "is", "setting"),
-        ("section5a/iterations", 500_000, 50_000, "is", "setting"),
-        ("section4b/train-images", 8000, 500, "is", "setting"),
-        ("section4b/learning-rate-slope", 2e-8, 5e-9, "is", "setting"),
-        ("section3/encoder-step", 0.748e-3, 5e-7, "is", "exact"),
-        ("section3/logic-share", 29.94, 5e-3, "is", "exact"),
-        ("section3/torque-low", -1024, 0.5, "is", "exact"),
-        ("section3/tip-speed", 2.52, 5e-3, "up to", "setting"),
-        ("section1a/ref21/woa-ga", 93.83, 5e-3, "is", "other-work"),
-        ("table04/N1/true/I1", 0.6590, 5e-5, "is", "setting"),
-        ("table04/N1/algorithm1/I1", 0.7389, 5e-5, "is", "stochastic"),
-        ("table10/ID/algorithm1/total/joint1", 93.55, 5e-3, "is", "hardware-only"),
-        ("appendix/energy", 6.2020e-5, 5e-10, "is", "deterministic"),
-        ("appendix/gamma", 0.0025, 5e-5, "is", "setting"),
+        ("abstract/numeric/total", 97.38, 5e-3, "above", "stochastic", "%"),
+        ("section7/experimental/total", 93.91, 5e-3, "up to", "hardware-only", "%"),
+        ("section5a/loss", 1e-3, 5e-4, "about", "stochastic", "1"),
+        ("section4b/iterations", 500_000, 500, "is", "setting", "1"),
+        ("section5a/iterations", 500_000, 50_000, "is", "setting", "1"),
+        ("section4b/train-images", 8000, 500, "is", "setting", "1"),
+        ("section4b/learning-rate-slope", 2e-8, 5e-9, "is", "setting", "1"),
+        ("section3/encoder-step", 0.748e-3, 5e-7, "is", "exact", "rad"),
+        ("section3/logic-share", 29.94, 5e-3, "is", "exact", "%"),
+        ("section3/torque-low", -1024, 0.5, "is", "exact", "count"),
+        ("section3/tip-speed", 2.52, 5e-3, "up to", "setting", "m/s"),
+        ("section1a/ref21/woa-ga", 93.83, 5e-3, "is", "other-work", "%"),
+        ("table04/N1/true/I1", 0.6590, 5e-5, "is", "setting", "kg m^2"),
+        ("table04/N1/algorithm1/I1", 0.7389, 5e-5, "is", "stochastic", "kg m^2"),
+        ("table10/ID/algorithm1/total/joint1", 93.55, 5e-3, "is", "hardware-only", "%"),
+        ("appendix/energy", 6.2020e-5, 5e-10, "is", "deterministic", "kg^2 m^4/s^2"),
+        ("appendix/gamma", 0.0025, 5e-5, "is", "setting", "1"),
+        ("table07/N1/total/joint1", 97.10, 5e-3, "is", "stochastic", "%"),
+        ("table05/N3/algorithm1/b1", 0.1200, 5e-5, "is", "stochastic", "kg m^2 s"),
+        ("table05/N4/true/g2", 0.8523, 5e-5, "is", "setting", "kg m^2/s^2"),
+        ("table10/T2/least-squares/total/joint2", 85.82, 5e-3, "is", "hardware-only", "%"),
     ],
 )
-def test_values_and_how_finely_they_are_known(published, id_, value, half_step, relation, kind):
+def test_values_and_how_finely_they_are_known(published, id_, value, half_step, relation, kind, unit):
     v = published[id_]
     assert v.value == pytest.approx(value, rel=1e-12) and v.half_step == pytest.approx(half_step, rel=1e-9)
-    assert (v.relation, v.kind) == (relation, kind)
-
-
-def test_appendix_numbers_are_those_of_the_file(published):
-    assert [v.printed for v in appendix_numbers(published).values()] == [
-        "0.0072",
-        "6.2020e-5",
-        "1.3659e-7",
-        "7.1236e-8",
-        "3.4422e-6",
-        "1.8986e-6",
-    ]
-
-
-@pytest.mark.parametrize(
-    ("id_", "printed", "unit"),
-    [
-        ("table04/N1/true/I1", "0.6590", "kg m^2"),
-        ("table04/N1/algorithm1/k1", "0.2244", "kg m^2/s^2"),
-        ("table04/N2/algorithm1/b2", "0.0066", "kg m^2 s"),
-        ("table05/N3/algorithm1/b1", "0.1200", "kg m^2 s"),
-        ("table05/N3/algorithm1/I2", "1.0288", "kg m^2"),
-        ("table05/N4/true/g2", "0.8523", "kg m^2/s^2"),
-        ("table07/N1/total/joint1", "97.10", "%"),
-        ("table07/N2/time/joint1", "97.32", "%"),
-        ("table07/N4/frequency/joint2", "97.46", "%"),
-        ("table08/ID/total/joint2", "99.02", "%"),
-        ("table10/ID/algorithm1/total/joint1", "93.55", "%"),
-        ("table10/T2/least-squares/total/joint2", "85.82", "%"),
-        ("table10/T4/least-squares/time/joint1", "99.64", "%"),
-        ("abstract/numeric/total", "97.38", "%"),
-        ("abstract/experimental/total", "93.55", "%"),
-    ],
-)
-def test_numbers_stand_as_the_paper_prints_them(published, id_, printed, unit):
-    assert (published[id_].printed, published[id_].unit) == (printed, unit)
+    assert (v.relation, v.kind, v.unit) == (relation, kind, unit)
 
 
 def test_ids_are_unique_and_start_with_their_place(published):
@@ -126,20 +94,7 @@ def test_ids_are_unique_and_start_with_their_place(published):
     for v in published:
         assert re.fullmatch(r"[a-z0-9]+(/[A-Za-z0-9_-]+)+", v.id)
         assert v.id.split("/")[0] == place_head(v.place)
-    heads = {
-        "Table 4": "table04",
-        "Eq. 10": "eq10",
-        "Fig. 3": "fig03",
-        "Section IV-A": "section4a",
-        "Section VI": "section6",
-    }
-    assert {place: place_head(place) for place in heads} == heads
     assert [place_head(place) for place in ("Table", "Section VIII", "Section IV-D", "table 4", "")] == [""] * 5
-
-
-def test_half_step_follows_the_printed_digits(published):
-    assert published["table05/N3/algorithm1/b1"].half_step == pytest.approx(5e-5)
-    assert published["table07/N1/total/joint1"].half_step == pytest.approx(5e-3)
 
 
 def test_lookups_agree_with_the_rows(published):
@@ -149,11 +104,6 @@ def test_lookups_agree_with_the_rows(published):
     np.testing.assert_allclose(similarity[1], [0.9498, 0.9904])
     chosen = published.select(place="Table 10", method="least-squares", quantity="time", joint=2)
     assert [v.printed for v in chosen] == ["99.80", "99.98", "98.65", "98.17", "99.80"]
-
-
-def test_unknown_names_are_refused(published):
-    with pytest.raises(InputError, match="table99/nothing"):
-        published["table99/nothing"]
 
 
 @pytest.mark.parametrize(

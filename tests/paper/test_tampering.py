@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from repro.errors import InputError
-from repro.paper.verification import PUBLISHED_NAME, SOURCES, changed_sources, read_sources
+from repro.paper.ledger import PUBLISHED_NAME, SOURCES, changed_sources, read_sources
 
 pytestmark = pytest.mark.slow
 

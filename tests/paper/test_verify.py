@@ -1,6 +1,5 @@
 """Tampering: one thing changed at a time, and `repro verify` names it; exit codes of the command and of the stage."""
 
-import hashlib
 import logging
 import re
 import shutil
@@ -15,9 +14,8 @@ from scripts_run import run_script
 from repro.cli import main
 from repro.config import load_config
 from repro.errors import InputError
-from repro.exhibits import paper_audit
-from repro.paper import verification
-from repro.paper.verification import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
+from repro.paper import ledger
+from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
 
 pytestmark = pytest.mark.slow
 
@@ -35,138 +33,113 @@ def project(made, tmp_path, monkeypatch):
     root = tmp_path / "project"
     shutil.copytree(made, root)
     monkeypatch.chdir(root)
-    for module, function in ((verification, "verify_ledger"), (verification, "write_ledger")):
-        defaults = list(getattr(module, function).__defaults__)
-        defaults[-1] = root / "published.csv"
-        monkeypatch.setattr(getattr(module, function), "__defaults__", tuple(defaults))
+    for function in (ledger.verify_ledger, ledger.write_ledger):
+        monkeypatch.setattr(function, "__defaults__", (*function.__defaults__[:-1], root / "published.csv"))
     return root
 
 
 def verify(capsys, *options):
     code = main(["verify", *options])
-    said = capsys.readouterr()
-    assert "Traceback" not in said.out + said.err
-    return code, said.out, said.err
+    printed = capsys.readouterr()
+    assert "Traceback" not in printed.out + printed.err
+    return code, printed.out, printed.err
 
 
 def change(path, old, new):
-    text = path.read_text(encoding="utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    content = path.read_bytes()
+    assert old.encode() in content
+    path.write_bytes(content.replace(old.encode(), new.encode(), 1))
 
 
-def test_what_agrees_is_told_in_short_and_ends_with_0(project, capsys):
+def remake(results=Path("results")):
+    """Write the ledger of the results as they are."""
+    write_ledger(results, load_config(Path("config/config.yaml")), [], folders=[results])
+
+
+def test_a_ledger_that_agrees_is_summarised_and_ends_with_0(project, capsys):
     code, out, _ = verify(capsys)
-    assert code == 0
-    assert "disagrees" not in out and "broken" not in out
+    assert code == 0 and "disagrees" not in out
     claims = pd.read_csv("results/claims.csv")
     own = claims[~claims["id"].str.contains("@")]
     for basis, of in own.groupby("basis"):
         line = re.search(rf"^{basis} +{len(of)}  (.*)$", out, re.MULTILINE)[1]
-        told = dict(reversed(part.split(" ", 1)) for part in line.split(", "))
-        assert {name: int(number) for name, number in told.items()} == of["verdict"].value_counts().to_dict()
+        counts = dict(reversed(part.split(" ", 1)) for part in line.split(", "))
+        assert {name: int(number) for name, number in counts.items()} == of["verdict"].value_counts().to_dict()
 
 
-def test_one_changed_published_number(project, capsys):
-    change(
-        project / "published.csv",
-        "joint1,Table 10,total,ID,algorithm1,1,,%,is,93.55",
-        "joint1,Table 10,total,ID,algorithm1,1,,%,is,93.45",
-    )
+@pytest.mark.parametrize(
+    ("file", "old", "new", "named"),
+    [
+        (
+            "published.csv",
+            "joint1,Table 10,total,ID,algorithm1,1,,%,is,93.55",
+            "joint1,Table 10,total,ID,algorithm1,1,,%,is,93.45",
+            [
+                f"disagrees: {PUBLISHED_NAME}: SHA-256",
+                "table10/ID/algorithm1/total/joint1: published: found 93.55, expected 93.45",
+            ],
+        ),
+        (
+            "results/model/training.csv", "0.00025", "0.00024",
+            ["disagrees: results/model/training.csv: SHA-256", "section5a/loss: ours: found 0.00025, expected 0.00024"],
+        ),
+        ("results/tables/table10.csv", "T3,algorithm1+refinement,2,0.99", "T3,algorithm1+refinement,2,0.98", []),
+        ("results/tables/table09.csv", "0.12", "0.13", []),  # a number that the ledger does not use
+        ("data/captures/ID.bin", "\x11", "\x10", []),
+        ("data/captures/SHA256SUMS", "a", "b", []),
+        (f"results/{PAGE}", "| better |", "| worse |", []),
+        (
+            "config/config.yaml", "[180.4817, 30.6819]", "[180.4817, 30.6818]",
+            ["table08/kp/joint2: ours: found 30.6819, expected 30.6818", "not as asserted: table08/kp/joint2"],
+        ),
+    ],
+)  # fmt: skip
+def test_one_changed_text_is_named(project, capsys, file, old, new, named):
+    change(project / file, old, new)
     code, out, _ = verify(capsys)
     assert code == 1
-    assert f"disagrees: {PUBLISHED_NAME}: SHA-256" in out
-    assert "table10/ID/algorithm1/total/joint1: published: found 93.55, expected 93.45" in out
+    assert all(text in out for text in named or [f"disagrees: {file}: SHA-256"])
 
 
 def test_a_published_number_that_is_removed(project, capsys):
-    path = project / "published.csv"
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    lines = Path("published.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     (row,) = [line for line in lines if line.startswith("section4b/biases,")]
-    change(path, row, "")
+    change(project / "published.csv", row, "")
     code, out, _ = verify(capsys)
-    assert code == 1
-    assert f"disagrees: {PUBLISHED_NAME}: SHA-256" in out
-    assert "results/claims.csv: section4b/biases: found a row, expected none" in out
-
-
-def test_one_changed_result(project, capsys):
-    change(project / "results/model/training.csv", "0.00025", "0.00024")
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert "disagrees: results/model/training.csv: SHA-256" in out
-    assert "section5a/loss: ours: found 0.00025, expected 0.00024" in out
-
-
-def test_one_changed_capture_byte(project, capsys):
-    path = project / "data/captures/ID.bin"
-    content = bytearray(path.read_bytes())
-    content[17] ^= 1
-    path.write_bytes(content)
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert "disagrees: data/captures/ID.bin: SHA-256" in out
+    assert code == 1 and "results/claims.csv: section4b/biases: found a row, expected none" in out
 
 
 def test_a_file_among_the_captures_that_is_not_listed(project, capsys):
-    shutil.copy(project / "data/captures/ID.bin", project / "data/captures/T1.bin")
+    shutil.copy("data/captures/ID.bin", "data/captures/T1.bin")
     code, out, _ = verify(capsys)
     assert code == 1
     assert re.findall("^disagrees: (.*): found", out, re.MULTILINE) == ["data/captures/T1.bin"]
 
 
-def test_a_changed_capture_with_its_check_sum_made_to_fit(project, capsys):
-    path, listed = project / "data/captures/ID.bin", project / "data/captures/SHA256SUMS"
-    before = hashlib.sha256(path.read_bytes()).hexdigest()
-    path.write_bytes(bytes(64))
-    change(listed, before, hashlib.sha256(bytes(64)).hexdigest())
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert "disagrees: data/captures/SHA256SUMS: SHA-256" in out
-
-
-@pytest.mark.parametrize(
-    ("file", "old", "new"),
-    [
-        ("table10.csv", "T3,algorithm1+refinement,2,0.99", "T3,algorithm1+refinement,2,0.98"),
-        ("table09.csv", "0.12", "0.13"),
-    ],
-)
-def test_one_changed_table_cell(project, capsys, file, old, new):
-    """Also in a table that the ledger holds no number of."""
-    change(project / "results/tables" / file, old, new)
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert f"disagrees: results/tables/{file}: SHA-256" in out
-
-
-@pytest.mark.parametrize("column", ["published", "ours", "difference", "basis", "verdict", "asserted", "note"])
+@pytest.mark.parametrize("column", ["published", "ours", "verdict", "asserted", "note"])
 def test_one_changed_cell_of_the_ledger(project, capsys, column):
-    path = project / "results" / CLAIMS
-    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    table = pd.read_csv("results/claims.csv", dtype=str, keep_default_na=False)
     table.loc[table["id"] == "section5a/loss", column] = "1"
-    table.to_csv(path, index=False)
+    table.to_csv("results/claims.csv", index=False)
     code, out, _ = verify(capsys)
-    assert code == 1
     file, cell = re.findall(r"^disagrees: .*", out, re.MULTILINE)
-    assert file.startswith("disagrees: results/claims.csv: SHA-256")
+    assert code == 1 and file.startswith("disagrees: results/claims.csv: SHA-256")
     assert re.match(rf"disagrees: results/claims.csv: section5a/loss: {column}: found 1, expected ", cell)
 
 
 def test_the_last_digit_of_a_cell_of_the_ledger(project, capsys):
-    """Less than rounding may make of it on another processor, but the file is not the one that was written."""
-    path = project / "results" / CLAIMS
-    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    """A difference within rounding, but the file is not the one that was written."""
+    table = pd.read_csv("results/claims.csv", dtype=str, keep_default_na=False)
     row = table["ours"].str.len().idxmax()
     digits = table.loc[row, "ours"]
     table.loc[row, "ours"] = digits[:-1] + str((int(digits[-1]) + 1) % 10)
-    table.to_csv(path, index=False)
+    table.to_csv("results/claims.csv", index=False)
     code, out, _ = verify(capsys)
     assert code == 1
     assert re.findall(r"^disagrees: (.*): SHA-256", out, re.MULTILINE) == ["results/claims.csv"]
 
 
-def test_rows_taken_out_put_in_or_moved(project, capsys):
+def test_rows_removed_added_or_moved(project, capsys):
     path = project / "results" / CLAIMS
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     for changed, named in (
@@ -181,27 +154,11 @@ def test_rows_taken_out_put_in_or_moved(project, capsys):
         assert code == 1 and named in out
 
 
-def test_a_changed_page(project, capsys):
-    change(project / "results" / PAGE, "| better |", "| worse |")
-    code, out, _ = verify(capsys)
-    assert code == 1 and "disagrees: results/claims.md" in out
-
-
-def test_a_changed_configuration(project, capsys):
-    change(project / "config/config.yaml", "[180.4817, 30.6819]", "[180.4817, 30.6818]")
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert "table08/kp/joint2: ours: found 30.6819, expected 30.6818" in out
-    assert "not as asserted: table08/kp/joint2" in out
-
-
-def test_a_listed_file_that_is_gone(project, capsys):
-    (project / "results/tables/table09.csv").unlink()
-    code, out, _ = verify(capsys)
-    assert code == 1 and "disagrees: results/tables/table09.csv: found No such file" in out
-    (project / "results/tables/table10.csv").unlink()
-    code, out, _ = verify(capsys)  # the ledger cannot be computed again either
-    assert code == 1 and "disagrees: results/tables/table10.csv: found No such file" in out
+def test_a_listed_file_that_is_missing(project, capsys):
+    for name in ("table09.csv", "table10.csv"):  # without Table 10 the ledger cannot be computed either
+        (project / "results/tables" / name).unlink()
+        code, out, _ = verify(capsys)
+        assert code == 1 and f"disagrees: results/tables/{name}: found No such file" in out
 
 
 @pytest.mark.parametrize("name", [CLAIMS, PAGE, SOURCES])
@@ -212,20 +169,13 @@ def test_without_a_ledger_there_is_nothing_to_verify(project, capsys, name):
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])
-def test_a_line_taken_out_of_the_list(project, capsys, number):
+def test_a_line_removed_from_the_list(project, capsys, number):
     """Its own check sum, a folder that it covers, and a file."""
     path = project / "results" / SOURCES
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     path.write_text("".join(lines[:number] + lines[number + 1 :]), encoding="utf-8")
     code, _, err = verify(capsys)
     assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
-
-
-@pytest.mark.parametrize("line", ["", "not a sum\n", f"{'0' * 64}  \n", f"{'0' * 64}  results/x.csv\n"])
-def test_a_list_that_is_no_list(project, capsys, line):
-    (project / "results" / SOURCES).write_text(line, encoding="utf-8")
-    code, _, err = verify(capsys)
-    assert code == 2 and SOURCES in err and err.count("\n") == 1
 
 
 def test_a_missing_configuration(project, capsys):
@@ -235,10 +185,9 @@ def test_a_missing_configuration(project, capsys):
 
 def test_a_claim_that_fails_ends_with_1_though_all_agree(project, capsys):
     change(project / "results/model/training.csv", "0.00025", "0.0025")
-    remake(project)
+    remake()
     code, out, _ = verify(capsys)
-    assert code == 1
-    assert "disagrees" not in out
+    assert code == 1 and "disagrees" not in out
     assert "not as asserted: section5a/loss: differs instead of reproduced, published 1e-3, ours 0.0025" in out
 
 
@@ -255,13 +204,13 @@ def test_an_overlay_is_merged_as_the_workflow_merges_it(project, capsys):
 
 def test_a_reference_folder_of_the_same_layout_from_another_place(project, capsys, monkeypatch):
     shutil.move("results", "docs/reference")
-    remake(project, Path("docs/reference"))
+    remake(Path("docs/reference"))
     assert verify(capsys, "--results", "docs/reference")[0] == 0
     monkeypatch.chdir("docs")
-    code, out, _ = verify(capsys, "--results", "reference", "--config", "../config/config.yaml")
-    assert code == 0
+    options = ("--results", "reference", "--config", "../config/config.yaml")
+    assert verify(capsys, *options)[0] == 0
     change(project / "docs/reference/tables/table07.csv", "0.975", "0.974")
-    code, out, _ = verify(capsys, "--results", "reference", "--config", "../config/config.yaml")
+    code, out, _ = verify(capsys, *options)
     assert code == 1 and "disagrees: docs/reference/tables/table07.csv" in out
 
 
@@ -272,22 +221,17 @@ def test_the_list_is_what_sha256sum_checks(project):
     command = ["sha256sum", "--check", "--strict", "--quiet", "results/claims.sha256"]
     assert subprocess.run(command, check=False).returncode == 0
     change(project / "results/tables/table04.csv", "N1", "N7")
-    said = subprocess.run(command, check=False, capture_output=True, text=True)
-    assert said.returncode != 0 and "results/tables/table04.csv: FAILED" in said.stdout
+    failed = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert failed.returncode != 0 and "results/tables/table04.csv: FAILED" in failed.stdout
 
 
-def remake(project, results=Path("results")):
-    """The ledger of the results as they are."""
-    write_ledger(results, load_config(project / "config/config.yaml"), [], folders=[results])
-
-
-def test_the_ledger_is_the_same_to_the_byte_when_made_again(project):
+def test_the_ledger_is_the_same_to_the_byte_when_written_again(project):
     before = {name: (project / "results" / name).read_bytes() for name in (CLAIMS, PAGE)}
-    remake(project)
+    remake()
     assert before == {name: (project / "results" / name).read_bytes() for name in (CLAIMS, PAGE)}
 
 
-def verify_run(project, config):
+def run_verify(project, config):
     run_script("verify", {}, {"txt": "results/verified.txt"}, project, config=config)
 
 
@@ -308,29 +252,17 @@ def test_the_stage_writes_a_ledger_whose_claims_fail_and_its_verification_fails_
     assert set(listed) == {*sources, *captures, "results/claims.csv", "results/claims.md", PUBLISHED_NAME}
     assert config["claims"]["enforce"]
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 claims that fail"):
-        verify_run(project, config)
-    assert "not as asserted: section5a/loss" in caplog.text
-    assert not Path("results/verified.txt").exists()
-    verify_run(project, {**config, "claims": {"enforce": False}})
+        run_verify(project, config)
+    assert "not as asserted: section5a/loss" in caplog.text and not Path("results/verified.txt").exists()
+    lenient = {**config, "claims": {"enforce": False}}
+    run_verify(project, lenient)
     assert "not as asserted: section5a/loss" in Path("results/verified.txt").read_text(encoding="utf-8")
-
-
-def test_the_stage_fails_on_tampering_even_if_claims_are_not_enforced(project, caplog):
     change(project / "results/tables/table09.csv", "0.04", "0.045")  # g2, which no claim is about
-    config = {**load_config(project / "config/config.yaml"), "claims": {"enforce": False}}
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 disagreements"):
-        verify_run(project, config)
+        run_verify(project, lenient)
     assert "results/tables/table09.csv" in caplog.text
 
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
     with pytest.raises(InputError, match=r"gone\.csv"):
-        verification.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)
-
-
-def test_the_audit_is_laid_out():
-    made = paper_audit.audit_findings
-    table = made.numbers({}, {})
-    assert {"id", "place", "what", "arithmetic", "found", "printed", "verdict", "note"} <= set(table.columns)
-    assert len(table) > 60
-    assert "88.479" in made.draw(table).md()
+        ledger.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)

@@ -11,7 +11,12 @@ import yaml
 import repro
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "benchmarks/README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+]
 
 
 def test_both_citation_files_say_the_same():
@@ -35,3 +40,9 @@ def test_names_of_the_package_are_there(page):
 def test_links_within_the_project_lead_somewhere(page):
     targets = re.findall(r"\]\((?!https?:|#)([^)#]+)", page.read_text(encoding="utf-8"))
     assert not [target for target in targets if not (page.parent / target).exists()]
+
+
+def test_each_benchmark_is_listed():
+    page = (ROOT / "benchmarks/README.md").read_text(encoding="utf-8")
+    scripts = [path.relative_to(ROOT / "benchmarks").as_posix() for path in (ROOT / "benchmarks").rglob("*.py")]
+    assert not [name for name in scripts if f"`{name}" not in page]

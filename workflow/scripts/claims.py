@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from repro.paper.verification import write_ledger
+from repro.paper.ledger import write_ledger
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from repro.files import write_text
-from repro.paper.verification import verified
+from repro.paper.ledger import verified
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

@@ -23,8 +23,8 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.config import load_config
     from repro.fingerprint import told
     from repro.paper.claims import broken
+    from repro.paper.ledger import verify_ledger
     from repro.paper.ledger_page import summary
-    from repro.paper.verification import verify_ledger
     from repro.pipeline.provenance import recorded_fingerprint
 
     config = load_config(*arguments.config)

@@ -1,18 +1,34 @@
-"""The claims ledger from its sources: our value of each published number, what is asserted, what the audit found."""
+"""The claims ledger: computed from its sources, written with their check sums, and verified cell by cell."""
 
+import errno
+import hashlib
+import io
+import logging
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from repro.comparison.tolerances import Tolerances, differences
+from repro.errors import InputError
+from repro.files import csv_text, parse_rows, write_text
 from repro.paper.audit import findings
-from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, judge_all
+from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, broken, judge_all, specificity
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
-from repro.paper.our_values import declared_value
-from repro.paper.published import Published
-from repro.paper.results import REFINED, Results, measured_values
+from repro.paper.ledger_page import markdown, summary
+from repro.paper.our_values import REFINED, values_of
+from repro.paper.published import PUBLISHED_FILE, Published, load_published
+from repro.paper.results import Results
+
+_LOG = logging.getLogger(__name__)
+
+CLAIMS, PAGE, SOURCES = "claims.csv", "claims.md", "claims.sha256"
+#: Name of the published numbers in the list: where they lie in the project's folder.
+PUBLISHED_NAME = "src/repro/paper/published.csv"
+_WHOLE = "# every file in "
 
 #: Kinds of number that are asserted wherever we have a value.
 ASSERTED_KINDS = (SETTING, "exact", "deterministic")
@@ -33,10 +49,7 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
     for number in published:
         if number.kind == LEFT_OUT:
             continue
-        if number.ours.startswith("result:"):
-            values = measured_values(number, results, config)
-        else:
-            values = {"": declared_value(number, published, config, found)}
+        values = values_of(number, published, config, found, results)
         value = values[""]
         finding = refuted.get(number.id)
         if finding is not None:
@@ -76,3 +89,183 @@ def _size(finding: Finding) -> float:
 def compute(published: Published, config: Mapping[str, Any], results: Results) -> pd.DataFrame:
     """Compute the ledger from its sources."""
     return judge_all(published, our_values(published, config, results))
+
+
+def _digest(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "a pipe or a device")
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def write_sources(
+    path: Path, files: Iterable[Path], folders: Iterable[Path], root: Path = Path(), published: Path = PUBLISHED_FILE
+) -> None:
+    """Write the check sums of files, of every file in folders, and of the published numbers.
+
+    The first line is the check sum of all others, and the next ones name the folders. ``sha256sum --check`` reads both
+    as comments.
+    """
+    whole = sorted(folder.as_posix() for folder in folders)
+    lines = [f"{_WHOLE}{folder}\n" for folder in whole]
+    inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
+    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *inside}):
+        file = published if name == PUBLISHED_NAME else root / name
+        try:
+            lines.append(f"{_digest(file)}  {name}\n")
+        except OSError as error:
+            raise InputError.at(str(file), error.strerror or "an unreadable file", "a source of the ledger") from error
+    write_text(path, _seal("".join(lines)) + "".join(lines))
+
+
+def _seal(lines: str) -> str:
+    return f"# SHA-256 of the lines below: {hashlib.sha256(lines.encode()).hexdigest()}\n"
+
+
+def _files_in(name: str, folder: Path, path: Path) -> set[str]:
+    """Name every file in a folder of that name, except the list itself."""
+    inside = (file for file in folder.rglob("*") if file.is_file() and file.resolve() != path.resolve())
+    return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
+
+
+def _name(file: Path, root: Path) -> str:
+    """Name a file as the list does: relative to the project's folder if it is in there."""
+    return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
+
+
+def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
+    """Read the folders that a list covers completely, and its check sums by name."""
+    seal, _, lines = _text(path).partition("\n")
+    if f"{seal}\n" != _seal(lines):
+        raise InputError.at(f"{path}: line 1", seal or "nothing", _seal(lines).strip())
+    folders = [line.removeprefix(_WHOLE) for line in lines.splitlines() if line.startswith(_WHOLE)]
+    sums = (line.split("  ", 1) for line in lines.splitlines() if not line.startswith("#"))
+    return folders, {name: digest for digest, name in sums}
+
+
+def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
+    """List the files that are missing or changed, and files in the list's folders that it does not contain."""
+    folders, listed = read_sources(path)
+    # Where the ledger was when the list was written: a copy of the results is checked itself, not its original.
+    own = next((Path(name).parent for name in listed if Path(name).name == CLAIMS), None)
+
+    def place(name: str) -> Path:
+        if own is not None and Path(name).is_relative_to(own):
+            return path.parent / Path(name).relative_to(own)
+        return published if name == PUBLISHED_NAME else root / name
+
+    inside = {name for folder in folders for name in _files_in(folder, place(folder), path)}
+    problems = []
+    for name in sorted(listed.keys() | inside):
+        file = place(name)
+        shown = file if name != PUBLISHED_NAME and file.resolve() != (root / name).resolve() else name
+        try:
+            found = _digest(file)
+        except OSError as error:
+            reason = error.strerror or "an unreadable file"
+            problems.append(f"{shown}: found {reason}, expected the file that {path} lists")
+            continue
+        if name not in listed:
+            problems.append(f"{shown}: found a file, expected only those that {path} lists")
+        elif found != listed[name]:
+            problems.append(f"{shown}: SHA-256: found {found}, expected the {listed[name]} of {path}")
+    return problems
+
+
+def _stored_folders(config: Mapping[str, Any]) -> list[Path]:
+    """List the folders of the project that a run reads instead of measuring or training."""
+    places = ((config["experiment"], "captures"), (config["training"], "networks"))
+    return [Path(section[folder]) for section, folder in places if section["source"] == "stored"]
+
+
+def write_ledger(
+    results: Path,
+    config: Mapping[str, Any],
+    files: Sequence[Path],
+    root: Path = Path(),
+    published: Path = PUBLISHED_FILE,
+    *,
+    folders: Sequence[Path] = (),
+) -> pd.DataFrame:
+    """Compute the ledger and write it: table, page and check sums.
+
+    The list contains the files, every file in the folders and in those of stored recordings and networks, and the
+    ledger itself.
+    """
+    numbers = load_published(published)
+    claims = compute(numbers, config, Results(results))
+    text = csv_text(claims)
+    write_text(results / CLAIMS, text)
+    write_text(results / PAGE, _page(text, numbers))
+    files = [*files, results / CLAIMS, results / PAGE]
+    write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root, published)
+    return claims
+
+
+def verify_ledger(
+    results: Path, config: Mapping[str, Any], root: Path = Path(), published: Path = PUBLISHED_FILE
+) -> tuple[pd.DataFrame | None, list[str]]:
+    """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
+    table, page = _text(results / CLAIMS), _text(results / PAGE)
+    problems = changed_sources(results / SOURCES, root, published)
+    try:
+        numbers = load_published(published)
+        claims = compute(numbers, config, Results(results))
+    except (InputError, ValueError) as error:  # ValueError: a value without a published number, or none for it
+        return None, [*problems, str(error)]
+    problems += compare(table, claims, str(results / CLAIMS))
+    if not problems and page != _page(table, numbers):
+        problems.append(f"{results / PAGE}: found another text, expected the page of {CLAIMS}")
+    return claims, problems
+
+
+def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
+    """List the cells of a written ledger that differ from a computed one by more than rounding."""
+    header, found = ",".join(claims.columns), text.partition("\n")[0].strip()
+    if found != header:
+        return [f"{place}: header: found {found or 'nothing'}, expected {header}"]
+    written, computed = (parse_rows(each, place) for each in (text, csv_text(claims)))
+    theirs, ours = ({row["id"]: row for row in rows} for rows in (written, computed))
+    problems = [f"{place}: {name}: found no row, expected one" for name in ours.keys() - theirs.keys()]
+    problems += [f"{place}: {name}: found a row, expected none" for name in theirs.keys() - ours.keys()]
+    for name in ours.keys() & theirs.keys():
+        # Both follow from the same files, so that even what was trained is no more than computed here.
+        for d in differences("", [theirs[name]], [ours[name]], Tolerances()):
+            if d.broken:
+                column, by = d.place.rpartition(", ")[2], "" if math.isinf(d.size) else f", {d.size:.2g} away"
+                problems.append(f"{place}: {name}: {column}: found {d.a or 'nothing'}, expected {d.b or 'nothing'}{by}")
+    if not problems and [row["id"] for row in written] != [row["id"] for row in computed]:
+        problems.append(f"{place}: found rows in another order or twice, expected that of the published numbers")
+    return sorted(problems)
+
+
+def _page(text: str, numbers: Published) -> str:
+    """Format the page from the text of the table, so that both show the same ten digits."""
+    claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
+    for column in ("ours", "difference", "tolerance"):
+        claims[column] = pd.to_numeric(claims[column])
+    return markdown(claims, specificity(claims, numbers))
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode()  # line ends as they are
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a ledger (target claims)") from error
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), "bytes that are not UTF-8", "a ledger (target claims)") from error
+
+
+def verified(results: Path, config: Mapping[str, Any]) -> str:
+    """Summarise a ledger that follows from its sources; if the configuration enforces it, asserted claims must hold."""
+    claims, problems = verify_ledger(results, config)
+    for problem in problems:
+        _LOG.error("%s", problem)
+    if problems or claims is None:
+        found = f"{len(problems)} disagreements with its sources, named above"
+        raise InputError.at(f"{results}: ledger", found, "none")
+    lines, failed = summary(claims), len(broken(claims))
+    if failed and config["claims"]["enforce"]:
+        for line in lines:
+            _LOG.error("%s", line)
+        raise InputError.at(f"{results}/claims.csv: asserted", f"{failed} claims that fail", "none")
+    return "".join(f"{line}\n" for line in lines)

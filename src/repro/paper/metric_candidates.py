@@ -24,87 +24,61 @@ from repro.model.parameters import Array
 Factor = Literal["time", "frequency"]
 
 
-@dataclass(frozen=True)
-class Size:
-    """Sums over the samples of a signal, each of shape (..., 2)."""
+class Signal:
+    """A signal or spectrum of shape (..., 2, N), and sums over its samples, each of shape (..., 2)."""
 
-    n: int  # number of samples
-    square: Array
-    norm1: Array
-    peak: Array  # largest magnitude
+    def __init__(self, values: Array) -> None:
+        self.values = values
+        self.n = values.shape[-1]
+        magnitude = np.abs(values)
+        self.square = np.asarray(np.einsum("...n,...n->...", values, values))
+        self.norm1 = magnitude.sum(-1)
+        self.peak = magnitude.max(-1)
+        self.norm = np.sqrt(self.square)
+        self.mean_square = np.asarray(self.square / self.n)
+        self.rms = np.sqrt(self.mean_square)
+        self.mean_absolute = np.asarray(self.norm1 / self.n)
 
-    @property
-    def norm(self) -> Array:
-        """2-norm."""
-        return np.sqrt(self.square)
+    @cached_property
+    def mean(self) -> Array:
+        """Mean."""
+        return np.asarray(self.values.mean(-1))
 
-    @property
-    def mean_square(self) -> Array:
-        """Mean square."""
-        return np.asarray(self.square / self.n)
+    @cached_property
+    def low(self) -> Array:
+        """Smallest sample."""
+        return np.asarray(self.values.min(-1))
 
-    @property
-    def rms(self) -> Array:
-        """Root mean square."""
-        return np.sqrt(self.mean_square)
+    @cached_property
+    def high(self) -> Array:
+        """Largest sample."""
+        return np.asarray(self.values.max(-1))
 
-    @property
-    def mean_absolute(self) -> Array:
-        """Mean magnitude."""
-        return np.asarray(self.norm1 / self.n)
-
-
-def _size(x: Array) -> Size:
-    magnitude = np.abs(x)
-    return Size(x.shape[-1], np.asarray(np.einsum("...n,...n->...", x, x)), magnitude.sum(-1), magnitude.max(-1))
+    def normalised(self, name: str) -> Array:
+        """Return the values normalised in one of the ways of `_NORMALISATIONS`."""
+        if name == "0 to 1":
+            return np.asarray((self.values - self.low[..., np.newaxis]) / (self.high - self.low)[..., np.newaxis])
+        scale = {"2-norm": self.norm, "1-norm": self.norm1, "maximum": self.high, "sum": self.n * self.mean}[name]
+        return np.asarray(self.values / scale[..., np.newaxis])
 
 
 class Pair:
-    """Two signals or spectra of shape (..., 2, N): `x` is the actual one, `y` the rebuilt one."""
+    """Two signals or spectra: `x` is the actual one, `y` the rebuilt one."""
 
     def __init__(self, x: Array, y: Array) -> None:
-        self.arrays = (x, y)
+        self.x, self.y = Signal(x), Signal(y)
         self._of_kind: dict[str, Pair] = {}
-        self._normalised: dict[str, Size] = {}
+        self._normalised: dict[str, Signal] = {}
 
     @cached_property
-    def x(self) -> Size:
-        """Size of the actual signal."""
-        return _size(self.arrays[0])
-
-    @cached_property
-    def y(self) -> Size:
-        """Size of the rebuilt signal."""
-        return _size(self.arrays[1])
-
-    @cached_property
-    def difference(self) -> Size:
-        """Size of the difference."""
-        x, y = self.arrays
-        return _size(x - y)
-
-    @cached_property
-    def mean(self) -> tuple[Array, Array]:
-        """Means of both signals."""
-        x, y = self.arrays
-        return x.mean(-1), y.mean(-1)
-
-    @cached_property
-    def low(self) -> tuple[Array, Array]:
-        """Smallest samples of both signals."""
-        x, y = self.arrays
-        return x.min(-1), y.min(-1)
-
-    @cached_property
-    def high(self) -> tuple[Array, Array]:
-        """Largest samples of both signals."""
-        x, y = self.arrays
-        return x.max(-1), y.max(-1)
+    def difference(self) -> Signal:
+        """Difference of the signals."""
+        return Signal(self.x.values - self.y.values)
 
     @property
     def range(self) -> Array:
         """Range of the actual signal."""
-        return np.asarray(self.high[0] - self.low[0])
+        return np.asarray(self.x.high - self.x.low)
 
     @property
     def common_peak(self) -> Array:
@@ -114,38 +88,28 @@ class Pair:
     @cached_property
     def cosine(self) -> Array:
         """Cosine of the angle between the signals."""
-        x, y = self.arrays
-        return np.asarray(np.einsum("...n,...n->...", x, y) / (self.x.norm * self.y.norm))
+        product = np.einsum("...n,...n->...", self.x.values, self.y.values)
+        return np.asarray(product / (self.x.norm * self.y.norm))
 
     @cached_property
     def centred(self) -> "Pair":
         """Signals without their means: their rms is a standard deviation and their cosine the correlation."""
-        return Pair(*(signal - mean[..., np.newaxis] for signal, mean in zip(self.arrays, self.mean, strict=True)))
+        return Pair(*(signal.values - signal.mean[..., np.newaxis] for signal in (self.x, self.y)))
 
     def of_kind(self, kind: str) -> "Pair":
         """Spectra of another kind."""
         if kind not in self._of_kind:
-            x, y = self.arrays
-            self._of_kind[kind] = Pair(_KINDS[kind].function(x), _KINDS[kind].function(y))
+            function = _KINDS[kind].function
+            self._of_kind[kind] = Pair(function(self.x.values), function(self.y.values))
         return self._of_kind[kind]
 
-    def normalised(self, name: str) -> Size:
-        """Size of the difference of the normalised signals."""
+    def normalised(self, name: str) -> Signal:
+        """Difference of the normalised signals."""
         if name == "none":
             return self.difference
         if name not in self._normalised:
-            x, y = (self._normalise(name, k) for k in range(2))
-            self._normalised[name] = _size(x - y)
+            self._normalised[name] = Signal(self.x.normalised(name) - self.y.normalised(name))
         return self._normalised[name]
-
-    def _normalise(self, name: str, k: int) -> Array:
-        """Normalise the actual (k = 0) or the rebuilt signal (k = 1)."""
-        values, size = self.arrays[k], (self.x, self.y)[k]
-        if name == "0 to 1":
-            low, high = self.low[k], self.high[k]
-            return np.asarray((values - low[..., np.newaxis]) / (high - low)[..., np.newaxis])
-        scale = {"2-norm": size.norm, "1-norm": size.norm1, "maximum": self.high[k], "sum": size.n * self.mean[k]}[name]
-        return np.asarray(values / scale[..., np.newaxis])
 
 
 Measure = Callable[[Pair], Array]
@@ -170,7 +134,7 @@ _TIME: tuple[tuple[str, str, Measure], ...] = (
     ("rms", "rms(x - y), in the signal's unit", lambda p: p.difference.rms),
     ("mean absolute", "mean|x - y|, in the signal's unit", lambda p: p.difference.mean_absolute),
     ("maximum", "max|x - y|, in the signal's unit", lambda p: p.difference.peak),
-    ("mean difference", "|mean(x) - mean(y)|, in the signal's unit", lambda p: np.abs(p.mean[0] - p.mean[1])),
+    ("mean difference", "|mean(x) - mean(y)|, in the signal's unit", lambda p: np.abs(p.x.mean - p.y.mean)),
     ("energy", "||x - y||^2 / ||x||^2", lambda p: p.difference.square / p.x.square),
     ("relative 2-norm", "||x - y|| / ||x||", lambda p: p.difference.norm / p.x.norm),
     ("relative 1-norm", "|x - y|_1 / |x|_1", lambda p: p.difference.norm1 / p.x.norm1),
@@ -244,8 +208,8 @@ _NORMALISATIONS: dict[str, str] = {
     "sum": "{S}/sum({S})",
 }
 
-#: Distances of two normalised spectra: name, formula with D their difference, function of the size of D.
-_DISTANCES: tuple[tuple[str, str, Callable[[Size], Array]], ...] = (
+#: Distances of two normalised spectra: name, formula with D their difference, function of D.
+_DISTANCES: tuple[tuple[str, str, Callable[[Signal], Array]], ...] = (
     ("2-norm", "||{D}||", lambda d: d.norm),
     ("1-norm", "|{D}|_1", lambda d: d.norm1),
     ("maximum", "max|{D}|", lambda d: d.peak),
@@ -267,7 +231,7 @@ _SCALE_FREE: tuple[tuple[str, str, Measure], ...] = (
 )
 
 
-def _normalised(kind: str, normalisation: str, distance: Callable[[Size], Array]) -> Measure:
+def _normalised(kind: str, normalisation: str, distance: Callable[[Signal], Array]) -> Measure:
     return lambda p: distance(p.of_kind(kind).normalised(normalisation))
 
 

@@ -26,21 +26,9 @@ from repro.files import read_rows
 from repro.model.parameters import NAMES, Array
 
 COLUMNS = (
-    "id",
-    "place",
-    "quantity",
-    "case",
-    "method",
-    "joint",
-    "parameter",
-    "unit",
-    "relation",
-    "value",
-    "text",
-    "kind",
-    "ours",
-    "note",
-)
+    "id", "place", "quantity", "case", "method", "joint", "parameter", "unit", "relation", "value", "text", "kind",
+    "ours", "note",
+)  # fmt: skip
 REQUIRED = ("id", "place", "quantity", "unit", "relation", "value", "kind")
 PUBLISHED_FILE = Path(__file__).with_name("published.csv")
 #: The four numeric test arms of Tables 4 and 5.
