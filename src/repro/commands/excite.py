@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Design, compare with Eq. 10, write."""
+    """Design a motion to identify your own arm by, within its limits."""
     import numpy as np
 
     from repro.files import check_folder, fill_folder
