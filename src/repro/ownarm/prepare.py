@@ -12,7 +12,6 @@ from repro.identification.best_fit import REACH, choose_steepness, estimate_dela
 from repro.identification.cutoff import Cutoff, choose_cutoff
 from repro.identification.excitation import Excited, excitation
 from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.filters import FILTERS
 from repro.identification.friction import Term, columns_of_terms, eased, find_terms
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
@@ -36,15 +35,6 @@ class Options:
     seed: int = 1  # of the bootstrap, of training and of the search
     steps: int = 1500  # training steps of the CNN
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
-
-    def __post_init__(self) -> None:
-        """Refuse what the caller cannot mean."""
-        if not self.methods:
-            raise ValueError("methods: must name at least one.")
-        if self.filter not in FILTERS:
-            raise ValueError(f"filter: must be one of {tuple(FILTERS)}, got {self.filter!r}.")
-        if self.cutoff is not None and not 0.0 < self.cutoff < float("inf"):
-            raise ValueError(f"cutoff: must be positive and finite, got {self.cutoff}.")
 
 
 @dataclass(frozen=True)
