@@ -12,7 +12,7 @@ DESIRED, FRAMES = frames_of(SAMPLES)
 
 
 #: Modules that `stub` stands for.
-STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.specimen")
+STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.experiment")
 
 
 def load_config(path):
@@ -21,7 +21,7 @@ def load_config(path):
 
 
 def stub():
-    """Stands for `repro.pipeline.experiment` and `repro.pipeline.specimen`: one motion, whatever its name."""
+    """Stands for `repro.pipeline.experiment` and `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: Program(name, DESIRED, 10, 190, 0.0025)

@@ -22,10 +22,9 @@ from repro.identification.algorithm1.residual import ResidualReader
 from repro.identification.algorithm1.search import SearchSettings, search, select
 from repro.identification.solve import solve
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
-from repro.pipeline.experiment import control_constants, program_from_config
+from repro.pipeline.experiment import control_constants, disturbance, program_from_config
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.factorial import score_cell, search_under, train_cell
-from repro.pipeline.factorial_design import (
+from repro.pipeline.factorial import (
     CELLS,
     COLUMNS,
     CONFIRMATION,
@@ -35,8 +34,8 @@ from repro.pipeline.factorial_design import (
     score_references,
     simulate_blocks,
 )
+from repro.pipeline.factorial_networks import score_cell, search_under, train_cell
 from repro.pipeline.numeric import mean_training_torque
-from repro.pipeline.specimen import disturbance
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev

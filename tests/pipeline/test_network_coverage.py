@@ -15,8 +15,8 @@ from repro.identification.solve import solve
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
+from repro.pipeline.experiment import read_recording
 from repro.pipeline.numeric import mean_training_torque
-from repro.pipeline.recordings import read_recording
 from repro.pipeline.tracked import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 

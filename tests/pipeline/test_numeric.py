@@ -17,7 +17,7 @@ from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.run import Algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.identified import every_seed
+from repro.pipeline.experiment_runs import every_seed
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     identify_arms,

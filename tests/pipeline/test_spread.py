@@ -12,9 +12,14 @@ from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
+from repro.pipeline.experiment import (
+    control_constants,
+    disturbance,
+    mechanical_parameters,
+    program_from_config,
+    true_parameters,
+)
 from repro.pipeline.monte_carlo import chatters, read_spread, simulate_spread, spread_arms
-from repro.pipeline.specimen import disturbance
 from repro.signals.programs import peaks
 
 pytestmark = pytest.mark.slow

@@ -27,8 +27,8 @@ SOURCES = {
     },
     "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", "-paper-recipe"])},
     "readings": {
-        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=READINGS),
-        "losses": [f"{R}/{network_files(reading)[1]}" for reading in READINGS],
+        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=VARIANTS),
+        "losses": [f"{R}/{network_files(reading)[1]}" for reading in VARIANTS],
     },
     "factorial": {
         "scores": [

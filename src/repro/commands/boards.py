@@ -39,7 +39,7 @@ def simulate(arguments: argparse.Namespace) -> int:
     from repro.config import load_config
     from repro.fpga.channel_errors import ErrorInjector
     from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
-    from repro.pipeline.specimen import board_from_config
+    from repro.pipeline.experiment import board_from_config
 
     if arguments.link is not None and arguments.listen != "pty":
         raise InputError.at("--link", f"--listen {arguments.listen}", "--listen pty")

@@ -183,7 +183,7 @@ def _spread(inputs: Inputs) -> pd.DataFrame:
 
 
 def verdict_layout(frame: pd.DataFrame) -> Table:
-    """Each method against each of the field's over many simulated arms; columns `repro.pipeline.monte_carlo.COMPARISON_COLUMNS`.
+    """Each method against each of the field's over many simulated arms; columns `COMPARISON_COLUMNS` of the study.
 
     A block for each opponent and set of arms, a row for each method and duration.
     """

@@ -17,11 +17,11 @@ from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, ta
 from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
-from repro.pipeline.identified import read_identifications
+from repro.pipeline.experiment import read_recordings
+from repro.pipeline.experiment_runs import read_identifications
 from repro.pipeline.job import Config
-from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
-from repro.pipeline.recordings import read_recordings
 from repro.pipeline.summary import both_metrics
+from repro.pipeline.variants import HEADLINES, ablation_figure, ablation_table
 from repro.signals.programs import SPAN
 
 

@@ -22,10 +22,9 @@ from repro.identification.algorithm1.uncertainty import (
     unlike_beyond,
 )
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.experiment import Recording, control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.job import Config
-from repro.pipeline.recordings import Recording
 from repro.pipeline.tracked import (
     Draw,
     Tracked,

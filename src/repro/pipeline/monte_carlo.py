@@ -20,11 +20,16 @@ from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.model.parameters import Array
-from repro.pipeline.experiment import control_constants, limits, program_from_config, true_parameters
+from repro.pipeline.experiment import (
+    Recording,
+    control_constants,
+    disturbance,
+    limits,
+    program_from_config,
+    true_parameters,
+)
 from repro.pipeline.experiment_runs import identify_recording, least_squares_of, score_runs
 from repro.pipeline.job import Config
-from repro.pipeline.recordings import Recording
-from repro.pipeline.specimen import disturbance
 from repro.pipeline.tracked import draw_arms, tracking_error
 from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings

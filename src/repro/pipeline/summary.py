@@ -8,11 +8,10 @@ import pandas as pd
 from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.experiment_runs import CASE, score_runs
-from repro.pipeline.identified import every_seed
+from repro.pipeline.experiment import Recording
+from repro.pipeline.experiment_runs import CASE, every_seed, score_runs
 from repro.pipeline.job import Config
 from repro.pipeline.numeric import score_estimates
-from repro.pipeline.recordings import Recording
 from repro.settings import numeric_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 

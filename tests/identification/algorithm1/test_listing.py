@@ -12,8 +12,8 @@ from strategies import seeds
 from repro.identification.algorithm1.listing import derivatives, filtered, fit2trt, prepare
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.experiment import Recording
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.recordings import Recording
 from repro.signals.dct import dct2dev
 from repro.signals.programs import identification_program
 from repro.signals.sampling import SignalSettings
