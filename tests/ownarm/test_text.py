@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.identification.setup import Fault, corrected
+from repro.identification.extra_terms import CalibrationError, correct_calibration
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
@@ -25,11 +25,11 @@ from repro.ownarm.text import (
     verdict,
 )
 
-FAULTS = (
-    Fault("zero1", 0.05, 0.002, 0.09, 0.05),
-    Fault("zero2", -0.1, 0.002, 0.09, 0.05),
-    Fault("offset1", 0.2, 0.01, 0.08, 0.05),
-    Fault("scale2", 1.5, 0.01, 0.08, 0.05),
+ERRORS = (
+    CalibrationError("zero1", 0.05, 0.002, 0.09, 0.05),
+    CalibrationError("zero2", -0.1, 0.002, 0.09, 0.05),
+    CalibrationError("offset1", 0.2, 0.01, 0.08, 0.05),
+    CalibrationError("scale2", 1.5, 0.01, 0.08, 0.05),
 )
 
 
@@ -80,16 +80,16 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
         return to_eq1(raw, read_arm(file))
 
     arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
-    lines = yaml.safe_load(arm_lines(FAULTS, arm).replace("; ", "\n"))
+    lines = yaml.safe_load(arm_lines(ERRORS, arm).replace("; ", "\n"))
     assert set(lines) == {"zero", "torque_offset", "torque_scale"}
-    expected = corrected(read(common), {fault.name: fault.value for fault in FAULTS})
+    expected = correct_calibration(read(common), {fault.name: fault.value for fault in ERRORS})
     right = read(common | lines)
     np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
     np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
 
 
 def test_each_calibration_error_has_its_size_its_effect_and_what_else_it_may_be():
-    lines = calibration_lines((*FAULTS, replace(FAULTS[1], instead={"zero1": 0.05, "scale2": 1.4})), Arm())
+    lines = calibration_lines((*ERRORS, replace(ERRORS[1], instead={"zero1": 0.05, "scale2": 1.4})), Arm())
     assert "joint 1 is -2.9 +- 0.23 degrees" in lines[0]
     assert "from 9.0 to 5.0 %" in lines[0]
     assert "offset of 0.2 +- 0.02 N m" in lines[2]
@@ -101,7 +101,7 @@ def test_each_calibration_error_has_its_size_its_effect_and_what_else_it_may_be(
 @pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
 def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apart):
     def log(zero):
-        faults = () if zero is None else (Fault("zero1", zero, 0.002, 0.09, 0.05),)
+        faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
         return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
 
     assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
