@@ -232,7 +232,9 @@ def test_options_that_make_no_sense_are_refused(argv, capsys):
     with pytest.raises(SystemExit) as caught:
         main(argv)
     assert caught.value.code == 2
-    assert "repro" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "repro" in err
+    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(("error", "code"), [(InputError("a: found b, expected c"), 2), (KeyboardInterrupt(), 130)])
