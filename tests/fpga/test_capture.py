@@ -128,6 +128,7 @@ def test_a_capture_that_cannot_be_replaced_stays(stored, monkeypatch):
         ("host", {}, "host.port: found nothing, expected a value"),
         ("sha256", "0" * 64, "SHA-256: found"),
         ("motion", None, "motion: found nothing, expected a value"),
+        ("motion", "\x1b[2J", r"motion: found '\x1b[2J', expected text without control characters"),
         ("counts.lost", None, "counts.lost: found nothing, expected a value"),
     ],
 )
