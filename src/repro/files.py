@@ -92,6 +92,8 @@ def fill_folder(
         for name in (*names, *optional, *later):
             if (out / name).resolve() in given:
                 raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
+            if (out / name).is_dir():
+                raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
         out.mkdir(parents=True, exist_ok=True)
         for name in set(optional) - set(names):  # of an earlier run, which this one contradicts
             (out / name).unlink(missing_ok=True)
