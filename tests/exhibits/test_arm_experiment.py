@@ -30,7 +30,7 @@ from repro.exhibits.arm_experiment import (
     tip_paths,
     validation_curves,
 )
-from repro.identification.algorithm1.listing import prepare
+from repro.identification.algorithm1.preprocessing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
 from repro.model.stability import stability_constants

@@ -17,9 +17,8 @@ from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, search, select
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.identification.solve import solve
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
 from repro.pipeline.experiment import control_constants, disturbance, program_from_config
@@ -28,7 +27,6 @@ from repro.pipeline.factorial import (
     CELLS,
     COLUMNS,
     CONFIRMATION,
-    METRICS,
     configured,
     read_blocks,
     score_references,
@@ -82,10 +80,6 @@ def test_a_network_differs_from_the_configuration_by_its_levels_alone(name):
     assert restored == config
 
 
-def test_both_time_factors_are_there():
-    assert {formula: MetricSettings(formula) for formula in TIME_FORMULAS} == METRICS
-
-
 # --- Search under both metrics ------------------------------------------------------------------------------------
 
 SIGNALS = SignalSettings(h=0.02, samples=40)
@@ -107,7 +101,7 @@ class Reader:
 
     def estimate(self, guess):
         self.images += len(guess)
-        return ARM / PREPARED.largest + self._scale * (guess - 0.5) @ self._mix
+        return ARM / PREPARED.torque_scale + self._scale * (guess - 0.5) @ self._mix
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
@@ -313,9 +307,9 @@ def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, tm
     estimate = read_torque(from_disk, prepared.alpha)
     for formula in TIME_FORMULAS:
         (row,) = rows_of(table, block="6", back_emf=HIGH, metric=formula).to_dict("records")
-        expected = similarities(block, prepared.largest * estimate, formula, c)
+        expected = similarities(block, prepared.torque_scale * estimate, formula, c)
         np.testing.assert_allclose([row["id"], row["validation"]], expected, rtol=0, atol=1e-7)
-        error = np.sqrt(np.mean((estimate - block.true / prepared.largest) ** 2))
+        error = np.sqrt(np.mean((estimate - block.true / prepared.torque_scale) ** 2))
         assert row["error"] == pytest.approx(error, rel=1e-6)
 
 
@@ -336,7 +330,7 @@ def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, 
         for formula in TIME_FORMULAS:
             settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
             settings = replace(settings, metric=MetricSettings(formula))
-            reader = ResidualReader(network, image, prepared)
+            reader = ResidualEstimator(network, image, prepared)
             candidates = search(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
             expected = select(candidates.beta, prepared, settings).beta
             levels = {"block": block.name, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
@@ -344,7 +338,7 @@ def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, 
             totals = similarities(block, expected, formula, c)
             np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)
             guesses = [s.uniform(1e-3, 3.0, 9) for s in stream(seed, Stream.FACTORIAL_SEARCH, k).spawn(4)]
-            first = reader.estimate(np.stack(guesses)) - block.true / prepared.largest
+            first = reader.estimate(np.stack(guesses)) - block.true / prepared.torque_scale
             assert row["error"] == pytest.approx(np.sqrt(np.mean(first**2)), rel=1e-5)
             assert (row["search_seed"], row["training_seed"]) == (seed, 1)
 
@@ -356,10 +350,3 @@ def test_a_score_depends_on_its_seeds_alone(recorded, tau_mean, tmp_path):
     first, again, other = (score_cell(name, 1, seed, weights, recorded, tau_mean, CONFIG) for seed in (1, 1, 2))
     pd.testing.assert_frame_equal(first, again)
     assert (first["error"] != other["error"]).all()
-
-
-def test_weights_of_another_cell_are_refused(recorded, tau_mean, tmp_path):
-    weights = tmp_path / "weights.safetensors"
-    train_cell("cnn-ideal-index", 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
-    with pytest.raises(InputError, match="of the network asked for"):
-        score_cell("cnn-ideal-rad_per_s", 1, 1, weights, recorded, tau_mean, CONFIG)

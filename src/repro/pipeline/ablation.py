@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from repro.files import write_json
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs

@@ -18,7 +18,7 @@ from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.recording import recording_of
-from repro.identification.algorithm1.listing import filtered
+from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.job import Config

@@ -10,7 +10,7 @@ import pandas as pd
 from repro.documents import read_json
 from repro.errors import InputError
 from repro.files import read_csv
-from repro.identification.algorithm1.listing import Prepared, derivatives, prepare
+from repro.identification.algorithm1.preprocessing import PreparedSignals, derivatives, prepare
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES, as_json
@@ -22,7 +22,7 @@ from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.run import Algorithm1
+    from repro.identification.algorithm1.refinement import Algorithm1
 
 #: The one case of the experiment's identifications: parameters come from this motion.
 CASE = "ID"
@@ -30,7 +30,7 @@ CASE = "ID"
 
 def prepare_recording(
     recording: Recording, tau_mean: Array, signals: SignalSettings, image_motion: ImageMotion = "measured"
-) -> Prepared:
+) -> PreparedSignals:
     """Lines 1 to 12 of Algorithm 1 for a recording of any duration."""
     n1, n2 = recording.program.n1, recording.program.n2
     n, m = n2 - n1, tau_mean.shape[1]

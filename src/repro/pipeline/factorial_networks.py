@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from repro.cnn.network import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
-from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, select
+from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
 from repro.model.parameters import FEASIBILITY, Array
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.factorial import CELLS, COLUMNS, METRICS, Scorers, configured, read_blocks
@@ -49,7 +48,7 @@ def train_cell(name: str, seed: int, weights: Path, checkpoint: str, motions: st
 
 
 def search_under(
-    reader: ResidualReader, prepared: Prepared, settings: SearchSettings, rng: np.random.Generator
+    reader: ResidualEstimator, prepared: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> tuple[dict[str, tuple[Array, int]], Array]:
     """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses.
 
@@ -93,14 +92,14 @@ def score_cell(
         for image_motion in cell.image_motions or ("measured",):
             prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, image_motion)
             if network is not None:
-                reader = ResidualReader(network, data_settings(c).image, prepared)
+                reader = ResidualEstimator(network, data_settings(c).image, prepared)
                 rng = stream(search_seed, Stream.FACTORIAL_SEARCH, k)
                 found, first = search_under(reader, prepared, settings, rng)
             else:
                 assert plain is not None
                 first = read_torque(plain, prepared.alpha)[np.newaxis]
-                found = dict.fromkeys(METRICS, (prepared.largest * first[0], 0))
-            error = float(np.sqrt(np.mean((first - right / prepared.largest) ** 2)))
+                found = dict.fromkeys(METRICS, (prepared.torque_scale * first[0], 0))
+            error = float(np.sqrt(np.mean((first - right / prepared.torque_scale) ** 2)))
             shown = image_motion if cell.image_motions else ""
             rows += [
                 {**own, "image_motion": shown, "metric": m, **scorers.row(m, beta), "error": error, "met": met}

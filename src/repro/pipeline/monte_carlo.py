@@ -37,7 +37,7 @@ from repro.signals.programs import VALIDATION, Program, check_limits
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.run import Algorithm1
+    from repro.identification.algorithm1.refinement import Algorithm1
 
 #: Arms drawn for each that is wanted.
 DRAWN = 8

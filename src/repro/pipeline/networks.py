@@ -10,7 +10,7 @@ from repro.cnn.network import load_network, on_this_processor, save_network
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.pipeline.job import Config
 from repro.pipeline.model_card import model_card
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
