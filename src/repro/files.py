@@ -180,6 +180,8 @@ def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: 
 
 def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Read the arrays and the header of a safetensors file."""
+    if path.exists() and not path.is_file():
+        raise InputError.at(str(path), "a folder, a pipe or a device", expected)
     try:
         with safe_open(path, framework="np") as f:
             return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118
