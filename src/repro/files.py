@@ -145,6 +145,8 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     missing = [c for c in columns if c not in frame.columns]
     if missing:
         raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+    if twice := next((c for c in columns if f"{c}.1" in frame.columns), None):  # pandas renames the second one
+        raise InputError.at(f"{path}: header", f"the column {twice!r} twice", "names that differ")
     return frame
 
 

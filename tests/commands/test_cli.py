@@ -81,6 +81,7 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     ("text", "expected"),
     [
         ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
+        ("q1_rad,q2_rad,q1_rad\n0,0,1\n0,0,1\n", "header: found the column 'q1_rad' twice"),
         ("q1_rad,q2_rad\n", "found no rows"),
         ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
         ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
