@@ -13,7 +13,7 @@ from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import write_csv
 from repro.paper.claims import VERDICTS, Basis
 from repro.paper.ledger_page import CAUSES
-from repro.report.inputs import ReportInputs
+from repro.report.page import ReportInputs
 
 #: What must be escaped wherever it is shown.
 TRICKY = "a < b & \"c\" > 'd' <script>alert(1)</script>"

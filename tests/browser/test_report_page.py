@@ -39,8 +39,7 @@ def report(tmp_path_factory):
     """A report that lies where its links to files beside it lead."""
     if "REPORT_PAGE" in os.environ:
         return Path(os.environ["REPORT_PAGE"]).resolve()
-    inputs = make_example(tmp_path_factory.mktemp("project"), partial=True)
-    (inputs.figures / "fig24.png").unlink()
+    inputs = make_example(tmp_path_factory.mktemp("project"))
     write_report(inputs)
     return inputs.page
 

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from repro.model.parameters import Array
 
@@ -60,6 +59,8 @@ def _signed_rank_p(differences: Array) -> float:
     """Two-sided p value of Wilcoxon's signed-rank test; 1 where no arm shows a difference."""
     if not np.any(differences):
         return 1.0
+    from scipy import stats  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
+
     return float(stats.wilcoxon(differences, zero_method="pratt").pvalue)
 
 
