@@ -21,8 +21,8 @@ from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.files import read_csv
 from repro.model.parameters import NAMES
-from repro.pipeline.effects import effects
-from repro.pipeline.readings import READINGS, ablation_figure
+from repro.pipeline.factorial import effects
+from repro.pipeline.variants import VARIANTS, ablation_figure
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 CASES = ("N1", "N2", "N3", "N4")
@@ -230,7 +230,7 @@ def spread_frame() -> pd.DataFrame:
 def readings_frame() -> pd.DataFrame:
     """Numbers of each reading: one far below the others on the numeric arms, another one on the simulated arm."""
     rows = []
-    for i, reading in enumerate(READINGS.values()):
+    for i, reading in enumerate(VARIANTS.values()):
         numeric = (0.3012, 0.1, 0.2847) if reading.name == "DCT index" else (0.975, 0.9312, 0.968)
         arm = (0.9512, 0.4811, 0.9667) if reading.name == "SI units" else (0.953, 0.9411, 0.9667)
         arm = (0.9612, 0.9222, *arm)

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
+from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
-from repro.commands.record import read_program
-from repro.commands.simulate import parse_faults
+from repro.commands.boards import parse_faults, read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
@@ -27,6 +26,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 def experiment(monkeypatch):
     for name in STOOD_FOR:
         monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setattr("repro.config.load_config", load_config)
 
 
 @pytest.fixture
@@ -240,7 +240,7 @@ def test_exit_codes(monkeypatch, stored, error, code):
     def fail(arguments):
         raise error
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     assert main(["decode", str(stored)]) == code
 
 
@@ -248,7 +248,7 @@ def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
     def fail(arguments):
         raise RuntimeError("a fault of ours")
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     with pytest.raises(RuntimeError, match="a fault of ours"):
         main(["decode", str(stored)])
 

@@ -10,7 +10,7 @@ import yaml
 from pytest import approx
 
 from repro.cli import main
-from repro.commands.record import program_of
+from repro.commands.boards import program_of
 from repro.config import load_config
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log

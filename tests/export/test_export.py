@@ -11,11 +11,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.export.bibtex import METHODS_FILE, bibtex, entries
 from repro.export.links import links_of, principal_inertia
 from repro.export.models import mjcf, urdf
 from repro.model.dynamics import inverse_dynamics, mass_matrix
 from repro.model.parameters import STANDARD_GRAVITY, inertial_from_links
+from repro.ownarm.outputs import METHODS_FILE, bibtex, entries
 
 # What the owners of a real arm, geared and with l1 = 0.3 m, published of it.
 REAL = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090, 0.001, 0.001, 0.146, 0.123])

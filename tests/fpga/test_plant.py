@@ -15,8 +15,7 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant, Unmodelled
 from repro.model.dynamics import forward_dynamics
 from repro.model.parameters import Array
-from repro.pipeline.experiment import true_parameters
-from repro.pipeline.specimen import disturbance
+from repro.pipeline.experiment import disturbance, true_parameters
 from repro.signals.programs import identification_program
 
 pytestmark = pytest.mark.slow

@@ -12,7 +12,7 @@ from log_example import BETA, columns, motion, recording, text
 from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent, tree, write_log
 
 from repro.errors import InputError
-from repro.identification.excitation import torque_share
+from repro.identification.excitation import torque_fraction
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
@@ -103,7 +103,7 @@ def test_each_method_is_judged_by_its_own_parameters(whole):
     found = [Fit(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
     result, curves = assemble(problem, found, ARM)
     assert result.recommended == "bounded"
-    assert result.excitation.share == pytest.approx(torque_share(problem.moving, BETA))
+    assert result.excitation.share == pytest.approx(torque_fraction(problem.moving, BETA))
     for m, beta in zip(result.methods, betas, strict=True):
         assert [p.estimate for p in m.parameters] == list(beta)
         for s, each in zip(curves.signals, (m.fit, *m.validation), strict=True):

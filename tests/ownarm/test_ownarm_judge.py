@@ -10,7 +10,7 @@ from log_example import BETA, log_of, motion, recording
 from ownarm_log import H, exact, exciting
 from ownarm_problem import ARM, judged, loaded, made, noisy, problem_of, silent
 
-from repro.identification.bootstrap import Spread
+from repro.identification.bootstrap import Uncertainty
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.scores import relative_rms
@@ -169,7 +169,7 @@ def with_interval(share, reach):
     r, beta = exciting(400), BETA.copy()
     beta[6] = share * np.sqrt(np.mean(r.tau[1] ** 2)) / np.sqrt(np.mean(r.y[1, :, 6] ** 2))
     far = np.full(9, reach * beta[6])
-    found = Fit(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
+    found = Fit(METHODS["ordinary"], Estimate(beta.copy()), Uncertainty(0.5 * far, beta - far, beta + far), ())
     b2 = evaluate(found, problem_of(r), (None,)).parameters[6]
     assert (b2.estimate, b2.standard_error) == pytest.approx((beta[6], 0.5 * far[6]))
     assert (b2.low, b2.high) == pytest.approx((beta[6] - far[6], beta[6] + far[6]))

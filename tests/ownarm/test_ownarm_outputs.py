@@ -13,13 +13,12 @@ from ownarm_problem import ARM, FILES, tree
 from PIL import Image
 
 from repro.errors import InputError
-from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
 from repro.files import check_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
-from repro.ownarm.outputs import citations, write_result
+from repro.ownarm.outputs import bibtex, citations, entries, write_result
 
 SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "cnn_identification"}
 

@@ -17,8 +17,8 @@ from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example
 from PIL import Image
 
 from repro.exhibits import style
-from repro.identification.alternatives import BEYOND
-from repro.identification.friction import Term
+from repro.identification.extra_terms import FrictionTerm
+from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm.figures import (
@@ -280,7 +280,7 @@ def test_what_cannot_be_shown_is_refused():
 
 
 def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
-    terms = (Term("load1", 0.0618, 0.005, 0.23, True), Term("load2", 0.056, 0.008, 0.11, False))
+    terms = (FrictionTerm("load1", 0.0618, 0.005, 0.23, True), FrictionTerm("load2", 0.056, 0.008, 0.11, False))
     result = example_result(friction=(terms,))
     row = (
         "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; subtracting it reduces "
@@ -295,7 +295,7 @@ def test_intervals_come_with_the_effects_that_they_allow_for_and_how_they_are_ma
     claims = example_result()
     bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False)
     none = example_result(methods=(bare,), recommended="ols")
-    assert set(BEYOND) and all(effect in ALLOWED for effect in BEYOND)
+    assert set(UNMODELLED_EFFECTS) and all(effect in ALLOWED for effect in UNMODELLED_EFFECTS)
     assert (ALLOWED in summary(claims), ALLOWED in summary(none)) == (True, False)
     page, without = (Page(render_page(result, Curves(), {})) for result in (claims, none))
     assert ALLOWED[1:] in page.one("verdict")["text"]

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 import yaml
 
-from repro.identification.setup import Fault, corrected
+from repro.identification.extra_terms import CalibrationError, correct_calibration
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
 from repro.ownarm.text import DIFFERENT_ERRORS, arm_lines, calibration_lines, calibration_warnings, detection_limits
 
-FAULTS = (
-    Fault("zero1", 0.05, 0.002, 0.09, 0.05),
-    Fault("zero2", -0.1, 0.002, 0.09, 0.05),
-    Fault("offset1", 0.2, 0.01, 0.08, 0.05),
-    Fault("scale2", 1.5, 0.01, 0.08, 0.05),
+ERRORS = (
+    CalibrationError("zero1", 0.05, 0.002, 0.09, 0.05),
+    CalibrationError("zero2", -0.1, 0.002, 0.09, 0.05),
+    CalibrationError("offset1", 0.2, 0.01, 0.08, 0.05),
+    CalibrationError("scale2", 1.5, 0.01, 0.08, 0.05),
 )
 
 
@@ -34,15 +34,18 @@ def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
 
     as_it_is = read(common)
     arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
-    lines = yaml.safe_load(arm_lines(FAULTS, arm).replace("; ", "\n"))
+    lines = yaml.safe_load(arm_lines(ERRORS, arm).replace("; ", "\n"))
     assert set(lines) == {"zero", "torque_offset", "torque_scale"}
-    right, expected = read(common | lines), corrected(as_it_is, {fault.name: fault.value for fault in FAULTS})
+    right, expected = (
+        read(common | lines),
+        correct_calibration(as_it_is, {fault.name: fault.value for fault in ERRORS}),
+    )
     np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
     np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
 
 
 def test_each_fault_is_said_with_its_size_and_what_it_brings():
-    lines = calibration_lines(FAULTS, Arm())
+    lines = calibration_lines(ERRORS, Arm())
     assert lines[0] == (
         "the zero of joint 1 is -2.9 +- 0.23 degrees off; the correction reduces the torque error from 9.0 to 5.0 %"
     )
@@ -55,7 +58,7 @@ def test_each_fault_is_said_with_its_size_and_what_it_brings():
 @pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
 def test_logs_whose_faults_one_arm_file_cannot_put_right_are_told_of(second, apart):
     def log(zero):
-        faults = () if zero is None else (Fault("zero1", zero, 0.002, 0.09, 0.05),)
+        faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
         return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
 
     assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
@@ -64,7 +67,7 @@ def test_logs_whose_faults_one_arm_file_cannot_put_right_are_told_of(second, apa
 
 def test_a_fault_that_may_be_another_is_said_with_it():
     (line, _) = calibration_lines(
-        (Fault("zero2", -0.1, 0.002, 0.09, 0.05, {"zero1": 0.05, "offset1": 0.2, "scale2": 1.4}),), Arm()
+        (CalibrationError("zero2", -0.1, 0.002, 0.09, 0.05, {"zero1": 0.05, "offset1": 0.2, "scale2": 1.4}),), Arm()
     )
     assert line.startswith(
         "the zero of joint 2 is 5.7 +- 0.23 degrees off (this log can hardly distinguish it from the zero of joint 1: "

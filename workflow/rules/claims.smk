@@ -17,7 +17,7 @@ rule claims:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("claims.py"),
+        *code("claims.py"),
         config=ledger_sections(),
     message:
         "Ledger of every published number"
@@ -39,7 +39,7 @@ rule verify:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("verify.py"),
+        *code("verify.py"),
         config={**ledger_sections(), "claims": config["claims"]},
     message:
         "Verifying the ledger"

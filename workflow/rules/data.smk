@@ -9,7 +9,7 @@ rule simulate_tracked:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("simulate_tracked.py"),
+        *code("simulate_tracked.py"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"
@@ -28,7 +28,7 @@ rule mean_torque:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("mean_torque.py"),
+        *code("mean_torque.py"),
         config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"

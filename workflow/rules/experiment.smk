@@ -23,7 +23,7 @@ rule acquire:
     resources:
         serial_port=int(SERIAL),
     params:
-        code=code("acquire.py"),
+        *code("acquire.py"),
         config=sections(*ARM),
     message:
         "Capture of {wildcards.motion}"
@@ -50,7 +50,7 @@ rule identify_experiment:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("identify_experiment.py"),
+        *code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
         config=network_sections(*ARM),
@@ -72,7 +72,7 @@ rule identify_least_squares:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("identify_least_squares.py"),
+        *code("identify_least_squares.py"),
         config=sections(*ARM),
     message:
         "Identifying the arm by least squares"
@@ -94,7 +94,7 @@ rule score_experiment:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("score_experiment.py"),
+        *code("score_experiment.py"),
         config=sections(*ARM, "metric"),
     message:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
@@ -113,7 +113,7 @@ rule simulate_spread:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("simulate_spread.py"),
+        *code("simulate_spread.py"),
         config=sections(*ARM, "data", "spread"),
     message:
         "Simulating many specimens of the arm"
@@ -138,7 +138,7 @@ rule score_spread:
     resources:
         runtime=30,
     params:
-        code=code("score_spread.py"),
+        *code("score_spread.py"),
         trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
         config=sections(*USED, *ARM, "networks", "spread"),
     message:

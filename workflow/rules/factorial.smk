@@ -8,7 +8,7 @@ rule simulate_factorial:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("simulate_factorial.py"),
+        *code("simulate_factorial.py"),
         config=sections(*ARM, "data", "factorial"),
     message:
         "Simulating the blocks of the factorial"
@@ -32,7 +32,7 @@ rule train_factorial:
         mem_mb=3000,
         runtime=90,
     params:
-        code=lambda wildcards: CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train"),
+        code=lambda wildcards: " ".join(CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train")),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:
@@ -57,7 +57,7 @@ rule score_factorial:
     resources:
         runtime=60,
     params:
-        code=code("score_factorial.py"),
+        *code("score_factorial.py"),
         config=factorial_sections(),
     message:
         "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
@@ -77,7 +77,7 @@ rule score_factorial_references:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("score_factorial_references.py"),
+        *code("score_factorial_references.py"),
         config=factorial_sections(),
     message:
         "Least squares on the blocks of the factorial"

@@ -16,7 +16,7 @@ rule identify_numeric:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("identify_numeric.py"),
+        *code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
         trained_as=trained_as,
         config=network_sections("numeric"),
@@ -36,7 +36,7 @@ rule identify_numeric_least_squares:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("identify_numeric_least_squares.py"),
+        *code("identify_numeric_least_squares.py"),
         config=sections("signals", "numeric"),
     message:
         "Identifying N1 to N4 by least squares"

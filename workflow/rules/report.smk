@@ -18,7 +18,7 @@ rule report:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("report.py"),
+        *code("report.py"),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,

@@ -14,7 +14,7 @@ rule score_numeric:
     conda:
         "../../envs/repro.yaml"
     params:
-        code=code("score_numeric.py"),
+        *code("score_numeric.py"),
         config=sections("signals", "metric", "numeric"),
     message:
         "Scoring the numeric estimates, network{wildcards.suffix}"

@@ -19,7 +19,7 @@ from repro.exhibits.markup import Table
 from repro.exhibits.style import METHODS
 from repro.files import read_csv, write_text
 from repro.pipeline.job import Config
-from repro.pipeline.paired import ALL, BETTER, COLUMNS, OPEN, SAME, WORSE
+from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions
 from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_rows, read_text
 from repro.report.ledger import count, differences, read_claims
@@ -139,7 +139,7 @@ class Answer:
 def answer(inputs: ReportInputs) -> Answer:
     """Read the comparisons."""
     path = inputs.results / "tables" / "verdict.csv"
-    table = read_csv(path, COLUMNS)
+    table = read_csv(path, COMPARISON_COLUMNS)
     table = table[table["set"] == ALL]
     asked = table[(table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)]
     if asked.empty:

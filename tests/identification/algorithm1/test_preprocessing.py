@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.identification.algorithm1.listing import derivatives, filtered, fit2trt, prepare
+from repro.identification.algorithm1.preprocessing import derivatives, filtered, fit2trt, prepare
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.experiment import Recording
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.recordings import Recording
 from repro.signals.dct import dct2dev
 from repro.signals.programs import identification_program
 from repro.signals.sampling import SignalSettings
@@ -85,7 +85,7 @@ def test_lines_1_to_12(normalise):
         same(signal(found, name), expected)
     same(found.alpha, tau_n)
     assert found.c_p == pytest.approx(c_p, rel=1e-10)
-    assert found.largest * found.c_p == pytest.approx(np.abs(tau_s).max(), rel=1e-10)
+    assert found.torque_scale * found.c_p == pytest.approx(np.abs(tau_s).max(), rel=1e-10)
     assert np.abs(found.alpha).max() == 1.0
     image_motion = [q_s, dq_s, ddq_s]
     if normalise:
@@ -100,13 +100,13 @@ def test_the_image_may_show_the_motion_that_was_sent():
     """f of the image is on it, and nothing else: torque, comparison and selection stay with the measured motion."""
     sent = MOTION.q + 0.01 * np.sin(np.arange(N) / 50.0)
     ours = prepared()
-    other = prepared(shown=[x[:, slice(*CUT)] for x in derivatives(sent, SIGNALS)])
+    other = prepared(image_motion=[x[:, slice(*CUT)] for x in derivatives(sent, SIGNALS)])
     for name in ("q", "dq", "ddq", "tau", "alpha", "y_sub", "y"):
         np.testing.assert_array_equal(signal(ours, name), signal(other, name))
     expected = prepared(q=sent)
     np.testing.assert_array_equal(other.model, expected.model)
     assert np.abs(other.model - ours.model).max() > 1e-3
-    same = prepared(shown=[x[:, slice(*CUT)] for x in derivatives(MOTION.q, SIGNALS)])
+    same = prepared(image_motion=[x[:, slice(*CUT)] for x in derivatives(MOTION.q, SIGNALS)])
     np.testing.assert_array_equal(same.model, ours.model)
 
 
@@ -126,7 +126,7 @@ def test_level_of_the_training_torque_cancels(factor):
     """c_p enters in line 6 and leaves in line 32, so it changes neither the signals nor the parameters."""
     ours, other = prepared(), prepared(tau_mean=factor * MEAN)
     assert other.c_p == pytest.approx(factor * ours.c_p, rel=1e-12)
-    for name in ("tau", "alpha", "largest", "model", "y_sub", "y"):
+    for name in ("tau", "alpha", "torque_scale", "model", "y_sub", "y"):
         np.testing.assert_array_equal(signal(ours, name), signal(other, name))
     beta_m = np.stack(list(literal.ARMS.values()))
     first, second = (select(beta_m, p, SearchSettings()) for p in (ours, other))
@@ -138,7 +138,7 @@ def test_level_of_the_training_torque_cancels(factor):
 @given(st.floats(1e-3, 1e3))
 def test_stronger_torque_is_a_larger_unit_and_nothing_else(factor):
     ours, other = prepared(), prepared(tau=factor * TAU)
-    assert other.largest == pytest.approx(factor * ours.largest, rel=1e-12)
+    assert other.torque_scale == pytest.approx(factor * ours.torque_scale, rel=1e-12)
     np.testing.assert_allclose(other.alpha, ours.alpha, rtol=0, atol=1e-12)
 
 
@@ -169,13 +169,13 @@ def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
     q, tau = slowed(times, truth)
     n, exact = q.shape[1] - 2 * MARGIN, replace(SIGNALS, c_f=0.0)
     pace = MEAN.shape[1] / n
-    found = prepared(q, tau, np.ones((2, n)), exact, (MARGIN, MARGIN + n), pace=pace)
+    found = prepared(q, tau, np.ones((2, n)), exact, (MARGIN, MARGIN + n), time_scale=pace)
     canonical = in_canonical_time(truth, pace)
     r = found.regression
     np.testing.assert_allclose(r.y @ canonical, r.tau, rtol=0, atol=1e-10 * np.abs(r.tau).max())
-    np.testing.assert_allclose(found.recorded(canonical), truth, rtol=1e-12)
-    np.testing.assert_allclose(found.recorded(np.stack([canonical] * 3)), np.stack([truth] * 3), rtol=1e-12)
-    chosen = select(np.stack([0.7 * canonical[::-1], canonical / found.largest]), found, SearchSettings())
+    np.testing.assert_allclose(found.to_recorded_time(canonical), truth, rtol=1e-12)
+    np.testing.assert_allclose(found.to_recorded_time(np.stack([canonical] * 3)), np.stack([truth] * 3), rtol=1e-12)
+    chosen = select(np.stack([0.7 * canonical[::-1], canonical / found.torque_scale]), found, SearchSettings())
     np.testing.assert_allclose(chosen.beta, truth, rtol=1e-9)
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
 
@@ -186,24 +186,18 @@ def test_in_canonical_time_the_motion_is_that_of_training():
     once, twice = (identification_trajectory(k * fine.duration, fine.h, 200) for k in (1, 2))
     n = [motion.q.shape[1] - 400 for motion in (once, twice)]
     at_pace, slow = (
-        prepared(motion.q, np.ones_like(motion.q), np.ones((2, m)), fine, (200, 200 + m), pace=n[0] / m)
+        prepared(motion.q, np.ones_like(motion.q), np.ones((2, m)), fine, (200, 200 + m), time_scale=n[0] / m)
         for motion, m in zip((once, twice), n, strict=True)
     )
     for name in ("dq", "ddq"):
         usual, late = signal(at_pace, name), signal(slow, name)[:, ::2]
         assert np.abs(late[:, : usual.shape[1]] - usual[:, : late.shape[1]]).max() < 0.01 * np.abs(usual).max()
-    beta = in_canonical_time(literal.ARMS["N1"], slow.pace)
+    beta = in_canonical_time(literal.ARMS["N1"], slow.time_scale)
     for name in ("model", "y_sub"):
         usual, late = getattr(at_pace, name) @ beta, getattr(slow, name) @ beta
         # tanh(20 dq) of the recorded speed is less steep, so friction near standstill may differ.
         assert np.linalg.norm(late - usual) < 0.1 * np.linalg.norm(usual)
-    assert slow.pace == pytest.approx(0.5, abs=1e-3)
-
-
-@pytest.mark.parametrize("pace", [0.0, -1.0, np.inf, np.nan])
-def test_a_pace_that_cannot_be_is_refused(pace):
-    with pytest.raises(ValueError, match="pace: must be positive and finite"):
-        prepared(pace=pace)
+    assert slow.time_scale == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize("duration", [3.0, 9.42477796076938, 15.0])
@@ -216,10 +210,10 @@ def test_a_recording_of_any_length_is_prepared_in_the_time_of_training(duration)
     mean = np.stack([np.linspace(1.0, 2.0, 3770), np.linspace(3.0, 1.0, 3770)])
     found = prepare_recording(Recording(program, program.q, tau), mean, signals)
     n = program.n2 - program.n1
-    assert found.pace == pytest.approx(3770 / n)
+    assert found.time_scale == pytest.approx(3770 / n)
     assert found.regression.tau.shape == (2, n)
-    canonical = in_canonical_time(literal.ARMS["N1"], found.pace)
-    chosen = select(canonical[None] / found.largest, found, SearchSettings())
+    canonical = in_canonical_time(literal.ARMS["N1"], found.time_scale)
+    chosen = select(canonical[None] / found.torque_scale, found, SearchSettings())
     np.testing.assert_allclose(chosen.beta, literal.ARMS["N1"], rtol=1e-9)
     stretched = np.stack([np.linspace(1.0, 2.0, n), np.linspace(3.0, 1.0, n)])
     assert found.c_p == pytest.approx(fit2trt(found.regression.tau, stretched), rel=1e-3)

@@ -12,77 +12,35 @@ from repro.signals.sampling import SignalSettings, image_regressor
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """Signals after line 12.
+class PreparedSignals:
+    """Signals after line 12."""
 
-    Attributes
-    ----------
-    regression : Regression
-        The cut signals in canonical time, in which the trajectory lasts as long as in training; the torque as it is
-        before line 6. Lines 30 and 31 compare on it.
-    c_p : float
-        Factor of **fit2trt** (Eq. 15).
-    largest : float
-        Largest magnitude of the subsampled torque, N m, before line 6: the unit of the parameters in the search.
-    alpha : array of shape (2, M)
-        Subsampled torque over `largest` (tau_n).
-    model : array of shape (2, M, 9)
-        Regressor f uses in the image (line 18).
-    y_sub : array of shape (2, M, 9)
-        Regressor of the subsampled motion (line 26).
-    pace : float
-        Canonical time over recorded time.
-    """
-
+    #: The cut signals in canonical time, in which the trajectory lasts as long as in training; the torque as it is
+    #: before line 6. Lines 30 and 31 compare on it.
     regression: Regression
-    c_p: float
-    largest: float
-    alpha: Array
-    model: Array
-    y_sub: Array
-    pace: float = 1.0
+    c_p: float  # factor of **fit2trt** (Eq. 15)
+    torque_scale: float  # largest magnitude of the subsampled torque, N m, before line 6: unit of the parameters
+    alpha: Array  # subsampled torque over `torque_scale` (tau_n), (2, M)
+    model: Array  # regressor f uses in the image (line 18), (2, M, 9)
+    y_sub: Array  # regressor of the subsampled motion (line 26), (2, M, 9)
+    time_scale: float = 1.0  # canonical time over recorded time
 
-    def recorded(self, beta: Array) -> Array:
-        """Parameters in recorded time from those in canonical time.
+    def to_recorded_time(self, beta: Array) -> Array:
+        """Convert parameters (..., 9) from canonical to recorded time.
 
-        With t' = pace t, Eq. 1 keeps its form when inertias are multiplied by pace^2 and viscous friction by
-        pace; gravity and Coulomb friction stay.
-
-        Parameters
-        ----------
-        beta : array of shape (..., 9)
-            Canonical.
-
-        Returns
-        -------
-        array of shape (..., 9)
-            As the arm has them.
+        With t' = p t, Eq. 1 keeps its form when inertias are multiplied by p^2 and viscous friction by p; gravity and
+        Coulomb friction stay.
         """
-        p = self.pace
+        p = self.time_scale
         recorded: Array = beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0])
         return recorded
 
 
 def fit2trt(tau: Array, tau_mean: Array) -> float:
-    """Factor that brings a torque to the level of the training torques (Eq. 15).
+    """Compute the factor that brings a torque to the level of the mean training torque (Eq. 15, Fig. 9), both (2, N).
 
-    Parameters
-    ----------
-    tau : array of shape (2, N)
-        Torque.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data (Fig. 9).
-
-    Returns
-    -------
-    float
-        Mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the
-        torque is zero to rounding carry no level and are left out.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ or the torque is zero throughout.
+    It is the mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the torque is
+    zero to rounding carry no level and are left out. ValueError is raised if it is zero throughout.
     """
     if tau.shape != tau_mean.shape:
         raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
@@ -94,42 +52,25 @@ def fit2trt(tau: Array, tau_mean: Array) -> float:
 
 
 def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array]:
-    """Position with its velocity and acceleration (lines 1 and 2), each of shape (2, N)."""
+    """Differentiate a position (2, N) twice (lines 1 and 2)."""
     dq = dct2dev(q, settings.h, settings.c_f, settings.reading)
     return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.reading)
 
 
 def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: SignalSettings) -> Regression:
-    """A motion and its torque, filtered already, as what methods solve.
-
-    Parameters
-    ----------
-    motion : tuple of three arrays of shape (2, N)
-        Position (rad), velocity (rad/s), acceleration (rad/s^2).
-    tau : array of shape (2, N)
-        Torque, N m.
-    settings : SignalSettings
-        Sampling period and filter.
-
-    Returns
-    -------
-    Regression
-        Every sample counts.
-    """
+    """Make a regression of a motion and its torque (2, N), both filtered already; every sample counts."""
     t: Array = settings.h * np.arange(tau.shape[-1], dtype=np.float64)
     moving = np.ones(tau.shape, dtype=np.bool_)
     return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
 
 
 def filtered(q: Array, tau: Array, settings: SignalSettings, n1: int = 0, n2: int | None = None) -> Regression:
-    """Lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut**.
+    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples n1 to n2 - 1.
 
     Parameters
     ----------
-    q : array of shape (2, N)
-        Measured position, rad.
-    tau : array of shape (2, N)
-        Measured torque, N m.
+    q, tau : arrays of shape (2, N)
+        Measured position, rad, and torque, N m.
     settings : SignalSettings
         Sampling period and filter.
     n1, n2 : int
@@ -158,10 +99,10 @@ def prepare(
     recorded: Regression,
     tau_mean: Array,
     settings: SignalSettings,
-    pace: float = 1.0,
-    shown: tuple[Array, Array, Array] | None = None,
-) -> Prepared:
-    """Lines 5 to 12 of Algorithm 1.
+    time_scale: float = 1.0,
+    image_motion: tuple[Array, Array, Array] | None = None,
+) -> PreparedSignals:
+    """Apply lines 5 to 12 of Algorithm 1.
 
     Parameters
     ----------
@@ -171,38 +112,33 @@ def prepare(
         Mean torque of the training data at the same samples.
     settings : SignalSettings
         Length of the subsampled signals.
-    pace : float
+    time_scale : float
         Canonical time over recorded time, for a trajectory that was run slower or faster than in training.
-    shown : tuple of three arrays of shape (2, N), optional
+    image_motion : tuple of three arrays of shape (2, N), optional
         Motion in recorded time that f of the image is taken on, an extension of ours; the measured one by default.
 
     Returns
     -------
-    Prepared
+    PreparedSignals
         Signals for the search.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ, `pace` is not positive, or the torque is zero throughout.
     """
-    if not 0 < pace < np.inf:
-        raise ValueError(f"pace: must be positive and finite, got {pace}.")
-    steepness = LAMBDA * pace  # tanh(lambda dq/dt) = tanh(lambda pace dq/dt')
+    steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
     c_p = fit2trt(recorded.tau, tau_mean)  # line 5
     # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
     # alone, where it cancels; it is left out of the signals here and carried as a number.
     r = recorded
-    motion = (r.q, r.dq / pace, r.ddq / pace**2)
-    seen = motion if shown is None else (shown[0], shown[1] / pace, shown[2] / pace**2)
+    motion = (r.q, r.dq / time_scale, r.ddq / time_scale**2)
+    shown = motion
+    if image_motion is not None:
+        shown = (image_motion[0], image_motion[1] / time_scale, image_motion[2] / time_scale**2)
     q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (*motion, r.tau))  # line 7
-    largest = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
-    return Prepared(
+    torque_scale = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
+    return PreparedSignals(
         replace(r, q=motion[0], dq=motion[1], ddq=motion[2], y=regressor(*motion, steepness)),
         c_p,
-        largest,
-        tau_s / largest,
-        model=image_regressor(*seen, settings, steepness),
+        torque_scale,
+        tau_s / torque_scale,
+        model=image_regressor(*shown, settings, steepness),
         y_sub=regressor(q_s, dq_s, ddq_s, steepness),
-        pace=pace,
+        time_scale=time_scale,
     )

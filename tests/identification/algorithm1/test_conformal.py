@@ -1,18 +1,18 @@
-"""Spread over guesses, its calibration, and unlike motions: against what they promise."""
+"""Spread over guesses, its calibration, and novel motions."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from repro.identification.algorithm1.uncertainty import (
-    FLOOR,
-    Spread,
+from repro.identification.algorithm1.conformal import (
+    MIN_WIDTH,
+    GuessSpread,
     covered,
     distances,
+    novelty_limit,
     spread_of,
     stretch_factors,
-    unlike_beyond,
 )
 
 
@@ -28,7 +28,7 @@ def test_centre_and_width_are_median_and_central_range():
     spread = spread_of(estimates)
     np.testing.assert_allclose(spread.centre, 0.5 * np.arange(1.0, 10.0))
     np.testing.assert_allclose(spread.width, 0.34 * np.arange(1.0, 10.0))
-    assert (spread_of(np.ones((10, 9))).width == FLOOR).all()
+    assert (spread_of(np.ones((10, 9))).width == MIN_WIDTH).all()
     with pytest.raises(ValueError, match="10 guesses"):
         spread_of(np.ones((9, 9)))
 
@@ -74,12 +74,12 @@ def test_a_motion_is_as_far_as_its_nearest_neighbour():
 def test_one_training_motion_in_a_hundred_is_unlike_the_rest():
     motions = np.random.default_rng(3).standard_normal((300, 2, 20, 9))
     found = distances(motions)
-    assert 1 <= (found > unlike_beyond(motions)).sum() <= 3
+    assert 1 <= (found > novelty_limit(motions)).sum() <= 3
 
 
 def test_spread_is_per_arm():
     known, _ = arms(np.random.default_rng(4), 3)
     one = spread_of(known[1])
     many = spread_of(known)
-    assert isinstance(one, Spread)
+    assert isinstance(one, GuessSpread)
     np.testing.assert_array_equal(many.centre[1], one.centre)

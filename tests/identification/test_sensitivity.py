@@ -8,8 +8,15 @@ from regression_example import log_from, problem
 from scipy import stats
 from strategies import seeds
 
-from repro.identification.alternatives import BEYOND, alternatives, columns_of, shrinkage, smeared, without
 from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.sensitivity import (
+    UNMODELLED_EFFECTS,
+    filtered_columns,
+    perturbations,
+    project_out,
+    shrinkage,
+    simex,
+)
 from repro.identification.solve import solve, unit_columns
 from repro.model.dynamics import regressor
 
@@ -27,7 +34,7 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     rng = np.random.default_rng(seed)
     y, tau, x = rng.normal(size=(2, 80, 9)), rng.normal(size=(2, 80)), rng.normal(size=(2, 80, 3))
     beside = np.linalg.lstsq(np.concatenate([y, x], axis=-1).reshape(160, 12), tau.reshape(-1))[0][:9]
-    left = without(problem(y, tau), x)
+    left = project_out(problem(y, tau), x)
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
@@ -35,7 +42,7 @@ def test_rows_of_standstill_take_no_part_in_the_projection():
     rng = np.random.default_rng(0)
     found = problem(rng.normal(size=(2, 40, 9)), rng.normal(size=(2, 40)))
     found.mask[:, :10] = False
-    left = without(found, rng.normal(size=(2, 40, 2)))
+    left = project_out(found, rng.normal(size=(2, 40, 2)))
     np.testing.assert_array_equal(left.tau[:, :10], found.tau[:, :10])
 
 
@@ -52,7 +59,7 @@ def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(n
     q, dq, ddq = motion(LOG.t)
     positions, torque = spoil(LOG, q, dq, ddq)
     log = type(LOG)("log.csv", LOG.t, positions, torque)
-    found = alternatives(log, SETTINGS)[name]
+    found = perturbations(log, SETTINGS)[name]
     plain, (other,) = prepare(log, SETTINGS), found.regressions
     without_it, with_it = (np.abs(solve(r.y, r.tau) / BETA - 1)[:5].max() for r in (plain, other))
     assert found.weight > 0.9
@@ -75,7 +82,7 @@ def shrunk(seed, error):
     wrong, tau = np.tile(y, (1, 200, 1)), np.tile(y @ BETA, (1, 200))
     wrong[..., :5] *= 1.0 + error * rng.choice([-1.0, 1.0], size=(2, 200 * n, 5))
     found = problem(wrong, tau)
-    again = smeared(found)
+    again = simex(found)
     return tuple(solve(r.y, r.tau)[:5] / BETA[:5] for r in (found, again))
 
 
@@ -92,13 +99,13 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
     weights = []
     for _ in range(10):
         noisy = type(LOG)("log.csv", LOG.t, LOG.q, LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
-        found = alternatives(noisy, SETTINGS)
-        weights.append([found[name].weight for name in BEYOND])
+        found = perturbations(noisy, SETTINGS)
+        weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
 
 
 def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
-    [made] = columns_of(BEYOND["zero positions"], LOG, SETTINGS, BETA)
+    [made] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
     turned = type(LOG)("log.csv", LOG.t, LOG.q + each(0.0, 0.01), LOG.tau)
     change = (prepare(turned, SETTINGS).y - prepare(LOG, SETTINGS).y) @ BETA / 0.01
     np.testing.assert_allclose(made[..., 1], change, atol=0.02 * np.abs(change).max())
@@ -110,7 +117,7 @@ def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_log
     for _ in range(200):
         y, tau, x = rng.normal(size=(2, 60, 9)), rng.normal(size=(2, 60)), rng.normal(size=(2, 60, 4))
         plain = problem(y, tau)
-        weights.append(shrinkage(plain, without(plain, x), 4))
+        weights.append(shrinkage(plain, project_out(plain, x), 4))
     assert 0.01 < np.mean(np.array(weights) > 0.0) < 0.11
 
 
@@ -124,14 +131,14 @@ def test_the_weight_is_one_minus_the_critical_value_over_f():
     f = (before / after - 1.0) * 790
     expected = 1.0 - stats.f.isf(0.05, 1, 790) / f
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
-    assert 0.0 < shrinkage(plain, without(plain, x), 1) == pytest.approx(expected, abs=0.03)
+    assert 0.0 < shrinkage(plain, project_out(plain, x), 1) == pytest.approx(expected, abs=0.03)
 
 
 @pytest.mark.parametrize("cycles", [1, 2])
 def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycles):
     q, _, _ = motion(LOG.t)
     tau = LOG.tau + each(0.3, -0.2) * np.cos(cycles * q + each(0.0, 0.5))
-    found = alternatives(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)
+    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)
     name = {1: "torque of period one turn", 2: "torque of period half a turn"}[cycles]
     (other,) = found[name].regressions
     assert found[name].weight > 0.9
@@ -141,7 +148,7 @@ def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycl
 def test_position_columns_leave_every_parameter_identifiable():
     plain = prepare(LOG, SETTINGS)
     for name in ("torque of period one turn", "torque of period half a turn"):
-        [columns] = columns_of(BEYOND[name], LOG, SETTINGS, BETA)
+        [columns] = filtered_columns(UNMODELLED_EFFECTS[name], LOG, SETTINGS, BETA)
         rows = np.concatenate([plain.y, columns], axis=-1)
         unit, _ = unit_columns(rows)
         assert np.linalg.cond(unit) < 1e4
@@ -151,7 +158,7 @@ def test_position_columns_leave_every_parameter_identifiable():
 def test_stribeck_friction_counts_with_the_speed_that_fits(speed):
     _, dq, _ = motion(LOG.t)
     tau = LOG.tau + 0.3 * np.tanh(20.0 * dq) * np.exp(-np.abs(dq) / speed)
-    found = alternatives(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)["Stribeck friction"]
+    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)["Stribeck friction"]
     (other,) = found.regressions
     assert found.weight > 0.9
     np.testing.assert_allclose(solve(other.y, other.tau)[7:], BETA[7:], rtol=0.1)

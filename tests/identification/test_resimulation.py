@@ -15,8 +15,7 @@ from repro.fpga.controller import ControlConstants, simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.identification.filtering import FilterSettings
-from repro.identification.predicted_motion import WINDOW, position_errors
-from repro.identification.scores import relative_rms, similarity
+from repro.identification.scores import WINDOW, position_errors, relative_rms, similarity
 from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
 from repro.signals.metric import MetricSettings, metr2ev

@@ -8,9 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from repro.pipeline.costs import write_costs
-from repro.pipeline.crate import write_crate
-from repro.pipeline.jobs import recorded_jobs
+from repro.pipeline.provenance import recorded_jobs, write_costs, write_crate
 
 RESULTS = Path("results")
 LONG = "results/data/" + "/".join(["long" * 20] * 4) + "/ä b.csv"  # more than a file name holds

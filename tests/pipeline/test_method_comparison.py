@@ -10,7 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from repro.pipeline.paired import ALL, COLUMNS, STEADY, comparisons, conclude, holm, walsh_averages, walsh_interval
+from repro.pipeline.monte_carlo import (
+    ALL,
+    COMPARISON_COLUMNS,
+    STEADY,
+    comparisons,
+    conclude,
+    holm,
+    walsh_averages,
+    walsh_interval,
+)
 
 
 def scores_of(differences, chatter=()):
@@ -29,7 +38,7 @@ def compared(differences, chatter=(), arms=ALL):
     table = comparisons(
         scores_of(differences, chatter).sample(frac=1.0, random_state=1), ["algorithm1"], ["least-squares"]
     )
-    assert tuple(table.columns) == COLUMNS
+    assert tuple(table.columns) == COMPARISON_COLUMNS
     return table.set_index("set").loc[arms]
 
 

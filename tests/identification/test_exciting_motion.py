@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 from repro.errors import InputError
-from repro.identification.envelope import Envelope
-from repro.identification.excite import design, expected, published
+from repro.identification.exciting_motion import Envelope, design, expected_accuracy, published
 from repro.logs.armfile import Arm
 from repro.model.dynamics import inverse_dynamics, regressor
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
@@ -96,7 +95,7 @@ def test_a_motion_keeps_all_limits_rests_at_its_ends_and_tells_more_than_eq_10(
 
 def test_a_motion_within_torque_and_workspace_uses_a_limit_up(motion, limits):
     check_kept(motion, ARM, BETA)
-    assert np.abs(limits.shares(moved(motion))).max() > 0.99
+    assert np.abs(limits.utilisation(moved(motion))).max() > 0.99
     free = Arm(position_limit=ARM.position_limit, speed_limit=ARM.speed_limit)
     theirs = published(Envelope(free), (STEPS, H), 0.5, NOISE)
     with pytest.raises(AssertionError):  # these limits do bind
@@ -123,17 +122,17 @@ def test_a_motion_holds_whole_multiples_of_one_frequency_up_to_the_highest(motio
 
 def test_searching_brings_more_than_the_best_start(limits, monkeypatch):
     found = tells(designed(limits))
-    monkeypatch.setattr("repro.identification.excite._ITERATIONS", 0)
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 0)
     start = designed(limits)
     check_kept(start, ARM, BETA)
     assert found > tells(start) + 4.0
 
 
 def test_a_search_that_goes_astray_leaves_the_start(limits, monkeypatch):
-    monkeypatch.setattr("repro.identification.excite._ITERATIONS", 0)
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 0)
     start = designed(limits)
-    monkeypatch.setattr("repro.identification.excite._PENALTIES", (-1e6,))  # drives it out of all limits
-    monkeypatch.setattr("repro.identification.excite._ITERATIONS", 20)
+    monkeypatch.setattr("repro.identification.exciting_motion._PENALTIES", (-1e6,))  # drives it out of all limits
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 20)
     assert tells(designed(limits)) >= tells(start) - 1e-9
 
 
@@ -146,7 +145,7 @@ def test_the_same_seed_gives_the_same_motion_and_another_one_another(limits, mot
 
 def test_expected_intervals_are_those_of_repeated_least_squares(motion):
     """White noise of each joint's size, weighted least squares by NumPy: 95 % of the estimates lie within."""
-    half, condition, log_det = expected(moved(motion), NOISE, 20.0)
+    half, condition, log_det = expected_accuracy(moved(motion), NOISE, 20.0)
     rng, weight = np.random.default_rng(5), 1.0 / np.repeat(NOISE, motion.time.size)
     a = regressor(*moved(motion)).reshape(-1, 9) * weight[:, None]
     clean = inverse_dynamics(*moved(motion), BETA).ravel() * weight
@@ -159,7 +158,7 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
 
 def test_a_motion_of_one_joint_has_no_intervals(motion):
     still = motion.q * [[1.0], [0.0]], motion.dq * [[1.0], [0.0]], motion.ddq * [[1.0], [0.0]]
-    half, condition, log_det = expected(still, NOISE, 20.0)
+    half, condition, log_det = expected_accuracy(still, NOISE, 20.0)
     assert np.isinf(half).all()
     assert (condition, log_det) == (np.inf, -np.inf)
 
@@ -218,8 +217,3 @@ def test_limits_that_are_missing_or_leave_no_room_are_refused(arm, guess, words)
         Envelope(arm, guess)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_too_few_harmonics_are_refused(limits):
-    with pytest.raises(ValueError, match="harmonics: must be at least 3, got 2"):
-        designed(limits, harmonics=2)
