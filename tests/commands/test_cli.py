@@ -16,7 +16,6 @@ from repro.cli import COMMANDS, main
 from repro.commands.boards import parse_faults, read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
-from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.server import PtyEndpoint
 
 SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
@@ -76,15 +75,6 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     assert read_capture(out).metadata.end_reason == "disconnected"
     assert read_capture(out).data == FRAMES[:1000]
     assert f"{out}: incomplete (disconnected); what arrived is kept" in capsys.readouterr().err
-
-
-def test_a_table_can_be_recorded(tmp_path):
-    table = tmp_path / "wave.csv"
-    pd.DataFrame({"q1_rad": DESIRED[0], "q2_rad": DESIRED[1]}).to_csv(table, index=False)
-    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
-        assert main(["record", "--port", port, "--trajectory", str(table), "--out", str(tmp_path / "wave.bin")]) == 0
-    wave = read_capture(tmp_path / "wave.bin").metadata
-    assert (wave.motion, wave.samples, wave.n1, wave.n2) == ("wave", 200, 0, 200)
 
 
 @pytest.mark.parametrize(
@@ -204,15 +194,6 @@ def test_faults_that_make_no_sense_are_refused(text, expected):
     with pytest.raises(InputError, match=expected) as caught:
         parse_faults(text)
     assert "\n" not in str(caught.value)
-
-
-def test_faults_are_read():
-    assert parse_faults("") == ErrorRates()
-    assert parse_faults("drop=1e-4,flip=0.5,stall_s=2,disconnect_after=7") == ErrorRates(
-        drop=1e-4, flip=0.5, stall_s=2.0, disconnect_after=7
-    )
-    damaged = ErrorInjector(parse_faults("drop=1"), np.random.default_rng(0)).apply(FRAMES)
-    assert damaged == b""
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,6 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.filters import FILTERS
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.sensitivity import Perturbation, perturbations, project_out
 from repro.identification.solve import solve
@@ -53,15 +52,6 @@ class Options:
     seed: int = 1  # of the bootstrap, of training and of the search
     steps: int = 1500  # training steps of the CNN
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
-
-    def __post_init__(self) -> None:
-        """Refuse what the caller cannot mean."""
-        if not self.methods:
-            raise ValueError("methods: must name at least one.")
-        if self.filter not in FILTERS:
-            raise ValueError(f"filter: must be one of {tuple(FILTERS)}, got {self.filter!r}.")
-        if self.cutoff is not None and not 0.0 < self.cutoff < float("inf"):
-            raise ValueError(f"cutoff: must be positive and finite, got {self.cutoff}.")
 
 
 @dataclass(frozen=True)
