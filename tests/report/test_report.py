@@ -343,13 +343,13 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, na
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"verdict": "fine"}, "row 3: verdict: found 'fine', expected one of reproduced"),
-        ({"asserted": "perhaps"}, "row 3: asserted: found 'perhaps', expected one of '', 'reproduced'"),
-        ({"basis": "faith"}, "row 3: basis: found 'faith', expected one of 'numeric'"),
-        ({"cause": "bad luck"}, "row 3: cause: found 'bad luck'"),
-        ({"place": " "}, "row 3: place: found nothing"),
-        ({"id": "with blank"}, "row 3: id: found 'with blank'"),
-        ({"id": claim_rows()[0]["id"]}, "row 3: id: found"),
+        ({"verdict": "fine"}, "line 4: verdict: found 'fine', expected one of reproduced"),
+        ({"asserted": "perhaps"}, "line 4: asserted: found 'perhaps', expected one of '', 'reproduced'"),
+        ({"basis": "faith"}, "line 4: basis: found 'faith', expected one of 'numeric'"),
+        ({"cause": "bad luck"}, "line 4: cause: found 'bad luck'"),
+        ({"place": " "}, "line 4: place: found nothing"),
+        ({"id": "with blank"}, "line 4: id: found 'with blank'"),
+        ({"id": claim_rows()[0]["id"]}, "line 4: id: found"),
     ],
 )
 def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, words):
@@ -369,7 +369,7 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
     with pytest.raises(InputError, match="header: found no column note"):
         build_report(example)
     path.write_text(",".join(header) + "\n" + ",".join(rest[0][:3]) + "\n", encoding="utf-8")
-    with pytest.raises(InputError, match="row 1: found 3 fields, expected 16 fields"):
+    with pytest.raises(InputError, match="line 2: found another number of fields"):
         build_report(example)
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(InputError, match="not UTF-8"):

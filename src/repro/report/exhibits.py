@@ -7,8 +7,9 @@ from pathlib import Path
 from repro.exhibits.declare import Exhibit
 from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
+from repro.files import read_rows
 from repro.report.embed import Link, Picture, link, pictures
-from repro.report.inputs import ReportInputs, read_rows
+from repro.report.inputs import ReportInputs
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def show_audit(inputs: ReportInputs) -> Audit | None:
     path = inputs.results / "tables" / "audit.csv"
     if inputs.partial and not path.exists():
         return None
-    header, rows = read_rows(path)
-    columns = [name for name in header if name != "id"]
+    rows = read_rows(path, ("id",))
+    columns = [name for name in rows[0] if name != "id"] if rows else []
     links = [link(file, inputs.page) for file in (path, path.with_suffix(".tex")) if file.exists()]
     return Audit([name.replace("_", " ") for name in columns], [[row[name] for name in columns] for row in rows], links)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from repro.errors import InputError
 from repro.exhibits.markup import unit as unit_text
+from repro.files import read_rows
 from repro.paper.claims import (
     BETTER,
     CONTRADICTS,
@@ -21,7 +22,7 @@ from repro.paper.claims import (
     Basis,
 )
 from repro.paper.ledger_page import CAUSES, EXTENSIONS, Cause
-from repro.report.inputs import ReportInputs, read_rows
+from repro.report.inputs import ReportInputs
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -92,11 +93,10 @@ def read_claims(inputs: ReportInputs) -> list[Claim]:
     path = inputs.results / "claims.csv"
     if inputs.partial and not path.exists():
         return []
-    _, rows = read_rows(path, COLUMNS)
     claims: list[Claim] = []
     seen: set[str] = set()
-    for number, row in enumerate(rows, start=1):
-        place = f"{path}: row {number}"
+    for number, row in enumerate(read_rows(path, COLUMNS), start=2):
+        place = f"{path}: line {number}"
         for name in ("place", "quantity"):
             if not row[name].strip():
                 raise InputError.at(f"{place}: {name}", "nothing", "text")
