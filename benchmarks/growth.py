@@ -24,9 +24,8 @@ from repro.config import load_config
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all, resolve
+from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
 from repro.pipeline.experiment_runs import identify_recording
 from repro.pipeline.networks import algorithm1_of, for_the_arm
@@ -62,8 +61,8 @@ def log(seconds: int) -> None:
     """All methods of least squares on a log, from opening it to the answer."""
     with tempfile.TemporaryDirectory() as folder:
         options = Options(LEAST_SQUARES, Path(folder))
-        problem = make_problem(read(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
-        assemble(problem, solve_all(problem, resolve(options, silent), 1, silent, silent), Arm())
+        problem = make_problem(load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
+        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), Arm())
 
 
 def training(steps: int) -> None:

@@ -21,9 +21,8 @@ import numpy as np
 from repro.commands.identify import LEAST_SQUARES
 from repro.logs.armfile import Arm
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all, resolve
+from repro.ownarm.prepare import Options, load_log, make_problem
 
 BETA = np.array([0.13, 0.067, 0.026, 3.4, 1.1, 0.05, 0.02, 0.2, 0.15])
 
@@ -64,8 +63,8 @@ def main() -> None:
             seconds = []
             for _ in range(args.rounds + 1):
                 began = time.perf_counter()
-                problem = make_problem(read(log, arm), (), arm, options)
-                assemble(problem, solve_all(problem, resolve(options, silent), 1, silent, silent), arm)
+                problem = make_problem(load_log(log, arm), (), arm, options)
+                assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)
                 seconds.append(time.perf_counter() - began)
             title = names[0] if len(names) == 1 else f"all {len(names)} methods"
             print(f"{title}: {statistics.median(seconds[1:]):.2f} s, the first time {seconds[0]:.2f} s")

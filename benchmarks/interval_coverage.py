@@ -28,9 +28,8 @@ from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.model.parameters import NAMES
-from repro.ownarm.judge import find, judge
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import evaluate, fit
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
@@ -136,9 +135,9 @@ def rows_of(generator: str, kind: str, count: int) -> Iterator[dict[str, object]
     """One row for each arm, method and parameter."""
     options = Options(METHOD_NAMES, Path("unused"))
     for k, (beta, log) in enumerate(GENERATORS[generator](kind, count)):
-        problem = make_problem(Told(log, Description(log.name, ())), (), Arm(), options)
+        problem = make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options)
         for name in METHOD_NAMES:
-            found = judge(find(METHODS[name], problem, 1, False, lambda *_: None), problem, (None,))
+            found = evaluate(fit(METHODS[name], problem, 1, False, lambda *_: None), problem, (None,))
             for p, true in zip(found.parameters, beta, strict=True):
                 known = re.match(r"known to ([\d.]+) %", p.verdict)
                 low, high = (np.nan if end is None else end for end in (p.low, p.high))

@@ -20,8 +20,7 @@ import numpy as np
 from repro.identification.best_fit import REACH
 from repro.identification.setup import corrected
 from repro.logs.armfile import Arm
-from repro.ownarm.prepared import Told, make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.prepare import LoadedLog, Options, load_log, make_problem
 
 DEGREE = float(np.pi / 180.0)
 #: Zeros in rad, offsets in shares of the largest torque, delays in s.
@@ -37,7 +36,7 @@ WRONG: list[dict[str, float]] = [
 OPTIONS = Options(("ordinary",), Path("unused"))
 
 
-def spoilt(told: Told, wrong: dict[str, float]) -> tuple[Told, dict[str, float]]:
+def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[str, float]]:
     """The log with faults in it, and their sizes in rad, N m and s."""
     log, largest = told.log, np.abs(told.log.tau).max(axis=-1)
     sizes = {name: x * largest[int(name[-1]) - 1] if name.startswith("offset") else x for name, x in wrong.items()}
@@ -49,7 +48,7 @@ def spoilt(told: Told, wrong: dict[str, float]) -> tuple[Told, dict[str, float]]
     return replace(told, log=replace(zeros, tau=tau)), sizes
 
 
-def found(logs: list[Told]) -> tuple[dict[str, float], dict[str, float]]:
+def found(logs: list[LoadedLog]) -> tuple[dict[str, float], dict[str, float]]:
     """Faults of the first log with its delay, and what it can hardly tell them from."""
     first = make_problem(logs[0], (), Arm(), OPTIONS, tuple(logs[1:])).logs[0]
     named = {fault.name: fault.value for fault in first.faults} | {"delay": first.settings.delay}
@@ -59,7 +58,7 @@ def found(logs: list[Told]) -> tuple[dict[str, float], dict[str, float]]:
 def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> tuple[str, str, bool, bool]:
     """What was put into which log, what came of it, whether it is named, and whether its size is within 20 %."""
     which, wrong = job
-    logs = [read(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
+    logs = [load_log(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
     logs = logs if beside else logs[:1]
     before, _ = found(logs)
     logs[0], sizes = spoilt(logs[0], wrong)

@@ -1,8 +1,7 @@
 """Copy a full run into the repository: pictures to docs/gallery, tables to docs/reference, networks to data/networks.
 
 Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``. With ``--ledger`` nothing is
-copied: the ledger of docs/reference and the check sums of docs/reference, data/networks and data/captures are computed
-from what is there.
+copied: ledger and check sums of the reference, and the tables of the pages, are computed from what is there.
 """
 
 import argparse
@@ -11,6 +10,7 @@ import json
 import shutil
 from pathlib import Path
 
+from pages import write_pages
 from PIL import Image
 
 from repro.config import load_config
@@ -99,3 +99,4 @@ if __name__ == "__main__":
         refresh_networks()
         refresh_gallery()
     refresh_ledger()
+    write_pages()

@@ -13,10 +13,8 @@ from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.judge import find, judge
-from repro.ownarm.prepared import Problem, Ready, Told, make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, evaluate, fit, fit_all, resolve
+from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, load_log, make_problem
 
 ARM = Arm(name="test arm")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]
@@ -24,21 +22,23 @@ FILES += ["residuals.csv", "scores.csv"]
 
 
 def silent(*_):
-    """A progress nobody looks at."""
+    """A progress that nobody sees."""
 
 
-def told(log):
-    return Told(log, Description(log.name, (("samples", str(log.t.size)),)))
+def loaded(log):
+    return LoadedLog(log, Description(log.name, (("samples", str(log.t.size)),)))
 
 
-def problem_of(regression, others=(), moving=None, delay_was_found=True, **settings):
+def problem_of(regression, validation=(), moving=None, estimates_delay=True, **settings):
     """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
     nothing = np.zeros(0)
     moving = regression if moving is None else moving
     made_up = Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
-    log = told(log_of(recording(np.arange(0.0, 20.0, 0.005))))
-    ready = Ready(log, regression, moving, {}, FilterSettings(**settings), made_up)
-    return Problem((ready,), regression, moving, {}, tuple(others), excitation(moving), delay_was_found)
+    log = loaded(log_of(recording(np.arange(0.0, 20.0, 0.005))))
+    prepared = PreparedLog(log, regression, moving, {}, FilterSettings(**settings), made_up)
+    return IdentificationProblem(
+        (prepared,), regression, moving, {}, tuple(validation), excitation(moving), estimates_delay
+    )
 
 
 def noisy(beta, seed=0, size=0.02, n=1200):
@@ -48,7 +48,7 @@ def noisy(beta, seed=0, size=0.02, n=1200):
 
 def judged(name, regression, seed=1):
     problem = problem_of(regression)
-    return judge(find(METHODS[name], problem, seed, True, silent), problem, (None,))
+    return evaluate(fit(METHODS[name], problem, seed, True, silent), problem, (None,))
 
 
 def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness=20.0, late=0.0):
@@ -63,16 +63,16 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
 
 def made(folder, arm=ARM, options=None, **log):
     options = options or Options(("ordinary",), folder)
-    return make_problem(read(write_log(folder / "log.csv", **log), arm), (), arm, options)
+    return make_problem(load_log(write_log(folder / "log.csv", **log), arm), (), arm, options)
 
 
 def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     """All of `repro identify` but its files: problem, result and curves."""
     options = Options(methods, folder / "cache")
-    fitted = read(write_log(folder / "log.csv", **log), arm)
-    others = (read(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
-    problem = make_problem(fitted, others, arm, options)
-    found = solve_all(problem, resolve(options, silent), options.seed, silent, silent)
+    fitted = load_log(write_log(folder / "log.csv", **log), arm)
+    validation = (load_log(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
+    problem = make_problem(fitted, validation, arm, options)
+    found = fit_all(problem, resolve(options, silent), options.seed, silent, silent)
     return (problem, *assemble(problem, found, arm))
 
 

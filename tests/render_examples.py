@@ -16,9 +16,8 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from repro.errors import InputError
-from repro.exhibits import catalogue, style
+from repro.exhibits import catalogue, make, style
 from repro.exhibits.causes import why_table
-from repro.exhibits.make import draw, lay_out
 from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
@@ -31,6 +30,7 @@ from repro.pipeline.readings import READINGS, ablation_figure
 CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")
 
+EXHIBITS = {(each.kind, each.name): each for each in catalogue.EXHIBITS}
 #: Drawings and layouts by the name of the exhibit.
 FIGURES = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "figure"}
 LAYOUTS = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "table"}
@@ -431,13 +431,13 @@ def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
     pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
-    draw(FIGURES[name], name, written(folder, name, frame), pdf, png)
+    make.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
     return pdf.read_bytes(), png.read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
     tex, md = folder / f"{name}.tex", folder / f"{name}.md"
-    lay_out(LAYOUTS[name], written(folder, name, frame), tex, md)
+    make.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
     return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
 
 

@@ -5,7 +5,7 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,8 @@ from safetensors.numpy import save_file
 from repro.documents import check_size
 from repro.errors import InputError
 
+#: Disk space that `check_folder` tests, bytes: more than a usual result needs.
+_FREE_SPACE = 8 << 20
 #: Significant digits of every number in a CSV: enough to redraw and to check, short enough to read.
 CSV_FLOAT_FORMAT = "%.10g"
 
@@ -48,6 +50,54 @@ def writing(place: Path | str) -> Iterator[None]:
     except OSError as error:
         expected = "a place that can be written, with room"
         raise InputError.at(str(place), error.strerror or str(error), expected) from error
+
+
+def check_folder(out: Path, overwrite: bool) -> None:
+    """Refuse an output folder that contains anything, unless `overwrite`, or that cannot be written."""
+    with writing(out):
+        if out.is_symlink() and not out.exists():
+            raise InputError.at(str(out), "a link to nothing", "a folder, or a name that is free")
+        if out.exists() and not out.is_dir():
+            raise InputError.at(str(out), "a file", "a folder, or a name that is free")
+        if out.exists() and not overwrite and any(out.iterdir()):
+            raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
+        with _folder_near(out) as folder:
+            (Path(folder) / "space").write_bytes(bytes(_FREE_SPACE))
+
+
+def _folder_near(out: Path) -> tempfile.TemporaryDirectory[str]:
+    """Create a temporary folder on the disk of `out`."""
+    near = next(parent for parent in out.absolute().parents if parent.exists())
+    if out.exists() and out.stat().st_dev != near.stat().st_dev:  # another file system: files cannot be moved there
+        near = out
+    return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
+
+
+def fill_folder(
+    out: Path,
+    fill: Callable[[Path], None],
+    optional: Collection[str] = (),
+    inputs: Iterable[Path] = (),
+    later: Collection[str] = (),
+) -> list[str]:
+    """Let `fill` write into a temporary folder, then move its files to `out`.
+
+    Older files named in `optional` are removed. No input is replaced, neither now nor by the names in `later`.
+    """
+    given = {path.resolve() for path in inputs}
+    with writing(out), _folder_near(out) as temporary:
+        folder = Path(temporary)
+        fill(folder)
+        names = sorted(path.name for path in folder.iterdir())
+        for name in (*names, *optional, *later):
+            if (out / name).resolve() in given:
+                raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
+        out.mkdir(parents=True, exist_ok=True)
+        for name in set(optional) - set(names):  # of an earlier run, which this one contradicts
+            (out / name).unlink(missing_ok=True)
+        for name in names:
+            (folder / name).replace(out / name)
+        return names
 
 
 def write_text(path: Path | str, text: str) -> None:

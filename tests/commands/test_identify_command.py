@@ -116,7 +116,9 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     for name in NAMES:
         assert f"  {name} = " in told
     assert "known to" in told
-    unseen = re.search("this log would not show of a wrong set-up: zero of joint 1 up to .* degrees", told)
+    unseen = re.search(
+        "this log could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told
+    )
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
 

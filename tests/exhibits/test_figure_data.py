@@ -15,12 +15,11 @@ from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.network import FactoredCNN, SignalCNN, save_network
 from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue, style
+from repro.exhibits import catalogue, network_training, numeric_tests, style
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
-from repro.pipeline import figure_data
-from repro.pipeline.description import architecture, network_features
+from repro.pipeline.model_card import architecture
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.readings import READINGS
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
@@ -165,8 +164,8 @@ def test_a_table_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(
     frame = TABLE_DATA[name](experiment.get(name, inputs["tables"]), config)
     dataframe_regression.check(some_of(frame), f"table-{name}", default_tolerance=COMPUTED)
     table = LAYOUTS[name](through_csv(frame, tmp_path))
-    assert "\\toprule" in table.tex()
-    assert "|" in table.md()
+    assert "\\toprule" in table.tex("")
+    assert "|" in table.md("")
 
 
 def curve(frame, panel, series):
@@ -182,7 +181,7 @@ def band(x, k):
 
 
 def test_subsampling_shows_the_torque_its_spectrum_and_what_the_first_bands_keep():
-    frame = figure_data.subsampling(SIGNALS, NUMERIC.arms["N1"])
+    frame = numeric_tests.subsampling_curves(SIGNALS, NUMERIC.arms["N1"])
     time, x = curve(frame, "signal", "x")
     motion = identification_trajectory()
     np.testing.assert_allclose(time, H * np.arange(N), rtol=1e-12)
@@ -202,7 +201,7 @@ def test_subsampling_shows_the_torque_its_spectrum_and_what_the_first_bands_keep
 
 
 def test_trajectory_is_eq_10_and_its_derivatives():
-    frame = figure_data.trajectory(identification_trajectory())
+    frame = numeric_tests.motion_curves(identification_trajectory())
     for joint in ("joint1", "joint2"):
         t, q = curve(frame, "position", joint)
         expected = {
@@ -216,7 +215,7 @@ def test_trajectory_is_eq_10_and_its_derivatives():
 
 
 def test_example_images_of_right_guesses_are_symmetric_and_those_of_wrong_ones_are_not():
-    frame = figure_data.example_images(SIGNALS, DataSettings(), seed=1)
+    frame = network_training.example_pixels(SIGNALS, DataSettings(), seed=1)
     assert len(frame) == 2 * 9 * 100 * 100
     asymmetry = {}
     for (kind, name), pixels in frame.groupby(["kind", "image"]):
@@ -232,13 +231,13 @@ def test_example_images_of_right_guesses_are_symmetric_and_those_of_wrong_ones_a
 
 
 def test_example_images_depend_on_the_seed_alone():
-    one, again, other = (figure_data.example_images(SIGNALS, DataSettings(), seed, count=1) for seed in (1, 1, 2))
+    one, again, other = (network_training.example_pixels(SIGNALS, DataSettings(), seed, count=1) for seed in (1, 1, 2))
     pd.testing.assert_frame_equal(one, again)
     assert not one.equals(other)
 
 
 def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
-    frame = figure_data.torque_distribution(SIGNALS, DataSettings(), seed=1, arms=500)
+    frame = network_training.torque_percentiles(SIGNALS, DataSettings(), seed=1, arms=500)
     motion = identification_trajectory()
     beta = sample_beta(stream(1, Stream.TRAINING_ARMS), 500)
     for j, joint in enumerate(("joint1", "joint2")):
@@ -258,7 +257,7 @@ def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
 
 def test_loss_is_that_of_the_history():
     history = pd.DataFrame({"step": [10, 20, 30], "train_loss": [0.3, 0.2, 0.1], "test_loss": [0.4, 0.25, 0.15]})
-    frame = figure_data.loss(history)
+    frame = network_training.loss_curves(history)
     for series in ("train", "test"):
         x, y = curve(frame, "loss", series)
         assert x.tolist() == [10, 20, 30]
@@ -288,7 +287,7 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
     with torch.no_grad():
         for (output, given), wave in waves.items():
             net.conv1.weight[output, given] = torch.from_numpy(wave)
-    frame = figure_data.kernel_spectra(arrays(net))
+    frame = network_training.kernel_spectra(arrays(net))
     peaks = {(0, 0): {(4, 4)}, (1, 0): {(4, 1), (4, 7)}, (2, 1): {(6, 5), (2, 3)}}
     for key, expected in peaks.items():
         power = kernel(frame, "conv1", *key)
@@ -300,7 +299,7 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
 def test_every_kernel_is_there_and_its_largest_power_is_1():
     torch.manual_seed(1)
     net = SignalCNN(NetworkSettings(hidden=(4, 3)))
-    frame = figure_data.kernel_spectra(arrays(net))
+    frame = network_training.kernel_spectra(arrays(net))
     assert list(frame.columns) == ["layer", "input", "output", "row", "column", "power"]
     assert len(frame) == 2 * 10 * 81 + 10 * 10 * 25 + 10 * 10 * 9
     largest = frame.groupby(["layer", "input", "output"])["power"].max()
@@ -315,7 +314,7 @@ CASES = ("N1", "N2", "N3", "N4")
 
 @pytest.mark.parametrize("trajectory", ["ID", "validation"])
 def test_torques_are_the_actual_ones_and_those_rebuilt_from_the_median_seed_s_estimate(scores, trajectory):
-    frame = figure_data.torques(RUNS, scores, SIGNALS, NUMERIC, trajectory, CASES)
+    frame = numeric_tests.torque_curves(RUNS, scores, SIGNALS, NUMERIC, trajectory, CASES)
     motion = identification_trajectory() if trajectory == "ID" else validation_motion(SIGNALS, NUMERIC, MEDIAN)
     assert list(dict.fromkeys(frame["panel"])) == [f"{case}/joint{j}" for case in CASES for j in (1, 2)]
     for case, beta in NUMERIC.arms.items():
@@ -331,8 +330,8 @@ def test_torques_are_the_actual_ones_and_those_rebuilt_from_the_median_seed_s_es
 @pytest.mark.parametrize("trajectory", ["ID", "validation"])
 def test_spectra_are_the_dct_of_the_torques_over_frequency_in_hertz(scores, trajectory):
     common = (RUNS, scores, SIGNALS, NUMERIC, trajectory, ("N2",))
-    in_time = figure_data.torques(*common)
-    in_frequency = figure_data.torques(*common, in_frequency=True)
+    in_time = numeric_tests.torque_curves(*common)
+    in_frequency = numeric_tests.torque_curves(*common, in_frequency=True)
     for joint in (1, 2):
         for series in ("actual", "rebuilt"):
             tau = curve(in_time, f"N2/joint{joint}", series)[1]
@@ -353,7 +352,7 @@ def test_a_cosine_of_one_hertz_shows_at_one_hertz():
 
 
 def test_other_methods_can_be_drawn(scores):
-    frame = figure_data.torques(RUNS, scores, SIGNALS, NUMERIC, "ID", ("N3",), method="algorithm1+refinement")
+    frame = numeric_tests.torque_curves(RUNS, scores, SIGNALS, NUMERIC, "ID", ("N3",), method="algorithm1+refinement")
     for joint in (1, 2):
         np.testing.assert_array_equal(*(curve(frame, f"N3/joint{joint}", s)[1] for s in ("actual", "rebuilt")))
 
@@ -408,18 +407,18 @@ def test_the_architecture_is_that_of_the_paper():
 
 def test_features_tell_the_budget_and_the_number_of_weights():
     network = NetworkSettings()
-    features = network_features(network, training_settings(CONFIG)).set_index("feature")["value"]
+    features = network_training.network_features(network, training_settings(CONFIG)).set_index("feature")["value"]
     total = sum(p.numel() for p in SignalCNN(network).parameters())
     assert features["Parameters"] == str(total)
     assert features["Training iterations"] == str(CONFIG["training"]["steps"])
-    paper = network_features(network, training_settings(of_network(CONFIG, "paper-recipe"))).set_index("feature")[
-        "value"
-    ]
+    paper = network_training.network_features(network, training_settings(of_network(CONFIG, "paper-recipe"))).set_index(
+        "feature"
+    )["value"]
     assert paper["Training iterations"] == "500000"
 
 
 def test_numbers_follow_the_settings():
     short = SignalSettings(duration=3.0)
-    time, x = curve(figure_data.subsampling(short, NUMERIC.arms["N1"]), "signal", "x")
+    time, x = curve(numeric_tests.subsampling_curves(short, NUMERIC.arms["N1"]), "signal", "x")
     assert x.size == 1200
     assert time[-1] == pytest.approx(3.0 - H)

@@ -11,12 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.errors import InputError
-from repro.fpga.capture import decode_capture, read_capture, write_capture
+from repro.fpga.capture import Host, decode_capture, read_capture, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_gains, encode_program, encode_trajectory, parse_program
 from repro.fpga.recording import recording_of, to_table, verify_control
-from repro.fpga.sidecar import Host
 
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)

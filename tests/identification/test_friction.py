@@ -15,9 +15,8 @@ from repro.identification.solve import solve
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
-from repro.ownarm.job import assemble, solve_all
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 SETTINGS = FilterSettings(cutoff=4.0, delay=0.004)
 RIGID = np.where(np.arange(9) < 5, BETA, 0.0)
@@ -45,7 +44,7 @@ def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02):
 
 
 def ready_of(log, friction):
-    told = Told(log, Description(log.name, ()))
+    told = LoadedLog(log, Description(log.name, ()))
     return make_problem(told, (told,), ARM, Options(("ordinary",), "unused", friction=friction))
 
 
@@ -86,13 +85,13 @@ def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_
     without, asked = (ready_of(log, friction) for friction in (False, True))
     assert [(term.name, term.taken) for term in without.logs[0].terms] == [("load1", False)]
     assert [(term.name, term.taken) for term in asked.logs[0].terms] == [("load1", True)]
-    assert np.array_equal(without.logs[0].told.log.tau, log.tau)
+    assert np.array_equal(without.logs[0].loaded.log.tau, log.tau)
     k1 = [solve(problem.moving.y, problem.moving.tau)[7] for problem in (without, asked)]
     assert abs(k1[0] - BETA[7]) > 0.05
     assert k1[1] == pytest.approx(BETA[7], rel=0.15)
     verdicts = []
     for problem in (without, asked):
-        (found,) = solve_all(problem, [METHODS["ordinary"]], 1, silent, silent)
+        (found,) = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
         result, _ = assemble(problem, [found], ARM)
         verdicts.append([p.verdict.endswith("other friction is in it too") for p in result.methods[0].parameters])
         told = any("friction beyond Eq. 1 of joint 1" in line for line in result.warnings)
@@ -102,4 +101,4 @@ def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_
     assert not any(verdicts[1])
     # The other log, here the same, is put right the same way.
     ((told, _),) = asked.others
-    assert told.log.tau == pytest.approx(asked.logs[0].told.log.tau)
+    assert told.log.tau == pytest.approx(asked.logs[0].loaded.log.tau)

@@ -36,8 +36,7 @@ from repro.errors import InputError
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.diagnostics import describe, diagnose
 from repro.logs.load import read_log
-from repro.logs.log import Log
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
 
 #: Name, content of the file (table, text or bytes), keys of the arm, words of the error.

@@ -10,7 +10,7 @@ from repro.errors import InputError
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
-from repro.logs.uniform import uniform
+from repro.logs.log import uniform
 
 
 def test_files_that_are_not_there(tmp_path):

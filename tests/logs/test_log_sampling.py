@@ -11,7 +11,7 @@ from log_example import RATE, assert_same, log_of, recording
 from repro.errors import InputError
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe, quantisation_step, saturated_fraction
-from repro.logs.uniform import uniform
+from repro.logs.log import uniform
 
 GOOD = recording()
 SIGNALS = ("q", "dq", "tau")

@@ -15,7 +15,7 @@ from repro.logs.armfile import Arm
 from repro.logs.columns import find_columns
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
-from repro.logs.uniform import uniform
+from repro.logs.log import uniform
 
 GOOD = recording()
 TABLE = columns(GOOD)

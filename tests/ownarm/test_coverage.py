@@ -11,8 +11,7 @@ from repro.identification.bootstrap import bootstrap
 from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.settings import Options
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 
@@ -31,7 +30,7 @@ def slow():
 def made(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(Told(log, Description(log.name, ())), (), Arm(), options) for log in logs]
+    problems = [make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 

@@ -16,12 +16,10 @@ from repro.identification.excitation import torque_share
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.judge import Found
-from repro.ownarm.outputs import write_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
-from repro.ownarm.words import COMBINED, NOT_EXCITED
+from repro.ownarm.evaluate import Fit, assemble, fit_all, resolve
+from repro.ownarm.outputs import write_result
+from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
@@ -102,7 +100,7 @@ def test_the_curves_are_those_of_both_logs(whole):
 def test_each_method_is_judged_by_its_own_parameters(whole):
     problem, _, _ = whole
     names, betas = ("ordinary", "bounded"), (1.1 * BETA, BETA)
-    found = [Found(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
+    found = [Fit(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
     result, curves = assemble(problem, found, ARM)
     assert result.recommended == "bounded"
     assert result.excitation.share == pytest.approx(torque_share(problem.moving, BETA))
@@ -120,7 +118,7 @@ def test_the_whole_gives_the_same_bytes_twice(tmp_path):
         folder = tmp_path / name
         folder.mkdir()
         _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
-        write_all(folder / "out", result, curves, ARM)
+        write_result(folder / "out", result, curves, ARM)
     assert tree(tmp_path / "one") == tree(tmp_path / "two")
     assert set(FILES) == {path.name for path in (tmp_path / "one" / "out").iterdir()}
 
@@ -130,7 +128,7 @@ def test_least_squares_loads_no_torch(tmp_path):
 import sys
 from pathlib import Path
 from ownarm_problem import ARM, identify
-from repro.ownarm.outputs import write_all
+from repro.ownarm.outputs import write_result
 folder = Path({str(tmp_path)!r})
 _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
 print([m.method for m in result.methods], "torch" in sys.modules)
@@ -151,7 +149,7 @@ def test_methods_come_in_the_order_asked_for(tmp_path):
 def test_progress_is_reported_and_methods_are_told_when_done():
     problem, reported, done = problem_of(noisy(BETA, n=200)), [], []
     methods = [METHODS[name] for name in ("ordinary", "weighted")]
-    found = solve_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
+    found = fit_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
     assert done == found
     for m in methods:
         steps = [(k, n) for what, k, n, _ in reported if m.title in what]
@@ -203,8 +201,8 @@ def test_a_cutoff_that_is_given_is_used(tmp_path):
 
 
 def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):
-    log = read(write_log(tmp_path / "log.csv"), ARM)
-    slow = read(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
+    log = load_log(write_log(tmp_path / "log.csv"), ARM)
+    slow = load_log(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
     with pytest.raises(InputError, match=r"slow\.csv: rate: found 10 Hz"):
         make_problem(log, (slow,), ARM, Options(("ordinary",), tmp_path, cutoff=5.0))
 
@@ -214,7 +212,7 @@ def test_a_log_is_told_of_as_it_was_recorded(tmp_path):
     jitter = t + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, t.size)
     r = recording(jitter)
     (tmp_path / "log.csv").write_text(text(columns(r)), encoding="utf-8")
-    found = read(tmp_path / "log.csv", ARM)
+    found = load_log(tmp_path / "log.csv", ARM)
     assert np.diff(found.log.t) == pytest.approx(np.median(np.diff(found.log.t)), rel=1e-6)
     assert any("resampled" in note for note in found.description.notes)
     assert len(set(found.description.notes)) == len(found.description.notes)

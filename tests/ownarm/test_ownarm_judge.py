@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, log_of, motion, recording
 from ownarm_log import H, exact, exciting
-from ownarm_problem import ARM, judged, made, noisy, problem_of, silent, told
+from ownarm_problem import ARM, judged, loaded, made, noisy, problem_of, silent
 
 from repro.identification.bootstrap import Spread
 from repro.identification.least_squares import METHODS
@@ -16,11 +16,9 @@ from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.scores import relative_rms
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, is_positive_definite
-from repro.ownarm.job import solve_all
-from repro.ownarm.judge import Found, find, judge, why_not_consistent
-from repro.ownarm.prepared import make_problem
-from repro.ownarm.settings import Options
-from repro.ownarm.words import COMBINED, NOT_EXCITED
+from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
+from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +28,7 @@ HELD = "held at zero: the log alone would make it negative"
 @given(st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9))
 def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
     beta = np.array(beta)
-    why = why_not_consistent(beta)
+    why = inconsistency(beta)
     assert (why == "") == bool(is_positive_definite(beta))
     for k, name in enumerate(NAMES):
         assert (f"{name} = {beta[k]:.3g} is negative" in why) == bool(k >= 5 and beta[k] < 0.0)
@@ -41,7 +39,7 @@ def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
 
 def test_the_reason_holds_the_numbers():
     beta = np.array([0.125, 0.2, 0.025, 3.3, 1.1, -0.07, 0.04, 0.2, -0.15])
-    assert why_not_consistent(beta) == (
+    assert inconsistency(beta) == (
         "the inertia matrix is not positive definite: I3 (I1 - I3) = 0.0025 is not above I2^2 / 4 = 0.01; "
         "b1 = -0.07 is negative; k2 = -0.15 is negative"
     )
@@ -50,7 +48,7 @@ def test_the_reason_holds_the_numbers():
 @pytest.mark.parametrize(
     ("log", "why"),
     [
-        ({"late": 0.05}, "the delay of the torque lies beyond what is looked at"),
+        ({"late": 0.05}, "the delay of the torque is beyond the search range"),
         ({"hum": 3.0}, "the torque of joint 2 is little more than noise"),
     ],
     ids=["delay", "noise"],
@@ -63,7 +61,7 @@ def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, lo
         noise = hum * np.random.default_rng(1).normal(size=raw.tau.shape)
         undriven = replace(raw, tau=raw.tau * [[1.0], [0.0]] + noise)
         problem = make_problem(replace(problem.fitted, log=undriven), (), ARM, Options(("ordinary",), tmp_path))
-    found = judge(find(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+    found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
     assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
     assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}
 
@@ -108,7 +106,7 @@ def test_parameters_that_the_motion_does_not_move_have_no_interval(name):
 def test_what_a_straight_arm_shows_in_sums_alone_is_not_said_to_be_known(name):
     # q2 = 0: Eq. 1 holds I1 + I2 and I2 / 2 + I3, so that no inertia is known, however well the torque fits.
     problem = problem_of(at_rest(1, 0.0))
-    m = judge(find(METHODS[name], problem, 1, False, silent), problem, (None,))
+    m = evaluate(fit(METHODS[name], problem, 1, False, silent), problem, (None,))
     p = dict(zip(NAMES, m.parameters, strict=True))
     for mixed in ("I1", "I2", "I3"):
         assert p[mixed].verdict == COMBINED
@@ -171,8 +169,8 @@ def with_interval(share, reach):
     r, beta = exciting(400), BETA.copy()
     beta[6] = share * np.sqrt(np.mean(r.tau[1] ** 2)) / np.sqrt(np.mean(r.y[1, :, 6] ** 2))
     far = np.full(9, reach * beta[6])
-    found = Found(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
-    b2 = judge(found, problem_of(r), (None,)).parameters[6]
+    found = Fit(METHODS["ordinary"], Estimate(beta.copy()), Spread(0.5 * far, beta - far, beta + far), ())
+    b2 = evaluate(found, problem_of(r), (None,)).parameters[6]
     assert (b2.estimate, b2.standard_error) == pytest.approx((beta[6], 0.5 * far[6]))
     assert (b2.low, b2.high) == pytest.approx((beta[6] - far[6], beta[6] + far[6]))
     return b2.verdict
@@ -181,7 +179,7 @@ def with_interval(share, reach):
 def test_a_parameter_that_moves_next_to_nothing_is_not_excited_unless_it_is_known():
     # Just below and above a five-hundredth of the RMS torque of joint 2, told from zero or not.
     assert with_interval(0.0019, 1.5) == NOT_EXCITED
-    assert with_interval(0.0021, 1.5) == "not told from zero"
+    assert with_interval(0.0021, 1.5) == "cannot be distinguished from zero"
     assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == "known to 3 %"
     assert with_interval(1e-5, 0.3) == "known to 30 %"
 
@@ -203,12 +201,12 @@ def test_a_method_without_intervals_says_so():
         "algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False
     )
     problem = problem_of(noisy(BETA))
-    (found,) = solve_all(problem, [plain], 1, silent, silent)
+    (found,) = fit_all(problem, [plain], 1, silent, silent)
     assert found.spread is None
     assert found.halves == ()  # each would train a network of its own
-    m = judge(found, problem, ((0.1, 0.2),))
+    m = evaluate(found, problem, ((0.1, 0.2),))
     assert not m.claims_intervals
-    assert {p.verdict for p in m.parameters} == {"no interval claimed by this method"}
+    assert {p.verdict for p in m.parameters} == {"the method claims no interval"}
     assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
     assert m.notes == ("a note",)
     assert m.fit.position_rms == (0.1, 0.2)
@@ -216,7 +214,7 @@ def test_a_method_without_intervals_says_so():
 
 def test_each_half_is_predicted_from_the_other():
     r = noisy(BETA, size=0.3, n=800)
-    found = find(METHODS["ordinary"], problem_of(r), 1, True, silent)
+    found = fit(METHODS["ordinary"], problem_of(r), 1, True, silent)
     assert [s.log for s in found.halves] == ["second half", "first half"]
     first, second = (slice(0, 400), slice(400, 800))
     for s, fitted, predicted in zip(found.halves, (first, second), (second, first), strict=True):
@@ -236,11 +234,11 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     counts = ~still
     moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, mask=counts)
     problem = problem_of(held, moving=moving)
-    found = find(METHODS["ordinary"], problem, 1, True, silent)
+    found = fit(METHODS["ordinary"], problem, 1, True, silent)
     assert found.estimate.beta == pytest.approx(BETA, rel=1e-6)
     assert found.spread.standard_error == pytest.approx(np.zeros(9), abs=1e-6)
     expected = 0.3 * np.sqrt(still.mean(1)) / np.sqrt(np.mean(held.tau**2, axis=1))
-    assert judge(found, problem, (None,)).fit.relative_rms == pytest.approx(tuple(expected), rel=1e-6)
+    assert evaluate(found, problem, (None,)).fit.relative_rms == pytest.approx(tuple(expected), rel=1e-6)
     # The first half, which holds most of the standstill, is predicted with it and fitted without it.
     second, first = found.halves
     late = 0.3 * np.sqrt(still[:, 400:].mean(1)) / np.sqrt(np.mean(held.tau[:, 400:] ** 2, axis=1))
@@ -249,23 +247,23 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     # A method that sees the log as signals is given all of it.
     seen = []
     plain = Method("a", "A", "", lambda x: seen.append(x) or Estimate(BETA), False, needs_all_samples=True)
-    find(plain, problem, 1, False, silent)
+    fit(plain, problem, 1, False, silent)
     assert seen == [held]
 
 
 def test_a_seed_gives_the_same_intervals_again():
     problem = problem_of(noisy(BETA, n=300))
-    one, again, other = (find(METHODS["ordinary"], problem, seed, False, silent).spread for seed in (1, 1, 2))
+    one, again, other = (fit(METHODS["ordinary"], problem, seed, False, silent).spread for seed in (1, 1, 2))
     assert (one.low == again.low).all()
     assert (one.low != other.low).all()
 
 
 def test_validation_logs_are_scored_under_their_names():
     r, faster = noisy(BETA), noisy(1.1 * BETA, 5, size=0.002)
-    other = told(replace(log_of(recording()), name="other.csv"))
+    other = loaded(replace(log_of(recording()), name="other.csv"))
     problem = problem_of(r, [(other, faster)])
-    found = Found(METHODS["ordinary"], Estimate(BETA), None, ())
-    m = judge(found, problem, (None, (0.01, 0.02)))
+    found = Fit(METHODS["ordinary"], Estimate(BETA), None, ())
+    m = evaluate(found, problem, (None, (0.01, 0.02)))
     (s,) = m.validation
     assert s.log == "other.csv"
     assert s.position_rms == (0.01, 0.02)
@@ -279,7 +277,7 @@ def test_a_method_without_a_solution_is_left_out_and_told(caplog):
 
     done, problem = [], problem_of(noisy(BETA, n=200))
     methods = [Method("none", "hopeless least squares", "", none), METHODS["ordinary"]]
-    found = solve_all(problem, methods, 1, silent, done.append)
+    found = fit_all(problem, methods, 1, silent, done.append)
     assert [f.method.name for f in found] == ["ordinary"]
     assert done == found
     (line,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]

@@ -15,10 +15,11 @@ from PIL import Image
 from repro.errors import InputError
 from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
+from repro.files import check_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
-from repro.ownarm.outputs import check_folder, citations, write_all
+from repro.ownarm.outputs import citations, write_result
 
 SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "cnn_identification"}
 
@@ -49,7 +50,7 @@ def refuse_constant(name):
 @pytest.mark.usefixtures("small_figures")
 def test_the_files_of_a_result(tmp_path):
     result, curves = example()
-    assert write_all(tmp_path / "new" / "out", result, curves, ARM) == FILES
+    assert write_result(tmp_path / "new" / "out", result, curves, ARM) == FILES
     assert everything(tmp_path) == ["new", "new/out", *(f"new/out/{name}" for name in FILES)]
     page = (tmp_path / "new" / "out" / "report.html").read_text(encoding="utf-8")
     assert all(f'href="{name}"' in page for name in FILES if name != "report.html")
@@ -69,7 +70,7 @@ def test_the_json_holds_the_result_and_no_nan(tmp_path):
         methods=(endless, *result.methods[1:]),
         excitation=replace(result.excitation, condition=np.inf),
     )
-    write_all(tmp_path / "out", result, curves, ARM)
+    write_result(tmp_path / "out", result, curves, ARM)
     found = json.loads((tmp_path / "out" / "parameters.json").read_text(), parse_constant=refuse_constant)
     assert found["methods"][0]["fit"]["relative_rms"] == [None, 0.2]
     assert found["methods"][0]["whiteness"] == [None, 0.5]
@@ -83,7 +84,7 @@ def test_the_json_holds_the_result_and_no_nan(tmp_path):
 @pytest.mark.usefixtures("small_figures")
 def test_residuals_are_those_of_the_recommended_method(tmp_path):
     result, curves = example()
-    write_all(tmp_path / "out", result, curves, ARM)
+    write_result(tmp_path / "out", result, curves, ARM)
     table = pd.read_csv(tmp_path / "out" / "residuals.csv")
     assert list(table.columns) == ["log", "time_s", "joint", "torque_nm", "rebuilt_nm", "residual_nm"]
     assert len(table) == 2 * sum(s.t.size for s in curves.signals)
@@ -100,23 +101,23 @@ def test_residuals_are_those_of_the_recommended_method(tmp_path):
 @pytest.mark.usefixtures("small_figures")
 def test_a_second_write_gives_the_same_bytes(tmp_path):
     for name in ("one", "two"):
-        write_all(tmp_path / name, *example(), ARM)
+        write_result(tmp_path / name, *example(), ARM)
     assert tree(tmp_path / "one") == tree(tmp_path / "two")
     before = tree(tmp_path / "one")
-    write_all(tmp_path / "one", *example(), ARM)
+    write_result(tmp_path / "one", *example(), ARM)
     assert tree(tmp_path / "one") == before
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
-@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals"])
+@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals_table"])
 @pytest.mark.parametrize("there", ["nothing", "an empty folder", "a result"])
 def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, writer, there):
     out = tmp_path / "new" / "deep" / "out"
     if there == "an empty folder":
         out.mkdir(parents=True)
     if there == "a result":
-        write_all(out, *example(recommended="cnn"), ARM)
+        write_result(out, *example(recommended="cnn"), ARM)
         (out / "notes.txt").write_text("my own")
     names, files = everything(tmp_path), tree(tmp_path)
 
@@ -125,7 +126,7 @@ def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, 
 
     monkeypatch.setattr(outputs, writer, fail)
     with pytest.raises(InputError, match="no space left"):
-        write_all(out, *example(), ARM)
+        write_result(out, *example(), ARM)
     assert everything(tmp_path) == names
     assert tree(tmp_path) == files
 
@@ -143,13 +144,13 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
     out, (result, curves) = tmp_path / "out", example()
     with_links, none = (result, curves), (without_links(result), curves)
     first, second = (with_links, none) if links_first else (none, with_links)
-    before = write_all(out, *first, ARM)
+    before = write_result(out, *first, ARM)
     (out / "arm.sdf").write_text("mine")
-    names = write_all(out, *second, ARM)
+    names = write_result(out, *second, ARM)
     assert ("arm.urdf" in before, "no-links.txt" in names) == (links_first, links_first)
     assert everything(out) == sorted([*names, "arm.sdf"])
     assert (out / "arm.sdf").read_text() == "mine"
-    write_all(tmp_path / "fresh", *second, ARM)
+    write_result(tmp_path / "fresh", *second, ARM)
     kept = tree(out)
     del kept["arm.sdf"]
     assert kept == tree(tmp_path / "fresh")
@@ -158,7 +159,7 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
 @pytest.mark.usefixtures("small_figures")
 def test_overwriting_that_fails_keeps_the_exports_of_before(tmp_path, monkeypatch):
     out, (result, curves) = tmp_path / "out", example()
-    write_all(out, result, curves, ARM)
+    write_result(out, result, curves, ARM)
     files = tree(tmp_path)
 
     def fail(*_):
@@ -166,7 +167,7 @@ def test_overwriting_that_fails_keeps_the_exports_of_before(tmp_path, monkeypatc
 
     monkeypatch.setattr(outputs, "render_page", fail)
     with pytest.raises(InputError, match="no space left"):
-        write_all(out, without_links(result), curves, ARM)
+        write_result(out, without_links(result), curves, ARM)
     assert tree(tmp_path) == files
 
 
@@ -179,7 +180,7 @@ def test_overwriting_keeps_what_is_not_ours(tmp_path):
         (out / name).write_text(content)
     (out / "parameters.json").write_text("an earlier run")
     check_folder(out, overwrite=True)
-    write_all(out, *example(), ARM)
+    write_result(out, *example(), ARM)
     assert everything(out) == sorted(["deep", *foreign, *FILES])
     assert {name: (out / name).read_text() for name in foreign} == foreign
     assert json.loads((out / "parameters.json").read_text())["recommended"] == "consistent"
@@ -225,7 +226,7 @@ def test_a_folder_without_permission_is_refused(tmp_path):
 @pytest.mark.usefixtures("small_figures")
 def test_links_are_exported_where_there_are_some(tmp_path):
     result, curves = example()
-    write_all(tmp_path / "out", result, curves, ARM)
+    write_result(tmp_path / "out", result, curves, ARM)
     assert (tmp_path / "out" / "arm.urdf").read_text(encoding="utf-8").startswith("<?xml")
     assert "<mujoco" in (tmp_path / "out" / "arm.xml").read_text(encoding="utf-8")
     assert not (tmp_path / "out" / "no-links.txt").exists()
@@ -239,7 +240,7 @@ def test_without_links_a_file_says_why(tmp_path, change, words):
         changed = (changed[0], replace(changed[1], estimate=0.3), *changed[2:])
     result, curves = example()
     result = replace(result, methods=tuple(replace(m, parameters=changed, consistent=False) for m in result.methods))
-    names = write_all(tmp_path / "out", result, curves, ARM)
+    names = write_result(tmp_path / "out", result, curves, ARM)
     assert names == sorted({*FILES, "no-links.txt"} - {"arm.urdf", "arm.xml"})
     line = (tmp_path / "out" / "no-links.txt").read_text(encoding="utf-8")
     assert words in line
@@ -271,7 +272,7 @@ def test_a_folder_of_the_user_next_to_the_result_is_kept(tmp_path):
     (tmp_path / ".out.partial").mkdir()
     (tmp_path / ".out.partial" / "notes.txt").write_text("mine")
     check_folder(tmp_path / "out", overwrite=False)
-    write_all(tmp_path / "out", *example(), ARM)
+    write_result(tmp_path / "out", *example(), ARM)
     assert (tmp_path / ".out.partial" / "notes.txt").read_text() == "mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == [".out.partial", "out"]
 
@@ -282,7 +283,7 @@ def test_the_name_of_a_log_is_no_formula_in_a_table(tmp_path, name):
     result, curves = example()
     methods = tuple(replace(m, fit=replace(m.fit, log=name)) for m in result.methods)
     signals = tuple(replace(s, name=name) for s in curves.signals)
-    write_all(tmp_path / "out", replace(result, methods=methods), replace(curves, signals=signals), ARM)
+    write_result(tmp_path / "out", replace(result, methods=methods), replace(curves, signals=signals), ARM)
     scores = pd.read_csv(tmp_path / "out" / "scores.csv")
     assert set(scores.log[scores.part == "fit"]) == {f"'{name}"}
     assert set(pd.read_csv(tmp_path / "out" / "residuals.csv").log) == {f"'{name}"}

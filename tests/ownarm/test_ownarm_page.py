@@ -16,20 +16,33 @@ from matplotlib.figure import Figure
 from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example_result, method, parameters, score
 from PIL import Image
 
-from repro.commands.identify import summary
 from repro.exhibits import style
 from repro.identification.alternatives import BEYOND
 from repro.identification.friction import Term
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
-from repro.ownarm import overlays
-from repro.ownarm.figures import MOST_LOGS, drawn_methods, figures_of
-from repro.ownarm.numbers import percent, printed, significant
+from repro.ownarm.figures import (
+    MOST_LOGS,
+    draw_cutoff,
+    draw_overlay,
+    draw_parameters,
+    draw_spectra,
+    drawn_methods,
+    figures_of,
+    ordered_titles,
+)
 from repro.ownarm.page import FILES, render_page, sentence, symbols
-from repro.ownarm.parameters import parameters as parameters_figure
 from repro.ownarm.result import Curves, Parameter
-from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, scores_table
-from repro.ownarm.words import ALLOWED
+from repro.ownarm.tables import (
+    PARAMETER_COLUMNS,
+    SCORE_COLUMNS,
+    parameters_table,
+    percent,
+    rounded,
+    scores_table,
+    significant,
+)
+from repro.ownarm.text import ALLOWED, summary
 
 pytestmark = pytest.mark.slow
 
@@ -192,7 +205,7 @@ def test_warnings_facts_notes_and_files_are_there(page):
 def test_only_files_that_are_there_are_linked():
     page = Page(render_page(example_result(), Curves(), {}, ["a:b c.csv"]))
     assert [item["href"] for item in page.all("a") if not item["href"].startswith("#")] == ["a%3Ab%20c.csv"]
-    assert "Beside this page" not in render_page(example_result(), Curves(), {}, ())
+    assert "Next to this page" not in render_page(example_result(), Curves(), {}, ())
 
 
 def test_excitation_says_what_is_not_determined():
@@ -269,7 +282,10 @@ def test_what_cannot_be_shown_is_refused():
 def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
     terms = (Term("load1", 0.0618, 0.005, 0.23, True), Term("load2", 0.056, 0.008, 0.11, False))
     result = example_result(friction=(terms,))
-    row = "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; takes 23 % of the squared error"
+    row = (
+        "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; subtracting it reduces "
+        "the cross-validated squared error by 23 %"
+    )
     for text in (render_page(result, Curves(), {}), summary(result)):
         assert text.count(row) == 1
         assert "beyond Eq. 1 of joint 2" not in text  # a warning, where it is left out
@@ -344,12 +360,12 @@ def parameter(estimate, error=None):
     ],
 )
 def test_numbers_have_the_digits_that_their_error_deserves(estimate, error, both):
-    assert printed(parameter(estimate, error)).both == both
+    assert rounded(parameter(estimate, error)).with_error == both
 
 
 @given(st.floats(-1e12, 1e12), st.floats(1e-12, 1e12))
 def test_print_is_within_a_tenth_of_the_standard_error(estimate, error):
-    shown = printed(parameter(estimate, error))
+    shown = rounded(parameter(estimate, error))
     power = float(shown.power.replace(f"{TIMES}10", "1e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 1.0)
     if abs(estimate) < 1e9 * error:  # a dozen decimals at most are shown
         assert float(shown.estimate) * power == pytest.approx(estimate, abs=0.1 * error, rel=1e-12)
@@ -401,12 +417,12 @@ def drawn(make, *arguments, **options) -> Figure:
 
 def every_figure(simulated=False):
     result, curves = example_result(simulated=simulated), example_curves()
-    titles, methods = overlays.ordered_titles(result), drawn_methods(result)
+    titles, methods = ordered_titles(result), drawn_methods(result)
     return {
-        "overlay": drawn(overlays.overlay, curves.signals[0], methods, titles, simulated),
-        "spectra": drawn(overlays.spectra, curves.signals[0], methods, titles, simulated),
-        "cutoff": drawn(overlays.cutoff, curves.cutoff, simulated),
-        "parameters": drawn(parameters_figure, result),
+        "overlay": drawn(draw_overlay, curves.signals[0], methods, titles, simulated),
+        "spectra": drawn(draw_spectra, curves.signals[0], methods, titles, simulated),
+        "cutoff": drawn(draw_cutoff, curves.cutoff, simulated),
+        "parameters": drawn(draw_parameters, result),
     }
 
 
@@ -441,8 +457,8 @@ def test_axes_have_units_and_the_simulation_is_named(name):
 
 def test_curves_are_the_numbers_given():
     signals = example_curves().signals[0]
-    titles = overlays.ordered_titles(example_result())
-    figure = drawn(overlays.overlay, signals, ["consistent", "ols"], titles)
+    titles = ordered_titles(example_result())
+    figure = drawn(draw_overlay, signals, ["consistent", "ols"], titles)
     for joint in range(2):
         torque, residual = figure.axes[4 * joint], figure.axes[4 * joint + 2]
         measured, rebuilt = torque.lines
@@ -460,7 +476,7 @@ def test_curves_are_the_numbers_given():
 
 def test_a_method_without_curves_is_refused():
     signals, titles = example_curves().signals[0], {"wls": "Weighted"}
-    for draw in (overlays.overlay, overlays.spectra):
+    for draw in (draw_overlay, draw_spectra):
         with pytest.raises(ValueError, match="'wls'"):
             drawn(draw, signals, ["wls"], titles)
         with pytest.raises(ValueError, match="at least one"):
@@ -470,7 +486,7 @@ def test_a_method_without_curves_is_refused():
 def test_every_estimate_is_on_its_panel_or_named_at_its_edge():
     wild = method("wild", "Wild", parameters=parameters(1.0, b2=870.0))
     result = example_result(methods=(*example_result().methods, wild))
-    figure = drawn(parameters_figure, result)
+    figure = drawn(draw_parameters, result)
     panel = next(axes for axes in figure.axes if axes.get_xlabel().startswith("$b_2$"))
     low, high = panel.get_xlim()
     assert high < 1.0

@@ -6,9 +6,8 @@ from realdata import log_file, needs_real_data
 
 from repro.logs.armfile import Arm
 from repro.model.parameters import is_positive_definite
-from repro.ownarm.job import assemble, resolve, solve_all
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all, resolve
+from repro.ownarm.prepare import Options, load_log, make_problem
 
 pytestmark = [pytest.mark.slow, needs_real_data]
 
@@ -34,9 +33,9 @@ def run(cache, cutoff, names=ALL):
     """Least-squares methods on 061157, judged on the two other logs."""
     options = Options(names, cache, cutoff=cutoff)
     arm = Arm()
-    logs = [read(log_file(name), arm) for name in ("061157", "060143", "060329")]
+    logs = [load_log(log_file(name), arm) for name in ("061157", "060143", "060329")]
     problem = make_problem(logs[0], tuple(logs[1:]), arm, options)
-    return assemble(problem, solve_all(problem, resolve(options, silent), 1, silent, silent), arm)[0]
+    return assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)[0]
 
 
 @pytest.fixture(scope="module")

@@ -13,14 +13,14 @@ from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.scores import relative_rms
 from repro.logs.diagnostics import Description, quantisation_step
-from repro.logs.log import Log
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
-from repro.ownarm.job import assemble, solve_all, with_self_test
+from repro.ownarm.evaluate import add_self_test, assemble, fit_all
 from repro.ownarm.page import render_page
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.selftest import Returned, SelfTest, made_log, self_test
-from repro.ownarm.settings import Options
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.result import RecoveredParameter, SelfTest
+from repro.ownarm.selftest import self_test, synthetic_log
+from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
 
@@ -44,7 +44,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
     tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
     tau += NOISE * rng.normal(size=tau.shape)
     raw = Log("log.csv", t, STEP * np.rint(q / STEP), tau)
-    return Told(uniform(raw), Description(raw.name, ()), raw)
+    return LoadedLog(uniform(raw), Description(raw.name, ()), raw)
 
 
 def problem_of(*told, options=OPTIONS):
@@ -78,7 +78,7 @@ def test_the_truth_is_the_estimate_and_comes_out_again(clean):
 def test_where_eq_1_is_right_noise_makes_the_error(clean):
     _, test = clean
     assert not test.model_wrong
-    assert "no sign that Eq. 1 is wrong" in test.verdict
+    assert "no sign that Eq. 1 is wrong" in self_test_verdict(test)
     # Each log's noise is another draw: their errors agree to a quarter.
     assert test.error == pytest.approx(test.real, rel=0.25)
 
@@ -97,7 +97,7 @@ def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
 def test_stribeck_friction_is_told_from_noise():
     _, test = outcome(recorded(stribeck=0.6), draws=3)
     assert test.model_wrong
-    assert "the rest is the model" in test.verdict
+    assert "The model causes the rest" in self_test_verdict(test)
     assert max(test.noise) < 0.5
     assert max(test.real) > 2 * max(test.error)
 
@@ -112,7 +112,7 @@ def test_a_made_log_is_recorded_as_the_real_one_was():
     told = recorded(jitter=2e-4, zero=0.08)
     (ready,) = problem_of(told).logs
     assert [fault.name for fault in ready.faults] == ["zero1"]
-    made = made_log(ready, BETA, np.random.default_rng(0))
+    made = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert made.recorded.t == pytest.approx(told.recorded.t)
     assert [quantisation_step(q) for q in made.recorded.q] == pytest.approx([STEP, STEP], rel=1e-3)
     inside = slice(60, -60)  # without the ends, where filters do not see both sides
@@ -132,8 +132,8 @@ def test_rounded_time_stamps_are_no_jitter():
     told = recorded()
     t = np.round(np.arange(told.log.t.size) / 210.0, 3)
     raw = replace(told.recorded, t=t)
-    (ready,) = problem_of(Told(uniform(raw), told.description, raw)).logs
-    made = made_log(ready, BETA, np.random.default_rng(0))
+    (ready,) = problem_of(LoadedLog(uniform(raw), told.description, raw)).logs
+    made = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert made.recorded.t == pytest.approx(t)
     rough = [np.std(np.diff(q, 3), axis=-1) for q in (made.recorded.q, raw.q)]
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
@@ -142,9 +142,9 @@ def test_rounded_time_stamps_are_no_jitter():
 def test_without_noise_the_torque_is_that_of_the_parameters():
     told = log_from(slow, seconds=20.0)
     beta = 1.3 * BETA
-    problem = problem_of(Told(told, Description("log.csv", ())))
+    problem = problem_of(LoadedLog(told, Description("log.csv", ())))
     (ready,) = problem.logs
-    made = made_log(ready, beta, np.random.default_rng(0))
+    made = synthetic_log(ready, beta, np.random.default_rng(0))
     assert max(relative_rms(prepare(made.log, ready.settings), beta)) < 0.01
     assert min(relative_rms(ready.regression, beta)) > 0.1
 
@@ -157,25 +157,25 @@ def test_several_logs_are_made_each_with_its_own_noise():
 
 def test_the_recommended_method_with_intervals_is_outcome():
     problem = problem_of(recorded())
-    found = solve_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent, silent)
+    found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent, silent)
     result, _ = assemble(problem, found, ARM)
     assert result.selftest is None
     (best,) = (m for m in result.methods if m.method == result.recommended)
-    test = with_self_test(result, problem, ARM, OPTIONS, silent).selftest
+    test = add_self_test(result, problem, ARM, OPTIONS, silent).selftest
     assert test.method == best.method
     assert [p.true for p in test.parameters] == [p.estimate for p in best.parameters]
     assert test.real == pytest.approx(best.fit.relative_rms)
     mute = replace(result, methods=tuple(replace(m, claims_intervals=False) for m in result.methods))
-    assert with_self_test(mute, problem, ARM, OPTIONS, silent) == mute
+    assert add_self_test(mute, problem, ARM, OPTIONS, silent) == mute
 
 
 def test_the_page_has_a_section_where_it_was_asked_for():
-    rows = tuple(Returned(name, 1.25, 1.5, 1.0, 2.0, 4, 5) for name in NAMES[:-1])
-    rows += (Returned(NAMES[-1], 0.0, 0.0, 0.0, 0.0, 0, 0),)
+    rows = tuple(RecoveredParameter(name, 1.25, 1.5, 1.0, 2.0, 4, 5) for name in NAMES[:-1])
+    rows += (RecoveredParameter(NAMES[-1], 0.0, 0.0, 0.0, 0.0, 0, 0),)
     test = SelfTest("consistent", 5, rows, (0.012, 0.034), (0.074, 0.034), (0.026, 1.0), True)
     page = render_page(example_result(selftest=test), example_curves(), {})
     assert page.count('id="self-test"') == 1
-    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise makes 3/100 % of its square" in page
+    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise explains 3/100 % of its square" in page
     assert page.count('<td class="right">4 of 5</td>') == 8
     assert page.count("none claimed</td>") == 1
     assert "self-test" not in render_page(example_result(), example_curves(), {})

@@ -10,7 +10,7 @@ from repro.identification.setup import Fault, corrected
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
-from repro.ownarm.setup import APART, arm_lines, not_shown, told, words
+from repro.ownarm.text import DIFFERENT_ERRORS, arm_lines, calibration_lines, calibration_warnings, detection_limits
 
 FAULTS = (
     Fault("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -34,7 +34,7 @@ def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
 
     as_it_is = read(common)
     arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
-    lines = yaml.safe_load("\n".join(arm_lines(FAULTS, arm)))
+    lines = yaml.safe_load(arm_lines(FAULTS, arm).replace("; ", "\n"))
     assert set(lines) == {"zero", "torque_offset", "torque_scale"}
     right, expected = read(common | lines), corrected(as_it_is, {fault.name: fault.value for fault in FAULTS})
     np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
@@ -42,32 +42,34 @@ def test_the_lines_of_the_arm_file_put_a_log_right(tmp_path, absolute, sign):
 
 
 def test_each_fault_is_said_with_its_size_and_what_it_brings():
-    lines = words(FAULTS, Arm())
+    lines = calibration_lines(FAULTS, Arm())
     assert lines[0] == (
-        "the zero of joint 1 is -2.9 +- 0.23 degrees off; with it the torque error falls from 9.0 to 5.0 %"
+        "the zero of joint 1 is -2.9 +- 0.23 degrees off; the correction reduces the torque error from 9.0 to 5.0 %"
     )
     assert "offset of 0.2 +- 0.02 N m" in lines[2]
     assert "1.5 +- 0.02 times" in lines[3]
     assert "zero: [-0.05, 0.1]; torque_offset: [0.2, 0]; torque_scale: [1, 1.5]" in lines[-1]
-    assert words((), Arm()) == ()
+    assert calibration_lines((), Arm()) == ()
 
 
 @pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
 def test_logs_whose_faults_one_arm_file_cannot_put_right_are_told_of(second, apart):
     def log(zero):
         faults = () if zero is None else (Fault("zero1", zero, 0.002, 0.09, 0.05),)
-        return SimpleNamespace(told=SimpleNamespace(description=SimpleNamespace(name="a.csv")), faults=faults, terms=())
+        return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
 
-    assert (APART in told([log(0.05), log(second)], Arm())) == apart
-    assert APART not in told([log(0.05)], Arm())
+    assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
+    assert DIFFERENT_ERRORS not in calibration_warnings([log(0.05)], Arm())
 
 
 def test_a_fault_that_may_be_another_is_said_with_it():
-    (line, _) = words((Fault("zero2", -0.1, 0.002, 0.09, 0.05, {"zero1": 0.05, "offset1": 0.2, "scale2": 1.4}),), Arm())
+    (line, _) = calibration_lines(
+        (Fault("zero2", -0.1, 0.002, 0.09, 0.05, {"zero1": 0.05, "offset1": 0.2, "scale2": 1.4}),), Arm()
+    )
     assert line.startswith(
-        "the zero of joint 2 is 5.7 +- 0.23 degrees off (this log can hardly tell it from the zero of joint 1: "
+        "the zero of joint 2 is 5.7 +- 0.23 degrees off (this log can hardly distinguish it from the zero of joint 1: "
         "-2.9 degrees, or the offset of the torque of joint 1: 0.2 N m, or the scale of the torque of joint 2: 1.4 "
-        "times); with it"
+        "times); the correction"
     )
 
 
@@ -78,10 +80,12 @@ def test_what_a_log_would_not_show_is_said_in_units_or_as_any_size():
         "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
     )
     first, *more = (SimpleNamespace(name=name) for name in ("a.csv", "b.csv", "c.csv"))
-    alone = not_shown(SimpleNamespace(log=first, more_logs=(), hidden=(hidden,)))
-    assert alone == (f"what this log would not show of a wrong set-up: {said}",)
-    three = not_shown(SimpleNamespace(log=first, more_logs=more, hidden=(hidden, {}, {"zero1": None})))
+    alone = detection_limits(SimpleNamespace(fitted_logs=(first,), more_logs=(), hidden=(hidden,)))
+    assert alone == (f"this log could contain these calibration errors undetected: {said}",)
+    three = detection_limits(
+        SimpleNamespace(fitted_logs=(first, *more), more_logs=more, hidden=(hidden, {}, {"zero1": None}))
+    )
     assert three == (
-        f"what a.csv would not show of a wrong set-up: {said}",
-        "what c.csv would not show of a wrong set-up: zero of joint 1 of any size",
+        f"a.csv could contain these calibration errors undetected: {said}",
+        "c.csv could contain these calibration errors undetected: zero of joint 1 of any size",
     )

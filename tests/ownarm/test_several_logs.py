@@ -9,9 +9,8 @@ from regression_example import log_from
 from repro.identification.least_squares import METHODS
 from repro.logs.diagnostics import Description
 from repro.logs.log import Log
-from repro.ownarm.job import assemble, solve_all
-from repro.ownarm.prepared import Told, make_problem
-from repro.ownarm.settings import Options
+from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.prepare import LoadedLog, Options, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 
@@ -21,13 +20,13 @@ def told(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
     rng = np.random.default_rng(seed)
     log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
     q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
-    return Told(Log(name, log.t, q, tau), Description(name, ()))
+    return LoadedLog(Log(name, log.t, q, tau), Description(name, ()))
 
 
 def result_of(*logs):
     problem = make_problem(logs[0], (), ARM, OPTIONS, tuple(logs[1:]))
     methods = [METHODS[name] for name in OPTIONS.methods]
-    found = solve_all(problem, methods, 1, silent, silent)
+    found = fit_all(problem, methods, 1, silent, silent)
     return problem, assemble(problem, found, ARM)[0]
 
 
@@ -44,7 +43,7 @@ def test_each_log_has_its_own_delay_and_faults(two):
     assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
     assert not problem.logs[0].faults
     assert any(line.startswith("in b.csv the zero of joint 1") for line in result.warnings)
-    assert sum("one arm file cannot put them all right" in line for line in result.warnings) == 1
+    assert sum("no single arm file corrects them all" in line for line in result.warnings) == 1
     assert [len(faults) for faults in result.setup] == [0, 1]
 
 
@@ -53,7 +52,7 @@ def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
     noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
     wrong = Log("slow.csv", wrong.t, wrong.q, (wrong.tau + noise) * np.array([[1.0], [1.12]]))
-    slow = Told(wrong, Description("slow.csv", ()))
+    slow = LoadedLog(wrong, Description("slow.csv", ()))
     assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
     first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
     assert {fault.name: pytest.approx(fault.value, abs=0.05) for fault in first.faults} == {"scale2": 1.12}
@@ -67,7 +66,7 @@ def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
     def poor(name, seed, noise, scale=1.0):
         log = log_from(lambda t: tuple(0.15 * x for x in motion(t + 3.0 * seed)), seconds=6.0)
         torque = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
-        return Told(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])), Description(name, ()))
+        return LoadedLog(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])), Description(name, ()))
 
     logs = poor("a.csv", 5, 0.3), poor("b.csv", 6, 0.3), poor("c.csv", 7, 0.1, scale=1.6)
     assert not make_problem(logs[2], (), ARM, OPTIONS).logs[0].faults

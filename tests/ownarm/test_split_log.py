@@ -9,12 +9,10 @@ from ownarm_problem import ARM, silent
 
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.log import Log
-from repro.logs.uniform import uniform
-from repro.ownarm.job import assemble, solve_all
-from repro.ownarm.overlays import overlay
-from repro.ownarm.prepared import make_problem, read
-from repro.ownarm.settings import Options
+from repro.logs.log import Log, uniform
+from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.figures import draw_overlay
+from repro.ownarm.prepare import Options, load_log, make_problem
 
 OPTIONS = Options(("ordinary",), "unused")
 T = np.arange(6000) / 200.0
@@ -33,9 +31,9 @@ def whole(tmp_path_factory):
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))
     path = tmp_path_factory.mktemp("split") / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
-    told = read(path, ARM)
+    told = load_log(path, ARM)
     problem = make_problem(told, (), ARM, OPTIONS)
-    found = solve_all(problem, [METHODS["ordinary"]], 1, silent, silent)
+    found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
     return problem, *assemble(problem, found, ARM)
 
 
@@ -77,7 +75,7 @@ def test_each_piece_is_filtered_as_if_it_were_alone():
 
 def test_no_line_is_drawn_across_a_gap(whole):
     _, _, curves = whole
-    figure = overlay(curves.signals[0], ["ordinary"], {"ordinary": "Ordinary"})
+    figure = draw_overlay(curves.signals[0], ["ordinary"], {"ordinary": "Ordinary"})
     for axes in figure.axes[::2]:
         for line in axes.lines:
             x, y = line.get_data()

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.ownarm.words import COMBINED, NOT_EXCITED, verdict
+from repro.ownarm.text import COMBINED, NOT_EXCITED, verdict
 
 
-def within(share, estimate=2.0, excited=True, held=False):
+def within(share, estimate=2.0, excited=True, at_bound=False):
     """Verdict on an estimate whose interval reaches this share of it to either side."""
     reach = share * abs(estimate)
-    return verdict(estimate, estimate - reach, estimate + reach, excited, held)
+    return verdict(estimate, estimate - reach, estimate + reach, excited, at_bound)
 
 
 @pytest.mark.parametrize("estimate", [2.0, -2.0, 1e-6])
@@ -34,8 +34,8 @@ def within(share, estimate=2.0, excited=True, held=False):
         (0.4999, "known to 50 %"),
         (0.51, "sign known, size only roughly"),
         (0.99, "sign known, size only roughly"),
-        (1.01, "not told from zero"),
-        (30.0, "not told from zero"),
+        (1.01, "cannot be distinguished from zero"),
+        (30.0, "cannot be distinguished from zero"),
     ],
 )
 def test_words_at_their_limits(share, words, estimate):
@@ -43,14 +43,14 @@ def test_words_at_their_limits(share, words, estimate):
 
 
 def test_words_without_a_number():
-    assert verdict(2.0, -0.1, 4.1, excited=False, held=False) == NOT_EXCITED == "not excited by this motion"
-    assert verdict(2.0, None, None, excited=False, held=False) == NOT_EXCITED
-    assert verdict(0.0, None, None, excited=True, held=True) == "held at zero: the log alone would make it negative"
-    assert verdict(2.0, None, None, excited=True, held=False) == "no interval claimed by this method"
-    assert verdict(2.0, -0.1, 4.1, excited=True, held=False) == "not told from zero"
-    assert verdict(-2.0, -4.0, 0.0, excited=True, held=False) == "not told from zero"
-    assert verdict(0.0, -0.1, 0.1, excited=True, held=False) == "not told from zero"
-    assert verdict(0.1, 0.05, 4.0, excited=True, held=False) == "sign known, size only roughly"
+    assert verdict(2.0, -0.1, 4.1, excited=False, at_bound=False) == NOT_EXCITED == "not excited by this motion"
+    assert verdict(2.0, None, None, excited=False, at_bound=False) == NOT_EXCITED
+    assert verdict(0.0, None, None, excited=True, at_bound=True) == "held at zero: the log alone would make it negative"
+    assert verdict(2.0, None, None, excited=True, at_bound=False) == "the method claims no interval"
+    assert verdict(2.0, -0.1, 4.1, excited=True, at_bound=False) == "cannot be distinguished from zero"
+    assert verdict(-2.0, -4.0, 0.0, excited=True, at_bound=False) == "cannot be distinguished from zero"
+    assert verdict(0.0, -0.1, 0.1, excited=True, at_bound=False) == "cannot be distinguished from zero"
+    assert verdict(0.1, 0.05, 4.0, excited=True, at_bound=False) == "sign known, size only roughly"
 
 
 @pytest.mark.parametrize(("share", "words"), [(0.03, "known to 3 %"), (0.7, "sign known, size only roughly")])
@@ -60,8 +60,8 @@ def test_a_parameter_that_is_told_from_zero_is_known_however_little_torque_it_mo
 
 def test_of_a_combination_no_parameter_is_known():
     for low, high, held in ((1.99, 2.01, False), (None, None, False), (None, None, True), (-1.0, 5.0, False)):
-        assert verdict(2.0, low, high, excited=True, held=held, determined=False) == COMBINED
-        assert verdict(2.0, low, high, excited=False, held=held, determined=False) == NOT_EXCITED
+        assert verdict(2.0, low, high, excited=True, at_bound=held, determined=False) == COMBINED
+        assert verdict(2.0, low, high, excited=False, at_bound=held, determined=False) == NOT_EXCITED
     assert "combination" in COMBINED
     assert "base parameters" in COMBINED
 

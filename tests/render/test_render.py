@@ -19,6 +19,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 from pytest_regressions.image_regression import ImageRegressionFixture
 from render_examples import (
+    EXHIBITS,
     FIGURES,
     FRAMES,
     LAYOUTS,
@@ -90,11 +91,11 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
     name = "fig12"
     here = drawn(tmp_path, name, FRAMES[name]())
     code = (
-        "import sys; from pathlib import Path; from repro.exhibits.make import draw; from repro.render import torques;"
-        "draw(torques.torques_12, sys.argv[1], *(Path(p) for p in sys.argv[2:]))"
+        "import sys; from pathlib import Path; from repro.exhibits import make, numeric_tests;"
+        "make.draw(numeric_tests.fig12, *(Path(p) for p in sys.argv[1:]))"
     )
     paths = [str(tmp_path / file) for file in (f"{name}.csv", "other.pdf", "other.png")]
-    subprocess.run([sys.executable, "-c", code, name, *paths], check=True, env={**os.environ, "PYTHONHASHSEED": "7"})
+    subprocess.run([sys.executable, "-c", code, *paths], check=True, env={**os.environ, "PYTHONHASHSEED": "7"})
     assert here == tuple((tmp_path / f"other.{kind}").read_bytes() for kind in ("pdf", "png"))
 
 
@@ -131,9 +132,9 @@ def test_axis_labels_carry_a_unit(figure: Figure) -> None:
 def test_missing_files(tmp_path: Path) -> None:
     nowhere = tmp_path / "nowhere.csv"
     with pytest.raises(InputError, match="nowhere"):
-        draw(FIGURES["fig06"], "fig06", nowhere, tmp_path / "a.pdf", tmp_path / "a.png")
+        draw(EXHIBITS["figure", "fig06"], nowhere, tmp_path / "a.pdf", tmp_path / "a.png")
     with pytest.raises(InputError, match="nowhere"):
-        lay_out(LAYOUTS["table02"], nowhere, tmp_path / "a.tex", tmp_path / "a.md")
+        lay_out(EXHIBITS["table", "table02"], nowhere, tmp_path / "a.tex", tmp_path / "a.md")
     assert not list(tmp_path.iterdir())
     with pytest.raises(ValueError, match="width"):
         style.new_figure(5.0, 2.0)

@@ -8,8 +8,7 @@ import pytest
 from render_examples import TABLES, laid_out
 
 from repro.exhibits import style
-from repro.exhibits.markup import plain
-from repro.render.audit_table import LongTable
+from repro.exhibits.markup import LongTable, plain
 
 
 def one_finding(**fields: object) -> pd.DataFrame:
@@ -61,4 +60,4 @@ def test_columns_fill_the_page(tmp_path: Path) -> None:
     assert sum(widths) + (len(widths) - 1) * gap == pytest.approx(style.PAGE, abs=0.005)
     assert "inf" not in tex.split()
     with pytest.raises(ValueError, match="shares"):
-        LongTable("A", "tab:a", plain(""), "ll", (), (), (0.5, 0.4))
+        LongTable(plain(""), "ll", (), (), (0.5, 0.4))

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from render_examples import FIGURES, FRAMES, TABLES, laid_out
 
 from repro.exhibits import style
-from repro.render.factorial import FACTORS
+from repro.exhibits.causes import FACTORS
 
 pytestmark = pytest.mark.slow
 

@@ -54,10 +54,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Design, compare with Eq. 10, write."""
     import numpy as np
 
+    from repro.files import check_folder, fill_folder
     from repro.identification.envelope import Envelope
     from repro.identification.excite import design, published
     from repro.logs.armfile import read_arm
-    from repro.ownarm.outputs import check_folder, put
     from repro.progress import Progress
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not math.isfinite(content["optimised"]["condition"]):
         raise InputError.at(str(arguments.arm), "limits that let no motion separate the parameters", "wider ones")
     given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]
-    files = put(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
+    files = fill_folder(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
     print(summary(content))
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
@@ -145,22 +145,21 @@ def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits
     import numpy as np
     import pandas as pd
 
-    from repro.exhibits import style
+    from repro.exhibits import panels, style
     from repro.files import write_csv, write_json
-    from repro.render import lines
 
     arm, series, columns = limits.arm, [], {"time_s": motion.time}
     own = np.array([[1.0, 0.0], [float(arm.second_joint_absolute), 1.0]]) * np.array(arm.sign)[:, None]
     zeros = (np.array(arm.zero), np.zeros(2), np.zeros(2))
     names = ("q{}_rad", "dq{}_rad/s", "ddq{}_rad/s^2")
-    for panel, name, zero, x in zip(lines.MOTION, names, zeros, (motion.q, motion.dq, motion.ddq), strict=True):
-        for j, joint in enumerate(lines.JOINTS):
+    for panel, name, zero, x in zip(panels.MOTION, names, zeros, (motion.q, motion.dq, motion.ddq), strict=True):
+        for j, joint in enumerate(panels.JOINTS):
             columns[name.format(j + 1)] = own[j] @ x + zero[j]
             series.append(pd.DataFrame({"panel": panel, "series": joint, "x": motion.time, "y": x[j]}))
     write_json(folder / "excite.json", content)
     write_csv(folder / "motion.csv", pd.DataFrame(columns))
     with style.house_style():
-        style.save(lines.motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")
+        style.save(panels.draw_motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")
 
 
 def summary(content: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Identify your own arm: from a log to parameters, how sure they are, and a report."""
+"""Identify your own arm: from a log to parameters with intervals, and a report."""
 
 import argparse
 import logging
@@ -12,9 +12,8 @@ from repro.errors import InputError
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 
 if TYPE_CHECKING:
-    from repro.ownarm.judge import Found
-    from repro.ownarm.prepared import Told
-    from repro.ownarm.result import Result, Score
+    from repro.ownarm.evaluate import Fit
+    from repro.ownarm.prepare import LoadedLog
 
 _LOG = logging.getLogger(__name__)
 
@@ -51,10 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--self-test",
         action="store_true",
-        help="what comes out of this motion, noise and delay where the parameters are known",
+        help="estimate known parameters from synthetic logs with this motion, noise and delay",
     )
     parser.add_argument(
-        "--friction", action="store_true", help="take out friction beyond Eq. 1 where the log asks for it"
+        "--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it"
     )
     parser.add_argument(
         "--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)"
@@ -76,73 +75,76 @@ def _cache() -> Path:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, tell, prepare, solve, judge, write."""
+    """Read, describe, prepare, fit, evaluate, write."""
+    from repro.files import check_folder
     from repro.logs.armfile import read_arm
-    from repro.ownarm.job import assemble, resolve, solve_all, with_self_test
-    from repro.ownarm.outputs import check_folder, write_all, write_sidecar
-    from repro.ownarm.prepared import make_problem, read
-    from repro.ownarm.settings import Options
+    from repro.ownarm.evaluate import add_self_test, assemble, fit_all, resolve
+    from repro.ownarm.outputs import write_result, write_sidecar
+    from repro.ownarm.prepare import Options, load_log, make_problem
+    from repro.ownarm.text import summary
     from repro.progress import Progress
 
     check_folder(arguments.out, arguments.overwrite)
     arm = read_arm(arguments.arm)
-    # A network is trained for one motion, so several logs are for least squares.
-    usual = ("all",) if len(arguments.logs) == 1 else ("least-squares",)
-    chosen = tuple(dict.fromkeys(n for m in arguments.method or usual for n in GROUPS.get(m, (m,))))
-    if len(arguments.logs) > 1 and set(chosen) & set(NETWORKS):
-        raise InputError.at(
-            "--method",
-            "Algorithm 1 for several logs",
-            "--method least-squares, or one log: a network is trained for one motion",
-        )
-    if arguments.self_test and not set(chosen) - set(NETWORKS):
-        raise InputError.at("--self-test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
+    names = _methods(arguments)
     options = Options(
-        chosen,
-        arguments.cache.expanduser(),
-        arguments.filter,
-        arguments.cutoff,
-        arguments.seed,
-        arguments.steps,
-        arguments.friction,
+        methods=names,
+        cache=arguments.cache.expanduser(),
+        filter=arguments.filter,
+        cutoff=arguments.cutoff,
+        seed=arguments.seed,
+        steps=arguments.steps,
+        friction=arguments.friction,
     )
-    if set(chosen) & set(NETWORKS):
+    if set(names) & set(NETWORKS):
         _check_cache(options.cache)
-    _check_apart(arguments)
-    others = tuple(read(path, arm) for path in arguments.validate)
-    fitted, *more = (read(_source(arguments, log), arm) for log in arguments.logs)
-    for told in (fitted, *more, *others):
-        _tell(told, briefly=told is not fitted)
-    problem = make_problem(fitted, others, arm, options, tuple(more))
+    _check_distinct(arguments)
+    validation = tuple(load_log(path, arm) for path in arguments.validate)
+    fitted, *more = (load_log(_source(arguments, log), arm) for log in arguments.logs)
+    for loaded in (fitted, *more, *validation):
+        _report_log(loaded, briefly=loaded is not fitted)
+    problem = make_problem(fitted, validation, arm, options, tuple(more))
     for log in problem.logs:
         s = log.settings
-        _LOG.info("%s: cut-off %.3g Hz: %s", log.told.description.name, s.cutoff, log.cutoff.reason)
+        _LOG.info("%s: cut-off %.3g Hz: %s", log.loaded.name, s.cutoff, log.cutoff.reason)
         _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
-    progress: dict[str, Progress] = {}
+    bars: dict[str, Progress] = {}
 
-    def report(what: str, done: int, total: int, note: str) -> None:
-        progress.setdefault(what, Progress(what))(done, total, note)
+    def progress(what: str, done: int, total: int, note: str) -> None:
+        bars.setdefault(what, Progress(what))(done, total, note)
 
-    methods = resolve(options, report)
+    methods = resolve(options, progress)
     quick = [m for m in methods if m.name not in NETWORKS]
-    found = solve_all(problem, quick, options.seed, report, _found)
-    if found and len(quick) < len(methods):
-        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, found, arm)[0]))
-    found += solve_all(problem, [m for m in methods if m not in quick], options.seed, report, _found)
-    if not found:
-        raise InputError.at(fitted.description.name, "no solution by any method", "a log that tells more, see above")
-    result, curves = assemble(problem, found, arm)
+    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
+    if fits and len(quick) < len(methods):
+        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
+    if not fits:
+        raise InputError.at(fitted.name, "no solution by any method", "a log that shows more, see above")
+    result, curves = assemble(problem, fits, arm)
     if arguments.self_test:
-        result = with_self_test(result, problem, arm, options, report)
+        result = add_self_test(result, problem, arm, options, progress)
     print(summary(result), flush=True)
     inputs = [Path(name) for name in (*arguments.logs, *arguments.validate, arguments.arm) if name]
-    files = [*write_all(arguments.out, result, curves, arm, inputs), write_sidecar(arguments.out)]
+    files = [*write_result(arguments.out, result, curves, arm, inputs), write_sidecar(arguments.out)]
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
 
 
+def _methods(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """Resolve groups of methods; several logs are for least squares, because a network is trained for one motion."""
+    default = ("all",) if len(arguments.logs) == 1 else ("least-squares",)
+    names = tuple(dict.fromkeys(n for m in arguments.method or default for n in GROUPS.get(m, (m,))))
+    if len(arguments.logs) > 1 and set(names) & set(NETWORKS):
+        expected = "--method least-squares, or one log: a network is trained for one motion"
+        raise InputError.at("--method", "Algorithm 1 for several logs", expected)
+    if arguments.self_test and not set(names) - set(NETWORKS):
+        raise InputError.at("--self-test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
+    return names
+
+
 def _source(arguments: argparse.Namespace, text: str) -> Path:
-    """The log's file; a port is recorded from first, and the capture is kept beside the result."""
+    """Give the file of a log; a port is recorded first, and the capture is kept next to the result."""
     path = Path(text)
     if text.startswith("/dev/") and not path.exists():
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
@@ -162,8 +164,8 @@ def _source(arguments: argparse.Namespace, text: str) -> Path:
     return capture
 
 
-def _check_apart(arguments: argparse.Namespace) -> None:
-    """Refuse a log that is given twice, and a network for several motions at once."""
+def _check_distinct(arguments: argparse.Namespace) -> None:
+    """Refuse a log that is given twice."""
     files = [Path(log) for log in arguments.logs if Path(log).exists()]
     for k, path in enumerate(files):
         if any(path.samefile(other) for other in files[:k]):
@@ -173,8 +175,8 @@ def _check_apart(arguments: argparse.Namespace) -> None:
             raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
 
 
-def _tell(told: "Told", briefly: bool) -> None:
-    d = told.description
+def _report_log(loaded: "LoadedLog", briefly: bool) -> None:
+    d = loaded.description
     _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
     for label, value in d.facts:
         if not briefly or label in ("length", "rate", "gaps"):
@@ -185,8 +187,8 @@ def _tell(told: "Told", briefly: bool) -> None:
         _LOG.warning("  WARNING: %s", warning)
 
 
-def _found(found: "Found") -> None:
-    _LOG.info("%s", "; ".join((f"{found.method.title}: done", *found.estimate.notes)))
+def _report_fit(fit: "Fit") -> None:
+    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))
 
 
 def _check_cache(cache: Path) -> None:
@@ -199,45 +201,3 @@ def _check_cache(cache: Path) -> None:
         raise InputError.at(
             f"--cache {cache}", error.strerror or "no folder", "a folder that can be written"
         ) from error
-
-
-def _left_out(score: "Score") -> str:
-    """A half of the log, or one of several logs that the others foretell."""
-    from repro.ownarm.result import HALVES
-
-    return score.log if score.log in HALVES else f"{score.log} from the others"
-
-
-def _errors(score: "Score") -> str:
-    """Torque error of both joints, and that of the re-simulated position where there is one."""
-    torque = "/".join(f"{100 * error:.1f}" for error in score.relative_rms)
-    return torque if score.position_rms is None else "{} ({:.2g}/{:.2g} rad)".format(torque, *score.position_rms)
-
-
-def summary(result: "Result") -> str:
-    """What to know without opening the report."""
-    from repro.ownarm.setup import friction, not_shown
-    from repro.ownarm.words import ALLOWED
-
-    best = next(m for m in result.methods if m.method == result.recommended)
-    lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
-    for p in best.parameters:
-        lines.append(f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}")
-    if best.claims_intervals:
-        lines.append(f"  {ALLOWED}")
-    lines += [f"  {friction(term)}" for terms in result.friction for term in terms if term.taken]
-    lines += [f"  {line}" for line in not_shown(result)]
-    lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
-    for m in result.methods:
-        parts = [("fit", m.fit), *((_left_out(s), s) for s in m.halves), *((s.log, s) for s in m.validation)]
-        errors = ", ".join(f"{name} {_errors(s)}" for name, s in parts)
-        mark = "*" if m.method == result.recommended else " "
-        lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
-    if result.selftest:
-        t = result.selftest
-        lines.append(f"self-test: {t.draws} logs made of this motion with the parameters of {t.method}")
-        heads = ("", "true", "median found", "range", "held by the interval")
-        lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *t.rows)]
-        lines.append(t.verdict)
-    lines += [f"WARNING: {warning}" for warning in result.warnings]
-    return "\n".join(lines)

@@ -41,8 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     from repro.commands.decode import summary
     from repro.config import load_config
     from repro.fpga.capture import check_target, write_capture
-    from repro.fpga.link import record
-    from repro.fpga.rawfile import raw_file
+    from repro.fpga.link import raw_file, record
     from repro.pipeline.experiment import metadata_for
 
     check_target(arguments.out, arguments.overwrite)

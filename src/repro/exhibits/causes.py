@@ -1,9 +1,14 @@
 """Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of six causes."""
 
+from collections.abc import Hashable, Mapping
+
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
+from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
+from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 from repro.files import read_csv
 from repro.pipeline.effects import cell_means, effects
 from repro.pipeline.experiment_runs import CASE
@@ -11,7 +16,6 @@ from repro.pipeline.factorial_design import COLUMNS
 from repro.pipeline.identified import read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.summary import SCORES
-from repro.render import factorial, why
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {
@@ -21,11 +25,21 @@ CAUSES = {
     "algorithm1+tracked": ("tracked", "desired"),
 }
 #: Weights of the four cells, in this order, in each effect.
-EFFECTS = {
+_EFFECT_WEIGHTS = {
     "image_motion": (-0.5, 0.5, -0.5, 0.5),
     "training": (-0.5, -0.5, 0.5, 0.5),
     "both": (0.5, -0.5, -0.5, 0.5),
 }
+#: Levels of the two factors in words.
+_TRAINING = {"ideal": "Eq. 10", "tracked": "closed-loop motions"}
+_IMAGE_MOTION = {"measured": "measured", "desired": "desired"}
+#: Effects in words.
+_EFFECT_TEXTS = {
+    "image_motion": "desired instead of measured motion in line 18",
+    "training": "closed-loop motions instead of Eq. 10 in training",
+    "both": "interaction (half the difference of the differences)",
+}
+RESPONSES = {"id": "ID", "validation": "T1 to T4"}
 
 
 def crossed(scores: pd.DataFrame) -> pd.DataFrame:
@@ -47,7 +61,7 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
     """
     values = cells.pivot(index=["response", "seed"], columns=["training", "image_motion"], values="value")
     values = values[list(CAUSES.values())]
-    effects = pd.DataFrame({name: values @ np.array(weights) for name, weights in EFFECTS.items()})
+    effects = pd.DataFrame({name: values @ np.array(weights) for name, weights in _EFFECT_WEIGHTS.items()})
     rows: list[tuple[object, ...]] = []
     for kind, frame in (("cell", values), ("effect", effects)):
         for name in frame.columns:
@@ -58,11 +72,59 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns).fillna({"spread": 0.0})
 
 
-def _factorial(inputs: Inputs) -> pd.DataFrame:
-    return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
+def why_layout(frame: pd.DataFrame) -> Table:
+    """Similarity in the four cells, then the effects.
+
+    Columns ``row, training, image_motion, response, value, spread, seeds``.
+    """
+    blocks = []
+    for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
+        of_kind = frame[frame["row"] == kind].fillna(
+            {"image_motion": ""}
+        )  # an effect has none, which a CSV leaves empty
+        cells = []
+        for key, rows in of_kind.groupby(["training", "image_motion"], sort=False):
+            training, motion = map(str, key)
+            words = [_EFFECT_TEXTS[training], ""] if kind == "effect" else [_TRAINING[training], _IMAGE_MOTION[motion]]
+            by = rows.set_index("response")[["value", "spread"]].astype(float).T.to_dict()
+            values = [number(100.0 * by[r]["value"], 1, 100.0 * by[r]["spread"]) for r in RESPONSES]
+            cells.append([*map(plain, words), *values])
+        blocks.append((plain(heading), cells))
+    seeds = int(frame["seeds"].min())
+    caption = plain(
+        "Algorithm 1 on the simulated arm with the motions of the training and the motion of line 18 crossed: mean "
+        f"over {seeds} seeds of guesses ± their standard deviation, one network for each kind of training."
+    )
+    names = ("Trained on", "f of line 18 on", *RESPONSES.values())
+    return Table(caption, "llrr", [plain(name) for name in names], blocks)
 
 
-@table("why", "Motions of the training and of line 18, crossed", EXPERIMENT, why.table, inputs=("arm",), trained="all")
+def draw_why(frame: pd.DataFrame) -> Figure:
+    """Mean total against the motion of line 18, a line for each kind of training: every seed a mark.
+
+    Columns ``training, image_motion, seed, response, value``.
+    """
+    drawn = style.new_figure(style.COLUMN, 2.6)
+    panels = drawn.subplots(1, 2, sharey=True)
+    looks = {"ideal": "algorithm1", "tracked": "algorithm1+tracked"}
+    for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
+        for training, look in looks.items():
+            rows = frame[(frame["response"] == response) & (frame["training"] == training)]
+            at = rows["image_motion"].map({name: k for k, name in enumerate(_IMAGE_MOTION)})
+            colour = style.STROKES[look]["color"]
+            axes.plot(at, 100.0 * rows["value"], ls="none", color=colour, alpha=0.55, **style.MARKS[look])
+            middle = rows.groupby("image_motion")["value"].mean().reindex(list(_IMAGE_MOTION))
+            axes.plot([0, 1], 100.0 * middle, label=f"trained on {_TRAINING[training]}", **style.STROKES[look])
+        axes.set_title(title)
+        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _IMAGE_MOTION.values()])
+        axes.set_xlim(-0.3, 1.3)
+        axes.set_ylabel("Total similarity (%)")
+        axes.grid(visible=False, axis="x")
+    style.legend_above(drawn, panels[0], 1, style.SIMULATED)
+    return drawn
+
+
+@table("why", "Motions of the training and of line 18, crossed", EXPERIMENT, why_layout, inputs=("arm",), trained="all")
 def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -70,9 +132,7 @@ def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     return why_table(crossed(read_scores(inputs["scores"], SCORES)))
 
 
-@figure(
-    "why", "Motions of the training and of line 18, crossed", EXPERIMENT, why.figure, inputs=("arm",), trained="all"
-)
+@figure("why", "Motions of the training and of line 18, crossed", EXPERIMENT, draw_why, inputs=("arm",), trained="all")
 def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -80,11 +140,135 @@ def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     return crossed(read_scores(inputs["scores"], SCORES))
 
 
+FACTORS = {
+    "image_motion": "f on the desired motion",
+    "training": "closed-loop training",
+    "omega": "omega as DCT index",
+    "back_emf": "back-EMF",
+    "metric": "energy ratio",
+    "reader": "plain network",
+}
+
+
+_CONTRASTS = {
+    "cnn": "Algorithm 1 with the image CNN",
+    "reader": "Plain network instead of Algorithm 1, over both motions of line 18",
+    "reader, desired motion": "Plain network instead of Algorithm 1 with f on the desired motion",
+}
+
+
+def _words(effect: str) -> str:
+    return " x ".join(FACTORS[name] for name in effect.split(" x "))
+
+
+def _estimate(row: Mapping[Hashable, float], factor: float, decimals: int) -> Text:
+    value, low, high = (number(factor * row[name], decimals) for name in ("value", "low", "high"))
+    return value + Text(" [", " [") + low + Text(", ", ", ") + high + Text("]", "]")
+
+
+def effects_layout(frame: pd.DataFrame) -> Table:
+    """Effects in points of per cent with their 95 % intervals, the largest on T1 to T4 first.
+
+    Columns ``of, effect, response, value, low, high, blocks, training_seeds, confirmation``.
+    """
+    blocks = []
+    for of, rows in frame.groupby("of", sort=False):
+        cells = []
+        by = {key: one.iloc[0].to_dict() for key, one in rows.groupby(["effect", "response"], sort=False)}
+        names = sorted(dict.fromkeys(rows["effect"]), key=lambda name: -abs(by[name, "validation"]["value"]))
+        for name in names:
+            points = [_estimate(by[name, response], 100.0, 1) for response in ("id", "validation")]
+            error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else EMPTY
+            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in ("id", "validation")]
+            cells.append([plain(_words(name)), *points, error, *held_out])
+        blocks.append((plain(_CONTRASTS[str(of)]), cells))
+    count, seeds = int(frame["blocks"].min()), int(frame["training_seeds"].min())
+    caption = plain(
+        "Factorial of causes on simulated arms: main effects (high minus low level) and interactions of two factors "
+        "(half the difference of the differences) on the mean total of ID and of T1 to T4, in points of per cent, and "
+        "on the root mean square error of single estimates over the largest torque, with 95 % intervals over "
+        f"{count} blocks and {seeds} training seeds. Last, the same on an arm and a specimen frozen before and scored "
+        "once."
+    )
+    header = ("Effect", "ID", "T1 to T4", "Error", "Frozen arm, ID", "Frozen arm, T1 to T4")
+    return Table(caption, "lrrrrr", [plain(name) for name in header], blocks)
+
+
+def cells_layout(frame: pd.DataFrame) -> Table:
+    """Means of the cells.
+
+    Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
+    """
+    words = {
+        "cnn": "Algorithm 1",
+        "plain": "plain network",
+        "ordinary": "least squares",
+        "bounded": "least squares, bounded",
+        "true": "true parameters",
+        "ideal": "Eq. 10",
+        "tracked": "closed-loop",
+        "rad_per_s": "rad/s",
+    }
+    names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
+    rows = []
+    told_names = frame[names].astype(object).fillna("").astype(str)
+    for row in frame.assign(**{name: told_names[name] for name in names}).to_dict("records"):
+        told = [plain(words.get(row[name], row[name])) for name in names]
+        error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
+        met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)
+        rows.append([*told, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
+    caption = plain(
+        "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
+        "estimates over the largest torque, and executions of 100 that met the threshold."
+    )
+    header = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor", "ID", "T1 to T4", "Error", "Met")
+    columns = [plain(name) for name in header]
+    return Table(caption, "llllllrrrr", columns, [(None, rows)])
+
+
+def draw_effects(frame: pd.DataFrame) -> Figure:
+    """Effects on T1 to T4 and on ID with their intervals, and the frozen arm's."""
+    rows = frame[frame["response"].isin(["id", "validation"]) & frame["of"].isin(["cnn", "reader"])]
+    label = rows["effect"].map(_words)
+    order = rows[rows["response"] == "validation"].assign(label=label, size=lambda f: f["value"].abs())
+    names = list(dict.fromkeys(order.sort_values("size", ascending=False)["label"]))
+    drawn = style.new_figure(style.PAGE, 0.9 + 0.17 * len(names))
+    panels = drawn.subplots(1, 2, sharey=True)
+    blocks = f"{frame['blocks'].min()} blocks"
+    for axes, response in zip(panels, ("id", "validation"), strict=True):
+        own = rows[rows["response"] == response].assign(label=label)
+        at = own["label"].map(names.index).to_numpy()
+        axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
+        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
+        axes.plot(
+            100.0 * own["confirmation"],
+            at,
+            ls="none",
+            marker="D",
+            ms=3.2,
+            mfc="white",
+            mec="#d1490a",
+            label="frozen arm",
+        )
+        axes.axvline(0.0, color="0.6", lw=0.6)
+        axes.set_title(RESPONSES[response])
+        axes.set_xlabel("Effect (points of per cent)")
+        axes.grid(visible=False, axis="y")
+    panels[0].set_yticks(range(len(names)), labels=names)
+    panels[0].set_ylim(len(names) - 0.5, -0.5)
+    style.legend_above(drawn, panels[0], 2, style.SIMULATED)
+    return drawn
+
+
+def _factorial(inputs: Inputs) -> pd.DataFrame:
+    return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
+
+
 @table(
     "factorial",
     "Effects of the causes",
     ABLATION,
-    factorial.effects_table,
+    effects_layout,
     inputs=("factorial",),
     trained="all",
     optional=True,
@@ -100,7 +284,7 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     "factorial_cells",
     "Similarities under each combination of the causes",
     ABLATION,
-    factorial.cells_table,
+    cells_layout,
     label="Factorial, cells",
     target="factorial_cells",
     inputs=("factorial",),
@@ -116,7 +300,7 @@ def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     "factorial",
     "Effects of the causes",
     ABLATION,
-    factorial.figure,
+    draw_effects,
     inputs=("factorial",),
     trained="all",
     optional=True,

@@ -1,10 +1,10 @@
 """Makes exhibits: their numbers, then their layouts or drawings from them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import cast
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.errors import InputError
@@ -35,35 +35,35 @@ def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], conf
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
     write_csv(out["csv"], exhibit.numbers(inputs, config))
     if exhibit.kind == "table":
-        lay_out(exhibit.draw, out["csv"], out["tex"], out["md"])  # type: ignore[arg-type]
+        lay_out(exhibit, out["csv"], out["tex"], out["md"])
     else:
-        draw(exhibit.draw, exhibit.name, out["csv"], out["pdf"], out["png"])  # type: ignore[arg-type]
+        draw(exhibit, out["csv"], out["pdf"], out["png"])
 
 
-def laid_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path) -> Table:
+def laid_out(exhibit: Exhibit, csv_path: Path) -> Table:
     """A table laid out from its CSV."""
     frame = read_csv(csv_path)
     try:
-        return layout(frame)
+        return cast("Table", exhibit.draw(frame))
     except InputError as error:
         raise InputError(f"{csv_path}: {error}") from error
     except KeyError as error:  # of another version
         raise InputError.at(str(csv_path), f"no {error}", "the columns and names that this version writes") from error
 
 
-def lay_out(layout: Callable[[pd.DataFrame], Table], csv_path: Path, tex_path: Path, md_path: Path) -> None:
+def lay_out(exhibit: Exhibit, csv_path: Path, tex_path: Path, md_path: Path) -> None:
     """Write a table from its CSV as a LaTeX table environment and as Markdown."""
-    table = laid_out(layout, csv_path)
-    write_text(tex_path, table.tex())
-    write_text(md_path, table.md())
+    table = laid_out(exhibit, csv_path)
+    write_text(tex_path, table.tex(f"tab:{exhibit.name}"))
+    write_text(md_path, table.md(exhibit.label))
 
 
-def draw(drawing: Callable[[pd.DataFrame], Figure], name: str, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
+def draw(exhibit: Exhibit, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
     """Draw a figure from its CSV; the same CSV gives the same bytes."""
     frame = read_csv(csv_path)
     with style.house_style():
         try:
-            figure = drawing(frame)
+            figure = cast("Figure", exhibit.draw(frame))
         except InputError as error:
             raise InputError(f"{csv_path}: {error}") from error
-        style.save(figure, name, pdf_path, png_path)
+        style.save(figure, exhibit.name, pdf_path, png_path)

@@ -161,21 +161,19 @@ def scientific(value: float, decimals: int) -> Text:
 class Table:
     """A laid-out table."""
 
-    title: str  # ``Table 6`` or the like, for Markdown; LaTeX numbers tables itself
-    label: str  # laTeX label
-    caption: Text  # caption
+    caption: Text
     alignment: str  # ``l``, ``c`` or ``r`` for each column
     header: Sequence[Text]  # column names
     # rows under a heading that spans all columns; a heading of None is left out
     blocks: Sequence[tuple[Text | None, Sequence[Sequence[Text]]]]
 
-    def tex(self) -> str:
-        """Complete LaTeX environment of a page-wide table; needs the package booktabs."""
+    def tex(self, label: str) -> str:
+        """LaTeX environment of a page-wide table, referred to by `label`; needs the package booktabs."""
         lines = [
             r"\begin{table*}[t]",
             r"\centering\footnotesize",
             f"\\caption{{{self.caption.tex}}}",
-            f"\\label{{{self.label}}}",
+            f"\\label{{{label}}}",
             r"\smallskip\setlength{\tabcolsep}{4.5pt}",
             f"\\begin{{tabular}}{{@{{}}{self.alignment}@{{}}}}",
             r"\toprule",
@@ -188,10 +186,10 @@ class Table:
             lines += [tex_row(row) for row in rows]
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
 
-    def md(self) -> str:
-        """Markdown table under its title and caption."""
+    def md(self, title: str) -> str:
+        """Markdown table under its title and caption; LaTeX numbers tables itself."""
         rules = {"l": ":---", "c": ":---:", "r": "---:"}
-        lines = [f"**{self.title}.** {self.caption.md}", "", _md_row(self.header)]
+        lines = [f"**{title}.** {self.caption.md}", "", _md_row(self.header)]
         lines.append("| " + " | ".join(rules[side] for side in self.alignment) + " |")
         for heading, rows in self.blocks:
             if heading is not None:
@@ -208,3 +206,45 @@ def tex_row(cells: Sequence[Text]) -> str:
 
 def _md_row(cells: Sequence[Text]) -> str:
     return "| " + " | ".join(cell.md for cell in cells) + " |"
+
+
+#: Gap between two columns of a long table, pt; points in an inch.
+_COLUMN_GAP, _POINTS = 9.0, 72.27
+
+
+@dataclass(frozen=True)
+class LongTable(Table):
+    """A laid-out table whose text is wrapped and that goes on over pages."""
+
+    shares: Sequence[float] = ()  # width of each column as a share of what the gaps between them leave of the page
+
+    def __post_init__(self) -> None:
+        """Check that the columns fill the page."""
+        if len(self.shares) != len(self.alignment) or abs(sum(self.shares) - 1.0) > 1e-9:
+            raise ValueError(f"shares: must be one for each of {len(self.alignment)} columns, of sum 1.")
+
+    def tex(self, label: str) -> str:
+        """LaTeX of the table, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
+        room = PAGE - (len(self.shares) - 1) * _COLUMN_GAP / _POINTS
+        columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
+        head = [r"\toprule", tex_row(self.header), r"\midrule"]
+        lines = [
+            r"\begingroup\footnotesize",
+            f"\\setlength{{\\tabcolsep}}{{{_COLUMN_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{PAGE}in}}",
+            f"\\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
+            f"\\caption{{{self.caption.tex}}}\\label{{{label}}}\\\\",
+            *head,
+            r"\endfirsthead",
+            *head,
+            r"\endhead",
+            r"\bottomrule",
+            r"\endfoot",
+        ]
+        for place, (heading, rows) in enumerate(self.blocks):
+            if place > 0:
+                lines.append(r"\midrule")
+            if heading is not None:
+                across = f"\\multicolumn{{{len(self.shares)}}}{{@{{}}l@{{}}}}"
+                lines.append(f"{across}{{\\textit{{{heading.tex}}}}} \\\\*[2pt]")  # the star keeps it with its rows
+            lines += [f"{tex_row(row)}[2pt]" for row in rows]
+        return "\n".join([*lines, r"\end{longtable}", r"\endgroup", ""])

@@ -1,26 +1,87 @@
 """The network and its training: Table 3, Figures 7 to 11."""
 
-import pandas as pd
+import string
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
-from repro.cnn.architecture import read_weights
-from repro.cnn.schedule import HISTORY_COLUMNS
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import EngFormatter, MaxNLocator
+from numpy.typing import NDArray
+
+from repro.cnn.architecture import NetworkSettings, read_weights
+from repro.cnn.dataset import DataSettings, sample_motion
+from repro.cnn.image import assemble, colours, image_factors
+from repro.cnn.priors import sample_beta
+from repro.cnn.schedule import HISTORY_COLUMNS, TrainingSettings
+from repro.exhibits import style
 from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
+from repro.exhibits.markup import Table, plain
+from repro.exhibits.panels import JOINTS, TIME, curves_of, long_table, loss_panel, plot_series
 from repro.files import read_csv
-from repro.pipeline import figure_data
-from repro.pipeline.description import architecture, network_features
+from repro.model.dynamics import rebuild_torque
+from repro.model.parameters import Array
 from repro.pipeline.job import Config
-from repro.render import description_tables, images, lines, network
+from repro.pipeline.model_card import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
+from repro.signals.sampling import SignalSettings
+from repro.signals.trajectories import identification_trajectory
+from repro.streams import Stream, stream
 
 #: Sections of the configuration that the training data depend on.
 _TRAINING = ("signals", "data", "image", "training")
+
+
+def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
+    """Table 3: features of the network and its training, rebuilt from Section IV-B.
+
+    Columns ``feature, value``.
+    """
+    layers = architecture(network)
+    side = network.image_size
+    rows = [("Input", f"{side} x {side} x 2"), ("Output", "9 parametric residuals")]
+    for row in layers.itertuples():
+        size = f"{row.height} x {row.width} x {row.channels}"
+        if row.kind == "convolution":
+            rows.append((f"Layer {str(row.layer)[-1]}, convolution", f"kernels {row.kernel}, output {size}"))
+        elif row.kind == "max pool":
+            rows.append((f"Layer {str(row.layer)[-1]}, max pool", f"window 2 x 2, output {size}"))
+        elif row.kind in {"fully connected", "output"}:
+            number = {"fc4": 4, "fc5": 5, "output": 6}[str(row.layer)]
+            rows.append((f"Layer {number}, fully connected", f"{row.channels} units"))
+    rows += [
+        ("Activation, layers 1 to 5", "ReLU (Eq. 12)"),
+        ("Activation, layer 6", f"sigmoid (Eq. 13), c = {network.sigmoid_gain:g}"),
+        ("Parameters", str(int(layers["parameters"].sum()))),
+        ("Loss", "half mean square error of sigmoids"),
+        ("Recipe", training.recipe),
+        ("Training iterations", str(training.steps)),
+        ("Images in an iteration", str(training.batch)),
+    ]
+    return pd.DataFrame(rows, columns=["feature", "value"])
+
+
+def characteristics(frame: pd.DataFrame) -> Table:
+    """Characteristics of the network (Table 3)."""
+    rows = [
+        (plain(feature), plain(str(value))) for feature, value in frame[["feature", "value"]].itertuples(index=False)
+    ]
+    caption = plain("Characteristics of the convolutional neural network.")
+    return Table(caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
 
 
 @table(
     3,
     "Characteristics of the network",
     MODEL,
-    description_tables.characteristics,
+    characteristics,
     sections=("signals", "network", "training"),
 )
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
@@ -28,7 +89,150 @@ def table03(_: Inputs, config: Config) -> pd.DataFrame:
     return network_features(network_settings(config), training_settings(config))
 
 
-@figure(7, "Architecture of the CNN", MODEL, network.network, sections=("signals", "network"))
+KINDS = ("input", "convolution", "max pool", "fully connected", "output")
+#: Layers from left to right with their activation (Eq. 12, 13).
+_ACTIVATIONS = {
+    "input": style.DASH,
+    "conv1": "ReLU",
+    "pool1": style.DASH,
+    "conv2": "ReLU",
+    "pool2": style.DASH,
+    "conv3": "ReLU",
+    "fc4": "ReLU",
+    "fc5": "ReLU",
+    "output": "sigmoid",
+}
+_FILLS = {
+    "input": "white",
+    "convolution": style.FILL_DARK,
+    "max pool": style.FILL_LIGHT,
+    "fully connected": "#f3c77d",
+    "output": "#b3541e",
+}
+# Measures of the drawing, in.
+_HEIGHT = 2.15
+_LARGEST = 0.74  # side of the largest map, or length of the longest bar
+_SHEET = 0.016  # shift from one map of a stack to the next
+_BAR = 0.09  # width of a fully connected layer
+_NARROWEST = 0.62  # room for the words below a layer
+_HEADINGS = 0.66  # room for the row headings
+_MARGIN = 0.06
+_AXIS = 1.55  # height of the line on which all layers are centred
+_ROW = 0.15  # from one row of words to the next
+_FIRST_ROW = 0.88
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """One row of the table."""
+
+    name: str
+    kind: str
+    height: int
+    width: int
+    channels: int
+    kernel: str
+    parameters: int
+
+    @property
+    def is_map(self) -> bool:
+        """Whether the layer is drawn as a stack of maps; otherwise it is a bar."""
+        return self.kind in KINDS[:3]
+
+    @property
+    def length(self) -> int:
+        """What is drawn to scale: the side of a map, or the units of a bar."""
+        return max(self.height, self.width) if self.is_map else self.channels
+
+    @property
+    def window(self) -> tuple[int, int]:
+        """Height and width of the kernel."""
+        height, width = (int(size) for size in self.kernel.split("x")[:2])
+        return height, width
+
+    @property
+    def size(self) -> str:
+        """Output size in words."""
+        sizes = (self.height, self.width, self.channels) if self.is_map else (self.channels,)
+        return style.TIMES.join(str(size) for size in sizes)
+
+
+def _read(frame: pd.DataFrame) -> list[_Layer]:
+    """Layers in drawing order."""
+    columns = ["layer", "kind", "height", "width", "channels", "kernel", "parameters"]
+    layers = [_Layer(*row) for row in frame[columns].fillna({"kernel": ""}).itertuples(index=False)]
+    return sorted(layers, key=lambda layer: list(_ACTIVATIONS).index(layer.name))
+
+
+class _Drawn:
+    """A layer put on the page: a stack of maps from front to back, or a bar, in inches."""
+
+    def __init__(self, axes: Axes, layer: _Layer, centre: float, scale: float) -> None:
+        self.layer = layer
+        sheets = layer.channels if layer.is_map else 1
+        self.width = layer.width * scale if layer.is_map else _BAR
+        self.height = (layer.height if layer.is_map else layer.channels) * scale
+        self.depth = depth = _SHEET * (sheets - 1)
+        self.left, self.bottom = centre - (self.width + depth) / 2, _AXIS - (self.height + depth) / 2
+        self.right, self.top = self.left + self.width + depth, self.bottom + self.height + depth
+        for sheet in reversed(range(sheets)):
+            corner = (self.left + _SHEET * sheet, self.bottom + _SHEET * sheet)
+            box = Rectangle(corner, self.width, self.height, facecolor=_FILLS[layer.kind], edgecolor=style.INK, lw=0.4)
+            axes.add_patch(box)
+
+
+def _connect(axes: Axes, before: _Drawn, after: _Drawn, scale: float) -> None:
+    """Show what one output sees: a kernel window on the front map, or the whole layer."""
+    line: dict[str, Any] = {"color": style.INK, "lw": 0.4, "ls": (0, (3, 1.5))}
+    if after.layer.is_map:
+        height, width = (size * scale for size in after.layer.window)
+        x, y = before.left + 0.7 * before.width - width / 2, before.bottom + 0.6 * before.height
+        axes.add_patch(Rectangle((x, y), width, height, facecolor="none", edgecolor=style.INK, lw=0.6))
+        target = (after.left + 0.3 * after.width, after.bottom + 0.6 * after.height + height / 2)
+        for corner in (y, y + height):
+            axes.plot((x + width, target[0]), (corner, target[1]), **line)
+    else:
+        axes.plot((before.right, after.left), (before.top, after.top), **line)
+        axes.plot((before.right, after.left), (before.bottom + before.depth, after.bottom), **line)
+
+
+def draw_network(frame: pd.DataFrame) -> Figure:
+    """Architecture of the network with every size (Fig. 7)."""
+    layers = _read(frame)
+    figure = style.new_figure(style.PAGE, _HEIGHT)
+    figure.set_layout_engine("none")  # everything is placed in inches
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, style.PAGE), ylim=(0.0, _HEIGHT))
+    axes.set_axis_off()
+    scale = _LARGEST / max(layer.length for layer in layers)
+
+    sheets = [layer.channels if layer.is_map else 1 for layer in layers]
+    columns = [
+        max(_NARROWEST, (layer.width * scale if layer.is_map else _BAR) + _SHEET * (n - 1))
+        for layer, n in zip(layers, sheets, strict=True)
+    ]
+    gap = (style.PAGE - _HEADINGS - _MARGIN - sum(columns)) / len(columns)
+    headings = ("Layer", "Kernel", "Activation", "Output", "Parameters")
+    for row, heading in enumerate(headings):
+        axes.text(_MARGIN, _FIRST_ROW - _ROW * row, heading, fontsize=style.SMALL_SIZE, style="italic")
+    drawn: list[_Drawn] = []
+    x = _HEADINGS
+    for layer, column in zip(layers, columns, strict=True):
+        centre = x + (gap + column) / 2
+        x += gap + column
+        drawn.append(_Drawn(axes, layer, centre, scale))
+        kernel = layer.kernel.replace("x", style.TIMES) or style.DASH
+        words = (layer.name, kernel, _ACTIVATIONS[layer.name], layer.size, f"{layer.parameters:,}")
+        for row, word in enumerate(words):
+            axes.text(centre, _FIRST_ROW - _ROW * row, word, fontsize=style.SMALL_SIZE, ha="center")
+    for before, after in pairwise(drawn):
+        _connect(axes, before, after, scale)
+    for kind in KINDS:
+        axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=_FILLS[kind], edgecolor=style.INK, lw=0.4, label=kind))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=len(KINDS), fontsize=style.SMALL_SIZE)
+    return figure
+
+
+@figure(7, "Architecture of the CNN", MODEL, draw_network, sections=("signals", "network"))
 def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
@@ -36,33 +240,193 @@ def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     return architecture(network_settings(config))
 
 
-@figure(8, "Images of the training data", DATA, images.examples, sections=_TRAINING)
+def example_pixels(signals: SignalSettings, data: DataSettings, seed: int, count: int = 9) -> pd.DataFrame:
+    """Figure 8: images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16.
+
+    Each pair shares its torque. Values are clipped to the displayable range.
+
+    Columns ``kind, image, row, column, red, green, blue``.
+    """
+    rng = stream(seed, Stream.EXAMPLES)
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    beta = sample_beta(rng, count, data.prior)
+    tau = rebuild_torque(motion.torque, beta)
+    largest = np.abs(tau).max((-2, -1), keepdims=True)
+    alpha = tau / largest
+    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess.low, data.guess.high, (count, 9))}
+    side = signals.samples
+    row, column = (a.ravel() for a in np.meshgrid(np.arange(side), np.arange(side), indexing="ij"))
+    frames = []
+    for kind, guess in guesses.items():
+        u, v = image_factors(alpha, 2 * alpha - rebuild_torque(motion.model, guess), data.image)
+        for index, rgb in enumerate(colours(assemble(u, v)).reshape(count, -1, 3)):
+            pixels = {"kind": kind, "image": "abcdefghi"[index], "row": row, "column": column}
+            pixels |= dict(zip(("red", "green", "blue"), np.round(rgb.T, 4), strict=True))
+            frames.append(pd.DataFrame(pixels))
+    return pd.concat(frames, ignore_index=True)
+
+
+_KINDS = {"Mp": "$M_p$: the parameters match the torque", "Mn": "$M_n$: they do not match"}
+_IMAGES = tuple(string.ascii_lowercase[:9])
+_COLOURS = ("red", "green", "blue")
+
+
+def _dense(table: pd.DataFrame, axes: Sequence[str], values: Sequence[str]) -> Array:
+    """A long table with integer indices as an array."""
+    index = table[list(axes)].to_numpy(dtype=np.intp)
+    array = np.full((*(index.max(axis=0) + 1), len(values)), np.nan)
+    array[tuple(index.T)] = table[list(values)]
+    return array
+
+
+def draw_examples(frame: pd.DataFrame) -> Figure:
+    """Nine images of each kind of training data (Fig. 8)."""
+    figure = style.new_figure(style.PAGE, 3.95)
+    spec = figure.add_gridspec(1, 2, wspace=0.02)
+    for column, (kind, title) in enumerate(_KINDS.items()):
+        half = figure.add_subfigure(spec[0, column])
+        half.suptitle(title, fontsize=style.TEXT_SIZE)
+        half.supxlabel(r"Sample of $\alpha$ (index)", fontsize=style.TEXT_SIZE)
+        half.supylabel(r"Sample of $\psi$ (index)", fontsize=style.TEXT_SIZE)
+        pictures = frame[frame["kind"] == kind]
+        grid = half.subplots(3, 3, sharex=True, sharey=True)
+        for axes, name in zip(grid.flat, _IMAGES, strict=True):
+            pixels = _dense(pictures[pictures["image"] == name], ("row", "column"), _COLOURS)
+            axes.imshow(pixels, interpolation="none")
+            axes.set_title(f"{name})", pad=1.5)
+            axes.grid(visible=False)
+            axes.set_xticks((0, pixels.shape[1] - 1))
+            axes.set_yticks((0, pixels.shape[0] - 1))
+    return figure
+
+
+@figure(8, "Images of the training data", DATA, draw_examples, sections=_TRAINING)
 def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
     """
-    return figure_data.example_images(signal_settings(config), data_settings(config), training_settings(config).seed)
+    return example_pixels(signal_settings(config), data_settings(config), training_settings(config).seed)
 
 
-@figure(9, "Distribution of the training torques", DATA, lines.torque_distribution, sections=_TRAINING)
+def torque_percentiles(signals: SignalSettings, data: DataSettings, seed: int, arms: int = 10_000) -> pd.DataFrame:
+    """Figure 9: distribution of the training torques, each divided by its largest magnitude."""
+    reference = identification_trajectory(signals.duration, signals.h)
+    motion = sample_motion(reference, signals)
+    tau = rebuild_torque(motion.torque, sample_beta(stream(seed, Stream.TRAINING_ARMS), arms, data.prior))
+    tau = tau / np.abs(tau).max((-2, -1), keepdims=True)
+    time = (np.arange(signals.samples) + 0.5) * signals.duration / signals.samples
+    levels = {f"p{p:02d}": np.percentile(tau, p, axis=0) for p in (5, 25, 50, 75, 95)}
+    levels["mean"] = tau.mean(0)
+    return long_table((f"joint{j + 1}", name, time, y[j]) for j in (0, 1) for name, y in levels.items())
+
+
+def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
+    """Distribution of the training torques over time (Fig. 9)."""
+    series = ("p05", "p25", "p50", "p75", "p95", "mean")
+    curves = curves_of(frame, dict.fromkeys(JOINTS, series))
+    figure = style.new_figure(style.COLUMN, 3.7)
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    for axes, joint in zip(panels, JOINTS, strict=True):
+        level = curves[joint]
+        x = level["p50"][0]
+        axes.fill_between(x, level["p05"][1], level["p95"][1], color=style.FILL_LIGHT, lw=0, label=f"5{style.DASH}95 %")
+        axes.fill_between(x, level["p25"][1], level["p75"][1], color=style.FILL_DARK, lw=0, label=f"25{style.DASH}75 %")
+        plot_series(axes, "median", level["p50"])
+        plot_series(axes, "mean", level["mean"])
+        axes.set_title(style.SERIES_LABELS[joint])
+    figure.supylabel("Torque / largest torque (dimensionless)", fontsize=style.TEXT_SIZE)
+    panels[-1].set_xlabel(TIME)
+    style.legend_above(figure, panels[0], 4)
+    return figure
+
+
+@figure(9, "Distribution of the training torques", DATA, draw_torque_distribution, sections=_TRAINING)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
-    return figure_data.torque_distribution(
-        signal_settings(config), data_settings(config), training_settings(config).seed
-    )
+    return torque_percentiles(signal_settings(config), data_settings(config), training_settings(config).seed)
 
 
-@figure(10, "Loss over the training", MODEL, lines.loss, inputs=("history",), trained="all")
+def loss_curves(history: pd.DataFrame) -> pd.DataFrame:
+    """Figure 10: training and test loss over the iterations."""
+    x = history["step"].to_numpy(dtype=np.float64)
+    return long_table(("loss", s, x, history[f"{s}_loss"].to_numpy(dtype=np.float64)) for s in ("train", "test"))
+
+
+def draw_loss(frame: pd.DataFrame) -> Figure:
+    """Loss on training and test images over the iterations (Fig. 10)."""
+    figure, axes = loss_panel(frame, ("train", "test"), "Training iteration (steps)", "Loss (dimensionless)")
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.xaxis.set_major_locator(MaxNLocator(6))
+    style.legend_above(figure, axes, 2)
+    return figure
+
+
+@figure(10, "Loss over the training", MODEL, draw_loss, inputs=("history",), trained="all")
 def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
-    return figure_data.loss(read_csv(inputs["history"][0], HISTORY_COLUMNS))
+    return loss_curves(read_csv(inputs["history"][0], HISTORY_COLUMNS))
+
+
+def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
+    """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle.
+
+    Columns ``layer, input, output, row, column, power``.
+    """
+    frames = []
+    for name in ("conv1", "conv2", "conv3"):
+        kernels = weights[f"{name}.weight"].astype(np.float64)  # (output, input, k, k)
+        power = np.abs(np.fft.fftshift(np.fft.fft2(kernels), axes=(-2, -1))) ** 2
+        power /= power.max((-2, -1), keepdims=True)
+        index = np.indices(power.shape).reshape(4, -1)
+        columns = dict(zip(("output", "input", "row", "column"), index, strict=True))
+        frames.append(pd.DataFrame({"layer": name, **columns, "power": power.ravel()}))
+    return pd.concat(frames, ignore_index=True)[["layer", "input", "output", "row", "column", "power"]]
+
+
+_LAYERS = ("conv1", "conv2", "conv3")
+#: Pixels of one kernel in the picture, whatever its size (9, 5 and 3 divide it), and of the gap between two.
+_KERNEL_PIXELS = 45
+_KERNEL_GAP = 6
+
+
+def _mosaic(power: Array) -> Array:
+    """Set the kernels of a layer side by side."""
+    height, width = (max(1, round(_KERNEL_PIXELS / k)) for k in power.shape[2:])
+    cells = np.kron(power, np.ones((1, 1, height, width)))
+    half = _KERNEL_GAP // 2
+    cells = np.pad(cells, ((0, 0), (0, 0), (half, half), (half, half)), constant_values=np.nan)
+    n_out, n_in, rows, columns = cells.shape
+    return np.asarray(cells.transpose(0, 2, 1, 3).reshape(n_out * rows, n_in * columns), dtype=np.float64)
+
+
+def draw_kernels(frame: pd.DataFrame) -> Figure:
+    """Normalised power spectrum of every convolution kernel (Fig. 11)."""
+    indices = ("output", "input", "row", "column")
+    powers = [_dense(frame[frame["layer"] == name], indices, ("power",))[..., 0] for name in _LAYERS]
+    figure = style.new_figure(style.PAGE, 3.3)
+    panels = figure.subplots(1, 3, width_ratios=[power.shape[1] for power in powers])
+    norm = Normalize(0.0, 1.0)
+    for axes, name, power in zip(panels, _LAYERS, powers, strict=True):
+        n_out, n_in, rows, columns = power.shape
+        extent = (-0.5, n_in - 0.5, n_out - 0.5, -0.5)
+        axes.imshow(_mosaic(power), norm=norm, cmap=style.COLOUR_MAP, interpolation="none", extent=extent)
+        axes.set_title(f"{name}: {rows}{style.TIMES}{columns}")
+        axes.set(xticks=range(n_in), yticks=range(n_out), xlabel="Input map (index)")
+        axes.grid(visible=False)
+        axes.spines[:].set_visible(False)
+        axes.tick_params(length=0)
+    panels[0].set_ylabel("Output map (index)")
+    bar = figure.colorbar(ScalarMappable(norm, style.COLOUR_MAP), ax=panels, pad=0.01, aspect=30)
+    bar.set_label("Normalised power (dimensionless)")
+    bar.outline.set_linewidth(0.4)
+    return figure
 
 
 @figure(
     11,
     "Spectra of the kernels",
     MODEL,
-    images.kernels,
+    draw_kernels,
     inputs=("weights",),
     sections=("signals", "network"),
     trained="all",
@@ -71,4 +435,4 @@ def fig11(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Power spectra of the convolution kernels after training, each normalised to its largest value, zero frequency in
     the middle (Fig. 11).
     """
-    return figure_data.kernel_spectra(read_weights(inputs["weights"][0], network_settings(config)))
+    return kernel_spectra(read_weights(inputs["weights"][0], network_settings(config)))

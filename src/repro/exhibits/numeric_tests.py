@@ -1,47 +1,51 @@
 """The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import ConnectionPatch
+from matplotlib.text import Annotation
+from matplotlib.ticker import EngFormatter
 
 from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, MODEL, NUMERIC, SIGNALS, VALIDATION, Inputs, figure, table
 from repro.exhibits.markup import Table, formula, plain, unit
+from repro.exhibits.panels import (
+    COEFFICIENT,
+    JOINTS,
+    TIME,
+    TORQUE,
+    Curve,
+    curves_of,
+    draw_motion,
+    long_table,
+    loss_panel,
+    page,
+    spectrum_panels,
+    torque_panels,
+)
+from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
-from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
-from repro.pipeline import figure_data
+from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
+from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
 from repro.pipeline.identified import every_seed, read_identifications, read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table
-from repro.render import lines, result_tables, torques
-from repro.settings import numeric_settings, of_network, signal_settings, training_settings
-from repro.signals.trajectories import identification_trajectory
+from repro.settings import NumericSettings, numeric_settings, of_network, signal_settings, training_settings
+from repro.signals.dct import dct2sub, spectrum
+from repro.signals.programs import PROGRAMS, SPAN
+from repro.signals.sampling import SignalSettings
+from repro.signals.trajectories import Motion, identification_trajectory
 
 _NUMERIC = ("signals", "numeric")
 _ALL = ("N1", "N2", "N3", "N4")
-
-
-def _scores(inputs: Inputs) -> pd.DataFrame:
-    return read_scores(inputs["scores"])
-
-
-def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
-    return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
-
-
-def _torques(
-    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
-) -> pd.DataFrame:
-    return figure_data.torques(
-        read_identifications(inputs["identifications"]),
-        _scores(inputs),
-        signal_settings(config),
-        numeric_settings(config),
-        trajectory,
-        cases,
-        in_frequency=in_frequency,
-    )
+_RECIPE = f"with a network trained by the paper's own schedule and with ours; ID and {SPAN} of the simulated arm"
 
 
 def description(frame: pd.DataFrame) -> Table:
@@ -52,7 +56,7 @@ def description(frame: pd.DataFrame) -> Table:
         for name, description, expression, si in frame[columns].itertuples(index=False)
     ]
     header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
-    return Table("Table 2", "tab:table02", plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
+    return Table(plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
 
 
 @table(2, "Dynamic parameters", MODEL, description)
@@ -61,28 +65,147 @@ def table02(_: Inputs, __: Config) -> pd.DataFrame:
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
 
 
-@figure(5, "Subsampling technique", SIGNALS, lines.subsampling, sections=_NUMERIC)
+def subsampling_curves(signals: SignalSettings, beta: Array) -> pd.DataFrame:
+    """Figure 5: a torque, its spectrum with the cut, and the subsampled torque."""
+    motion = identification_trajectory(signals.duration, signals.h)
+    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)[0]
+    bands, m = spectrum(x), signals.samples
+    k = np.arange(x.size)
+    time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
+    return long_table(
+        [
+            ("signal", "x", motion.time, x),
+            ("spectrum", "kept", k[:m], bands[:m]),
+            ("spectrum", "dropped", k[m:], bands[m:]),
+            ("subsampled", "xs", time_sub, dct2sub(x, m)),
+        ]
+    )
+
+
+#: Bands in view, as a multiple of the bands kept: enough of the dropped ones to see how small they are.
+_VIEW = 1.5
+#: Height of the row of boxes, in panel heights, and the part of the figure left to the panels.
+_BOX_ROW = 1.16
+_PANEL_PART = 0.83
+
+
+def _box(axes: Axes, text: str) -> tuple[Axes, Annotation]:
+    """Name the stage that `axes` shows in a box above it."""
+    frame = {"boxstyle": "round,pad=0.35", "facecolor": style.FILL_LIGHT, "edgecolor": style.INK, "linewidth": 0.6}
+    box = axes.annotate(text, (0.5, _BOX_ROW), xycoords="axes fraction", ha="center", va="center", bbox=frame)
+    box.set_in_layout(False)  # its row is kept free already
+    return axes, box
+
+
+def _arrow(figure: Figure, left: tuple[Axes, Annotation], right: tuple[Axes, Annotation], text: str) -> None:
+    """Draw an arrow from one box to the next with the operation written above it."""
+    arrow = ConnectionPatch(
+        (0.5, _BOX_ROW),
+        (0.5, _BOX_ROW),
+        "axes fraction",
+        axesA=left[0],
+        axesB=right[0],
+        patchA=left[1].get_bbox_patch(),
+        patchB=right[1].get_bbox_patch(),
+        arrowstyle="-|>",
+        mutation_scale=8,
+        linewidth=0.9,
+        color=style.INK,
+    )
+    arrow.set_in_layout(False)
+    figure.add_artist(arrow)
+    note = Annotation(text, (0.5, 1.0), xytext=(0, 3), xycoords=arrow, textcoords="offset points", ha="center")
+    note.set_in_layout(False)
+    figure.add_artist(note)
+
+
+def draw_subsampling(frame: pd.DataFrame) -> Figure:
+    """Subsampling by the DCT-II in three steps (Fig. 5)."""
+    curves = curves_of(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
+    x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
+    kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
+
+    figure = style.new_figure(style.PAGE, 2.55)
+    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, _PANEL_PART))
+    signal, spectrum, subsampled = figure.subplots(1, 3)
+    blue = style.STROKES["joint1"]["color"]
+    signal.plot(*x, color=blue, lw=1.0)
+    subsampled.plot(*xs, color=blue, lw=0.5, marker="o", ms=1.8, mew=0)
+    low, high = (f(signal.get_ylim()[i], subsampled.get_ylim()[i]) for i, f in enumerate((min, max)))
+    for axes in (signal, subsampled):
+        axes.set(xlabel=TIME, ylabel=TORQUE, ylim=(low, high))
+
+    end = _VIEW * kept[0].size
+    seen = dropped[0] <= end
+    spectrum.vlines(*kept[:1], 0.0, kept[1], color=blue, lw=0.9, label="Kept bands")
+    spectrum.vlines(dropped[0][seen], 0.0, dropped[1][seen], color=style.SET_ASIDE, lw=0.9, label="Dropped bands")
+    spectrum.axvline(float(kept[0][-1] + dropped[0][0]) / 2, color=style.INK, lw=0.8, ls="--", label="Cut to $M$ bands")
+    spectrum.set(xlabel="Band $k$ (index)", ylabel=COEFFICIENT, xlim=(-0.02 * end, end))
+    for axes in (signal, spectrum, subsampled):
+        style.few_ticks(axes)
+
+    n = kept[0].size + dropped[0].size
+    boxes = (
+        _box(signal, f"Signal $x$: $N$ = {n} samples"),
+        _box(spectrum, f"Spectrum $X$: $M$ = {kept[0].size} of {n} bands"),
+        _box(subsampled, f"Subsampled $x_s$: {xs[0].size} samples"),
+    )
+    _arrow(figure, boxes[0], boxes[1], "DCT-II")
+    _arrow(figure, boxes[1], boxes[2], r"iDCT-II $\times \sqrt{M/N}$")
+    figure.legend(*spectrum.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+@figure(5, "Subsampling technique", SIGNALS, draw_subsampling, sections=_NUMERIC)
 def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
     """
-    return figure_data.subsampling(signal_settings(config), numeric_settings(config).arms["N1"])
+    return subsampling_curves(signal_settings(config), numeric_settings(config).arms["N1"])
 
 
-@figure(6, "Identification trajectory", SIGNALS, lines.motion, sections=("signals",))
+def motion_curves(motion: Motion) -> pd.DataFrame:
+    """Figures 6 and 16: position, velocity and acceleration of both joints."""
+    panels = {"position": motion.q, "velocity": motion.dq, "acceleration": motion.ddq}
+    return long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in panels.items() for j in (0, 1))
+
+
+@figure(6, "Identification trajectory", SIGNALS, draw_motion, sections=("signals",))
 def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
     signals = signal_settings(config)
-    return figure_data.trajectory(identification_trajectory(signals.duration, signals.h))
+    return motion_curves(identification_trajectory(signals.duration, signals.h))
 
 
-@table(4, "Parameters of N1 and N2", NUMERIC, result_tables.parameters_12, inputs=("networks",), trained="claims")
+def _scores(inputs: Inputs) -> pd.DataFrame:
+    return read_scores(inputs["scores"])
+
+
+def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
+    return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
+
+
+@table(
+    4,
+    "Parameters of N1 and N2",
+    NUMERIC,
+    lambda frame: parameters(frame, ("N1", "N2")),
+    inputs=("networks",),
+    trained="claims",
+)
 def table04(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N1 and N2: median seed and spread over the seeds."""
     return _parameters(inputs, ("N1", "N2"))
 
 
-@table(5, "Parameters of N3 and N4", NUMERIC, result_tables.parameters_34, inputs=("networks",), trained="claims")
+@table(
+    5,
+    "Parameters of N3 and N4",
+    NUMERIC,
+    lambda frame: parameters(frame, ("N3", "N4")),
+    inputs=("networks",),
+    trained="claims",
+)
 def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N3 and N4: median seed and spread over the seeds."""
     return _parameters(inputs, ("N3", "N4"))
@@ -92,7 +215,7 @@ def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
     6,
     "Similarity on the identification trajectory",
     NUMERIC,
-    result_tables.similarity,
+    lambda frame: similarities(frame, _ALL, "from the identified parameters, numeric tests"),
     inputs=("networks",),
     trained="claims",
 )
@@ -107,7 +230,7 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     7,
     "Similarity on the validation trajectory",
     VALIDATION,
-    result_tables.validation,
+    lambda frame: similarities(frame, _ALL, "on the random validation trajectory, numeric tests"),
     inputs=("networks",),
     trained="claims",
 )
@@ -118,7 +241,65 @@ def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     return similarity_table(_scores(inputs), "validation")
 
 
-@figure(12, "Torques of N1 and N2", NUMERIC, torques.torques_12, inputs=("published",), sections=_NUMERIC)
+def torque_curves(
+    identifications: Sequence[Mapping[str, Any]],
+    scores: pd.DataFrame,
+    signals: SignalSettings,
+    numeric: NumericSettings,
+    trajectory_name: str,
+    cases: Sequence[str],
+    method: str = "algorithm1",
+    in_frequency: bool = False,
+) -> pd.DataFrame:
+    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
+    chosen = median_seeds(scores)
+    runs = {run["seed"]: run["arms"] for run in identifications}
+    parts: list[Curve] = []
+    for case in cases:
+        seed = chosen[case, method]
+        motion = motion_of(trajectory_name, signals, numeric, seed)
+        y = regressor(motion.q, motion.dq, motion.ddq)
+        arm = runs[seed][case]
+        series = {"actual": arm["true"], "rebuilt": arm["methods"][method]["beta"]}
+        for j in (0, 1):
+            for name, beta in series.items():
+                tau = rebuild_torque(y, np.array(beta))[j]
+                x = np.arange(tau.size) / (2 * tau.size * signals.h) if in_frequency else motion.time
+                parts.append((f"{case}/joint{j + 1}", name, x, spectrum(tau) if in_frequency else tau))
+    return long_table(parts)
+
+
+def _torques(
+    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
+) -> pd.DataFrame:
+    return torque_curves(
+        read_identifications(inputs["identifications"]),
+        _scores(inputs),
+        signal_settings(config),
+        numeric_settings(config),
+        trajectory,
+        cases,
+        in_frequency=in_frequency,
+    )
+
+
+def compare_torques(frame: pd.DataFrame, cases: Sequence[str], draw: Callable[..., None]) -> Figure:
+    """Actual and rebuilt signals, a row for each case and a column for each joint."""
+    titles = {f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS}
+    curves = curves_of(frame, dict.fromkeys(titles, ("actual", "rebuilt")))
+    figure = page(len(titles))
+    draw(figure, curves, titles)
+    return figure
+
+
+@figure(
+    12,
+    "Torques of N1 and N2",
+    NUMERIC,
+    lambda frame: compare_torques(frame, ("N1", "N2"), torque_panels),
+    inputs=("published",),
+    sections=_NUMERIC,
+)
 def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N1 and N2 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 12).
@@ -126,7 +307,14 @@ def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
-@figure(13, "Torques of N3 and N4", NUMERIC, torques.torques_34, inputs=("published",), sections=_NUMERIC)
+@figure(
+    13,
+    "Torques of N3 and N4",
+    NUMERIC,
+    lambda frame: compare_torques(frame, ("N3", "N4"), torque_panels),
+    inputs=("published",),
+    sections=_NUMERIC,
+)
 def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N3 and N4 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 13).
@@ -138,7 +326,7 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     14,
     "Spectra of the numeric torques",
     NUMERIC,
-    torques.spectra_all,
+    lambda frame: compare_torques(frame, _ALL, spectrum_panels),
     inputs=("published",),
     sections=_NUMERIC,
     trained="all",
@@ -149,7 +337,13 @@ def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @figure(
-    15, "Validation torques", VALIDATION, torques.torques_all, inputs=("published",), sections=_NUMERIC, trained="all"
+    15,
+    "Validation torques",
+    VALIDATION,
+    lambda frame: compare_torques(frame, _ALL, torque_panels),
+    inputs=("published",),
+    sections=_NUMERIC,
+    trained="all",
 )
 def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques on the random validation trajectory and their rebuilding, median seed (Fig. 15)."""
@@ -160,7 +354,7 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     16,
     "Validation trajectory",
     VALIDATION,
-    lines.random_motion,
+    lambda frame: draw_motion(frame, style.PAGE),
     inputs=("published",),
     sections=_NUMERIC,
     trained="all",
@@ -168,14 +362,14 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(_scores(inputs))["N1", "algorithm1"]
-    return figure_data.trajectory(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
+    return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
 
 
 @figure(
     17,
     "Spectra of the validation torques",
     VALIDATION,
-    torques.spectra_all,
+    lambda frame: compare_torques(frame, _ALL, spectrum_panels),
     inputs=("published",),
     sections=_NUMERIC,
     trained="all",
@@ -189,7 +383,7 @@ def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     "paper_recipe",
     "Literal Algorithm 1 with it",
     ABLATION,
-    result_tables.paper_recipe,
+    lambda frame: similarities(frame, (*_ALL, *PROGRAMS), _RECIPE),
     label="The paper's training",
     inputs=("paper_recipe",),
     optional=True,
@@ -203,11 +397,32 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return median_cells(both.query("method in ('algorithm1', 'algorithm1+paper-recipe')"))
 
 
+def held_out_curves(histories: Mapping[str, pd.DataFrame], batches: Mapping[str, int]) -> pd.DataFrame:
+    """Loss on held-out images over the images trained on, of each series by its name."""
+    return long_table(
+        ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
+        for name, h in histories.items()
+    )
+
+
+def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
+    """Loss on held-out images over the images trained on, of the paper's schedule and of ours.
+
+    Columns ``panel, series, x, y``; panel loss; series as in the registry of methods; x in images, y above 0.
+    """
+    names = ("algorithm1", "algorithm1+paper-recipe")
+    figure, axes = loss_panel(frame, names, "Training (images)", "Held-out loss (dimensionless)")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    style.legend_above(figure, axes, 2)
+    return figure
+
+
 @figure(
     "paper_recipe",
     "Loss beside ours",
     ABLATION,
-    lines.held_out_losses,
+    draw_held_out_losses,
     label="The paper's training",
     inputs=("losses",),
     sections=("training", "networks"),
@@ -221,4 +436,4 @@ def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     names = {"algorithm1": "published", "algorithm1+paper-recipe": "paper-recipe"}
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
     batches = {method: training_settings(of_network(config, name)).batch for method, name in names.items()}
-    return figure_data.held_out_losses(dict(zip(names, histories, strict=True)), batches)
+    return held_out_curves(dict(zip(names, histories, strict=True)), batches)

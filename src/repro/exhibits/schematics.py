@@ -59,7 +59,7 @@ def related_work_table(frame: pd.DataFrame) -> Table:
     )
     caption += Text(" ", " ") + _SET_APART + Text(" ", " ") + plain("Set apart in Section I-A by its contributions.")
     header = tuple(plain(n) for n in ("Work", "Robot", "DoF", "Method", "Identified", "Optimisation"))
-    return Table("Table 1", "tab:table01", caption, "llllll", header, [(None, rows)])
+    return Table(caption, "llllll", header, [(None, rows)])
 
 
 @table(1, "Related work", METHOD, related_work_table, inputs=("diagrams",))

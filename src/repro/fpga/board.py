@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from repro.fpga import messages
-from repro.fpga.controller import ControlLoop, PDController
+from repro.fpga.controller import ControlConstants, ControlLoop, PDController
 from repro.fpga.frames import encode
-from repro.fpga.messages import RAM_SAMPLES, Gains, Message, MessageDecoder, MessageKind
+from repro.fpga.messages import RAM_SAMPLES, Message, MessageDecoder, MessageKind
 from repro.fpga.plant import Plant
 
 
@@ -29,7 +29,7 @@ class Board:
         self._decoder = MessageDecoder()
         self._ram = np.zeros((2, RAM_SAMPLES), dtype=np.float32)
         self._written = np.zeros(RAM_SAMPLES, dtype=np.bool_)
-        self._gains: Gains | None = None
+        self._gains: ControlConstants | None = None
         self._loop: ControlLoop | None = None
         self._sample = self._samples = 0
         self.refusals: list[str] = []
@@ -79,7 +79,7 @@ class Board:
         missing = int(np.count_nonzero(~self._written[:samples]))
         if missing:
             raise ValueError(f"{missing} of {samples} samples of the trajectory have not been received.")
-        controller = PDController(self._gains.kp, self._gains.kv)
+        controller = PDController(self._gains.kp_counts, self._gains.kv_counts)
         self._loop = ControlLoop(self._make_plant(), controller, self._torque)
         self._sample, self._samples = 0, samples
 

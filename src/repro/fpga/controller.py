@@ -19,7 +19,7 @@ RESOLUTION = np.float32(RADIANS_PER_COUNT)
 
 @dataclass(frozen=True)
 class ControlConstants:
-    """Constants of Table 8 for both joints."""
+    """Constants of Table 8 for both joints, in N m, or in PWM counts with a full torque of 1023."""
 
     kp: tuple[float, float]  # proportional gains K_p, N m/rad
     # Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from repro.documents import parse_json
 from repro.fpga.controller import ControlConstants
+from repro.fpga.frames import PWM_LIMIT
 from repro.signals.programs import MEMORY_SAMPLES
 
 SYNC: Final = 0x5A
@@ -27,7 +28,6 @@ RAM_SAMPLES: Final = MEMORY_SAMPLES
 IDENTITY_BYTES: Final = 4096
 
 SingleArray = NDArray[np.float32]
-Pair = tuple[float, float]
 
 _HEADER = struct.Struct(">BBH")
 _CHECKSUM = struct.Struct(">I")
@@ -65,15 +65,6 @@ class Message:
 
     kind: MessageKind
     payload: bytes
-
-
-@dataclass(frozen=True)
-class Gains:
-    """Constants of the controller in the board's units."""
-
-    kp: Pair  # PWM counts per rad
-    kv: Pair  # PWM counts per rad between two samples
-    pwm_hz: Pair
 
 
 @dataclass(frozen=True)
@@ -177,7 +168,7 @@ def encode_identity(identity: dict[str, Any]) -> bytes:
     return encode_message(MessageKind.IDENTITY, text.encode())
 
 
-def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
+def parse_program(data: bytes) -> tuple[ControlConstants, SingleArray]:
     """Read what `encode_program` wrote: gains and q_d (2, N), rad; ValueError if it is anything else."""
     messages = MessageDecoder().feed(data)
     read = sum(len(message.payload) + _FRAMING for message in messages)
@@ -194,11 +185,12 @@ def parse_program(data: bytes) -> tuple[Gains, SingleArray]:
     return gains, np.concatenate([block.desired for block in blocks], axis=1)
 
 
-def parse_gains(message: Message) -> Gains:
-    """Read the controller's constants; ValueError if they cannot be."""
+def parse_gains(message: Message) -> ControlConstants:
+    """Read the controller's constants in PWM counts; ValueError if they are impossible."""
     _check_kind(message, MessageKind.GAINS)
     numbers = _GAINS.unpack(message.payload)
-    gains = Gains(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6])
+    counts = (float(PWM_LIMIT), float(PWM_LIMIT))
+    gains = ControlConstants(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6], full_torque=counts)
     for name, values in (("kp", gains.kp), ("kv", gains.kv), ("pwm_hz", gains.pwm_hz)):
         if not all(0.0 <= value <= _LARGEST_SINGLE for value in values):
             raise ValueError(f"{name}: must be finite in single precision and not negative, got {values}.")

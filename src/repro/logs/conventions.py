@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from repro.logs.log import Log, period
-from repro.logs.uniform import uniform
+from repro.logs.log import Log, period, uniform
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
 

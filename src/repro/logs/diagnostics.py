@@ -9,8 +9,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.logs.armfile import Arm
 from repro.logs.conventions import better_convention, late_torque
-from repro.logs.log import STILL, Log, half_window, period, speed
-from repro.logs.uniform import GAP, missing_samples
+from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed
 from repro.model.parameters import Array
 
 #: Most steps of a change that is used: rounding of printed numbers adds up.

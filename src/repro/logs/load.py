@@ -11,12 +11,10 @@ from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.fpga.recording import recording_of
 from repro.logs.armfile import Arm
-from repro.logs.bag import is_bag, read_bag
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
 from repro.logs.diagnostics import saturated_fraction
-from repro.logs.log import FEWEST, SHORTEST, STILL, Log
-from repro.logs.table import list_lines, read_table
-from repro.logs.uniform import segments
+from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
+from repro.logs.table import is_bag, list_lines, read_bag, read_table
 from repro.model.parameters import Array
 
 #: Rates that an arm is recorded at, Hz.

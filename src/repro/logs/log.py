@@ -1,10 +1,12 @@
-"""A recording of a two-joint arm in SI units."""
+"""A recording in SI units, and the same at evenly spaced instants: short gaps are bridged, long ones split it."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from repro.errors import InputError
 from repro.model.parameters import Array
 
 
@@ -63,3 +65,112 @@ def speed(log: Log) -> Array:
     """Velocity (2, N - 2 w) by central differences over about 40 ms, rad/s; w is `half_window`."""
     w = half_window(log)
     return np.asarray((log.q[:, 2 * w :] - log.q[:, : -2 * w]) / (log.t[2 * w :] - log.t[: -2 * w]))
+
+
+#: Most samples in a row that may be missing and are bridged.
+LONGEST_BRIDGE = 5
+#: Period from one sample to the next, in typical ones, above which samples are missing.
+GAP = 2.5
+#: Deviation from even spacing, in periods, that is ignored.
+_EVEN = 1e-3
+#: Samples that follow sooner, in periods, add nothing but a wrong slope.
+_TOO_CLOSE = 0.25
+
+
+def missing_samples(log: Log) -> Array:
+    """Count the samples missing before each but the first (N - 1,)."""
+    periods = np.diff(log.t) / period(log)
+    return np.where(periods > GAP, np.rint(periods) - 1.0, 0.0)
+
+
+def uniform(log: Log) -> Log:
+    """Resample to the typical period, each piece between long gaps by itself; `log` itself if it is even."""
+    if log.breaks:
+        return log
+    pieces, notes = segments(log)
+    resampled = [_even(piece) for piece in pieces]
+    if len(resampled) == 1 and resampled[0][0] is log:
+        return log
+    bridged = sum(int(missing_samples(piece).sum()) for piece in pieces)
+    if bridged:
+        notes.append(f"{bridged} missing samples are bridged by interpolation")
+    notes += max(resampled, key=lambda pair: pair[0].t.size)[1]
+    even = [piece for piece, _ in resampled]
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(piece, name) for piece in even], axis=-1)
+
+    breaks = tuple(int(n) for n in np.cumsum([piece.t.size for piece in even[:-1]]))
+    dq, t = None if log.dq is None else joined("dq"), joined("t") - log.t[0]
+    return replace(log, t=t, q=joined("q"), tau=joined("tau"), dq=dq, breaks=breaks, notes=(*log.notes, *notes))
+
+
+def segments(log: Log) -> tuple[list[Log], list[str]]:
+    """Cut a log at its long gaps; gives the pieces that are long enough, and notes."""
+    gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
+    if not gaps.size:
+        return [log], []
+    pieces = [log.piece(*edges) for edges in pairwise([0, *(int(k) + 1 for k in gaps), log.t.size])]
+    seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
+    used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
+    summary = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
+    if not any(used):
+        samples = pieces[int(np.argmax(seconds))].t.size
+        found = f"{summary}, {max(seconds):.3g} s ({samples} samples) between them"
+        raise InputError.at(f"{log.name}: time", found, f"{SHORTEST:g} s ({FEWEST} samples) without a long gap")
+    lengths = ", ".join(f"{s:.4g}" for s, kept in zip(seconds, used, strict=True) if kept)
+    short = f"; {used.count(False)} too short, left out" if not all(used) else ""
+    note = f"{summary}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
+    return [piece for piece, kept in zip(pieces, used, strict=True) if kept], [note]
+
+
+def _even(piece: Log) -> tuple[Log, list[str]]:
+    """Resample a piece without long gaps at even times, with notes; itself if it is even."""
+    n, h = piece.t.size, period(piece)
+    notes: list[str] = []
+    even = _linear_fit(piece.t)
+    deviation = float(np.abs(piece.t - even).max())
+    step = _resolution(piece.t)
+    if deviation <= _EVEN * h:
+        return piece, notes
+    if deviation <= 1.01 * step:
+        rate = (n - 1) / (even[-1] - even[0])
+        notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
+        return replace(piece, t=piece.t[0] + even - even[0]), notes
+    kept = _at_least_apart(piece.t, _TOO_CLOSE * h)
+    if kept.size < n:
+        notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
+    last = piece.t[kept[-1]]
+    t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1)
+    at = np.minimum(t, last)
+    # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
+    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
+    tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
+    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
+    notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
+    return replace(piece, t=t, q=q, tau=tau, dq=dq), notes
+
+
+def _linear_fit(t: Array) -> Array:
+    """Fit evenly spaced instants by least squares."""
+    k = np.arange(t.size) - 0.5 * (t.size - 1)
+    return np.asarray(t.mean() + k * (k @ t) / (k @ k))
+
+
+def _resolution(t: Array) -> float:
+    """Find the power of ten, s, of which all times are multiples, 1 ns at the finest."""
+    for digits in range(1, 9):
+        if float(np.abs(t - np.round(t, digits)).max()) < 1e-9:
+            return 10.0**-digits
+    return 1e-9
+
+
+def _at_least_apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Pick samples each at least so far from the one before."""
+    if float(np.diff(t).min()) >= least:
+        return np.arange(t.size)
+    kept = [0]
+    for k in range(1, t.size):
+        if t[k] - t[kept[-1]] >= least:
+            kept.append(k)
+    return np.array(kept)

@@ -1,16 +1,22 @@
-"""Figures of the report as PNG files in memory."""
+"""Figures of the report as PNG files in memory: parameters, torques, spectra, and the choice of the cut-off."""
 
 import io
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 from PIL import Image
 
 from repro.exhibits import style
-from repro.ownarm import overlays
-from repro.ownarm.parameters import parameters
-from repro.ownarm.result import Curves, Result
+from repro.exhibits.markup import unit
+from repro.exhibits.panels import JOINTS, TIME, TORQUE
+from repro.identification.cutoff import Cutoff
+from repro.model.parameters import Array
+from repro.ownarm.result import Curves, Parameter, Result, Signals
 
 #: Dots per inch: 1432 pixels for the width of a page.
 DPI = 200
@@ -24,25 +30,58 @@ MOST_METHODS = 3
 #: Logs whose curves are drawn, so that the page stays light.
 MOST_LOGS = 8
 
+#: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
+#: dash and mark.
+STROKES: Final[tuple[dict[str, Any], ...]] = (
+    {"color": "#8c1d04", "linestyle": "-", "linewidth": 1.1},
+    {"color": "#00507f", "linestyle": (0, (4.0, 2.5)), "linewidth": 0.8},
+    {"color": "#d98200", "linestyle": (0, (1.2, 1.6)), "linewidth": 1.1},
+    {"color": "#0b5d3b", "linestyle": (0, (6.0, 1.2, 1.2, 1.2)), "linewidth": 1.0},
+    {"color": "#9a6fb0", "linestyle": (0, (2.5, 1.0)), "linewidth": 1.2},
+    {"color": "#3b3b3b", "linestyle": (0, (1.0, 2.0)), "linewidth": 1.1},
+    {"color": "#c9a227", "linestyle": (0, (8.0, 2.0)), "linewidth": 1.1},
+    {"color": "#2a9d9d", "linestyle": (0, (3.0, 1.0, 1.0, 1.0)), "linewidth": 1.1},
+    {"color": "#b0476f", "linestyle": (0, (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)), "linewidth": 1.1},
+)
+MARKS: Final = ("o", "s", "D", "^", "v", "P", "X", "*", "h")
+
+#: The close-up shows this part of the log, but at least so many seconds.
+_CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0
+
+#: A spectrum is shown down to this part of its largest amplitude.
+_FLOOR = 1e-4
+
+#: A frequency axis of fewer decades also names 2 and 5 of each.
+_MOST_DECADES = 3.0
+
+#: Frequencies shown of the choice of the cut-off, over the highest that could have been chosen.
+_CUTOFF_VIEW = 2.0
+
+#: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
+PANELS: Final = (("I1", "I2", "I3"), ("g1", "b1", "k1"), ("g2", "b2", "k2"))
+
+#: A panel reaches this many median deviations of its points from their median; an arrow marks a point outside.
+_REACH = 12.0
+
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
-    titles, methods = overlays.ordered_titles(result), drawn_methods(result)
-    logs = list(zip((result.log, *result.more_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
+    titles, methods = ordered_titles(result), drawn_methods(result)
+    logs = list(zip((*result.fitted_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():
-        figures = {"parameters": _png(parameters(result))}
+        figures = {"parameters": _png(draw_parameters(result))}
         if curves.cutoff is not None:
-            figures["cutoff"] = _png(overlays.cutoff(curves.cutoff, result.simulated))
+            figures["cutoff"] = _png(draw_cutoff(curves.cutoff, result.simulated))
         for place, (log, signals) in enumerate(logs):
             simulated = log.simulated or result.simulated
-            figures[f"overlay-{place}"] = _png(overlays.overlay(signals, methods, titles, simulated))
-            figures[f"spectra-{place}"] = _png(overlays.spectra(signals, methods[:1], titles, simulated))
+            figures[f"overlay-{place}"] = _png(draw_overlay(signals, methods, titles, simulated))
+            figures[f"spectra-{place}"] = _png(draw_spectra(signals, methods[:1], titles, simulated))
     return figures
 
 
 def drawn_methods(result: Result) -> list[str]:
-    """Methods whose curves the overlays show: the recommended one and the first others, `MOST_METHODS` in all."""
-    return list(overlays.ordered_titles(result))[:MOST_METHODS]
+    """Choose the methods whose curves are drawn: the recommended one and the first others, `MOST_METHODS` in all."""
+    return list(ordered_titles(result))[:MOST_METHODS]
 
 
 def _png(figure: Figure) -> bytes:
@@ -54,3 +93,222 @@ def _png(figure: Figure) -> bytes:
     image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")  # type: ignore[no-untyped-call]
     image.quantize(_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(small, "PNG")
     return small.getvalue()
+
+
+def ordered_titles(result: Result) -> dict[str, str]:
+    """Name every method in the order of the figures: the recommended one first."""
+    methods = sorted(result.methods, key=lambda method: method.method != result.recommended)
+    return {method.method: method.title for method in methods}
+
+
+def stroke(titles: Mapping[str, str], method: str) -> dict[str, Any]:
+    """Give the line style of a method, by its place in `titles`."""
+    return STROKES[list(titles).index(method) % len(STROKES)]
+
+
+def label(title: str) -> str:
+    """Escape a text for matplotlib: no mathematics between dollars, no leading underscore that hides it in a legend."""
+    return title.replace("$", r"\$").lstrip("_")
+
+
+def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
+    """Put the legend above all panels, and over it that the log is simulated."""
+    entries = len(axes.get_legend_handles_labels()[0])
+    style.legend_above(figure, axes, min(entries, 4), style.SIMULATED if simulated else None)
+
+
+def draw_overlay(
+    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
+) -> Figure:
+    """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
+    _check(signals.rebuilt, methods)
+    figure = style.new_figure(style.PAGE, 5.3)
+    ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
+    grid = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios)
+    start, end = _close_up(signals.t)
+    steps = np.diff(signals.t, prepend=signals.t[0])
+    mask = np.where(steps > 3.0 * np.median(steps), np.nan, 1.0)  # no line crosses a gap of the log
+    inside = (signals.t >= start) & (signals.t <= end)
+    for column, (shown, drawn) in enumerate(((signals.t >= signals.t[0], methods[:1]), (inside, methods))):
+        t = signals.t[shown]
+        for joint in range(2):
+            torque, residual = grid[2 * joint, column], grid[2 * joint + 1, column]
+            measured = (mask * signals.tau[joint])[shown]
+            torque.plot(t, measured, label="Measured", **style.STROKES["actual"])
+            for method in drawn:
+                rebuilt = (mask * signals.rebuilt[method][joint])[shown]
+                torque.plot(t, rebuilt, label=label(titles[method]), **stroke(titles, method))
+                residual.plot(t, measured - rebuilt, **stroke(titles, method))
+    for joint, name in enumerate(JOINTS):
+        title = style.SERIES_LABELS[name]
+        grid[2 * joint, 0].set_title(title)
+        grid[2 * joint, 1].set_title(f"{title}, {start:.1f}{style.DASH}{end:.1f} s")
+        for row, label_text in ((2 * joint, TORQUE), (2 * joint + 1, "Residual (N·m)")):
+            grid[row, 0].set_ylabel(label_text)
+            grid[row, 0].axvspan(start, end, color="0.92", lw=0, zorder=0)
+            style.few_ticks(grid[row, 0])
+    for axes in grid[-1]:
+        axes.set_xlabel(TIME)
+    figure.align_ylabels(grid[:, 0])
+    _legend(figure, grid[0, 1], simulated)
+    return figure
+
+
+def _check(curves: Mapping[str, Array], methods: Sequence[str]) -> None:
+    if not methods:
+        raise ValueError("methods: at least one must be drawn.")
+    for method in methods:
+        if method not in curves:
+            raise ValueError(f"methods: there is no curve of {method!r}, only of {', '.join(curves) or 'none'}.")
+
+
+def _close_up(t: Array) -> tuple[float, float]:
+    """Find start and end of the close-up in the middle of the log, s."""
+    length = float(t[-1] - t[0])
+    part = min(max(_CLOSE_UP_PART * length, _CLOSE_UP_LEAST), length)
+    start = float(np.clip(np.median(t) - 0.5 * part, t[0], t[-1] - part))
+    return start, start + part
+
+
+def draw_spectra(
+    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
+) -> Figure:
+    """Draw amplitude spectra of the measured and the rebuilt torque.
+
+    Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are left
+    out.
+    """
+    _check(signals.rebuilt_spectrum, methods)
+    figure = style.new_figure(style.PAGE, 2.5)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in methods)])
+    largest = float(curves.max()) or 1.0
+    loud = (curves >= 10 * _FLOOR * largest).any(axis=(0, 1))
+    last = float(signals.frequency[loud].max(initial=signals.frequency[1]))
+    shown = (signals.frequency > 0.0) & (signals.frequency <= last)
+    f = signals.frequency[shown]
+    for joint, axes in enumerate(panels):
+        axes.plot(f, _above_zero(signals.tau_spectrum[joint, shown]), label="Measured", **style.STROKES["actual"])
+        for method in methods:
+            values = _above_zero(signals.rebuilt_spectrum[method][joint, shown])
+            axes.plot(f, values, label=label(titles[method]), **stroke(titles, method))
+        axes.set_title(style.SERIES_LABELS[JOINTS[joint]])
+        axes.set_xlabel("Frequency (Hz)")
+    _logarithmic(panels[0])
+    panels[0].set_ylim(_FLOOR * largest, 2.0 * largest)
+    panels[0].set_ylabel("Amplitude (N·m)")
+    _legend(figure, panels[0], simulated)
+    return figure
+
+
+def _above_zero(values: Array) -> Array:
+    """Replace values that a logarithmic axis cannot show by gaps."""
+    return np.where(values > 0.0, values, np.nan)
+
+
+def _logarithmic(axes: Axes) -> None:
+    """Make both axes logarithmic, with plain numbers of hertz where the axis spans few decades."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    first, last = axes.get_xlim()
+    steps = (1.0, 2.0, 5.0) if np.log10(last / first) < _MOST_DECADES else (1.0,)
+    axes.xaxis.set_major_locator(LogLocator(subs=steps))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+
+
+def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
+    """Draw the two curves that decide the cut-off."""
+    figure = style.new_figure(style.PAGE, 2.4)
+    panels = figure.subplots(1, 2, sharex=True)
+    shown = (curve.frequency > 0.0) & (curve.frequency <= _CUTOFF_VIEW * curve.highest)
+    f = curve.frequency[shown]
+    drawn = ((curve.position, curve.above_noise), (curve.coherence, curve.explained))
+    for axes, (values, limit) in zip(panels, drawn, strict=True):
+        for joint, name in enumerate(("joint1", "joint2")):
+            axes.plot(f, _above_zero(values[joint, shown]), label=style.SERIES_LABELS[name], **style.STROKES[name])
+        axes.axhline(limit, label="Least that is kept", color="0.35", ls=(0, (1.2, 1.2)), lw=1.2)
+        axes.axvline(curve.hertz, label=f"Cut-off, {curve.hertz:.3g} Hz", color="#8c1d04", ls=(0, (5, 2)), lw=1.2)
+        axes.axvspan(f[0], curve.hertz, color=style.FILL_LIGHT, lw=0, alpha=0.5, zorder=0, label="Kept")
+        axes.set_xlabel("Frequency (Hz)")
+    _logarithmic(panels[0])
+    panels[0].set_ylabel("Position over its noise (1)")
+    panels[1].set_ylim(0.0, 1.05)
+    panels[1].set_ylabel("Torque explained by Eq. 1 (1)")
+    _legend(figure, panels[0], simulated)
+    return figure
+
+
+def draw_parameters(result: Result) -> Figure:
+    """Draw estimate and 95 % interval of each parameter by each method, one panel a parameter."""
+    titles = ordered_titles(result)
+    estimates = {m.method: {parameter.name: parameter for parameter in m.parameters} for m in result.methods}
+    figure = style.new_figure(style.PAGE, 1.2 + 3 * (0.35 + 0.17 * len(titles)))
+    grid = figure.subplots(3, 3, sharey=True)
+    for row, names in zip(grid, PANELS, strict=True):
+        for axes, name in zip(row, names, strict=True):
+            _panel(axes, {method: estimates[method][name] for method in titles}, titles)
+        row[0].set_yticks(range(len(titles)), [label(title) for title in titles.values()])
+    grid[0, 0].set_ylim(len(titles) - 0.5, -0.5)
+    legend = "Mark: estimate; bar: 95 % interval, where the method claims one"
+    figure.suptitle(f"{style.SIMULATED}. {legend}" if result.simulated else legend, fontsize=style.TEXT_SIZE)
+    return figure
+
+
+def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) -> None:
+    """Draw one parameter: the methods in their order from top to bottom."""
+    low, high = _view(list(estimates.values()))
+    for place, (method, parameter) in enumerate(estimates.items()):
+        colour = stroke(titles, method)["color"]
+        if low <= parameter.estimate <= high:
+            filled = "full" if place == 0 else "none"
+            mark: dict[str, Any] = {"marker": MARKS[place % len(MARKS)], "markersize": 4.0, "fillstyle": filled}
+            axes.plot(parameter.estimate, place, color=colour, ls="none", zorder=3, **mark)
+            if parameter.low is not None and parameter.high is not None:
+                axes.hlines(place, max(parameter.low, low), min(parameter.high, high), color=colour, lw=1.3)
+        else:
+            _arrow(axes, parameter.estimate, place, parameter.estimate > high, colour)
+    if low <= 0.0 <= high:
+        axes.axvline(0.0, color="0.35", lw=0.6, zorder=1)
+    first = next(iter(estimates.values()))
+    axes.set_xlim(low, high)
+    axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+    axes.set_xlabel(f"${first.name[0]}_{first.name[1:]}$ ({unit(first.unit).md})")
+    axes.tick_params(axis="y", length=0)
+    axes.grid(visible=False, axis="y")
+
+
+def _arrow(axes: Axes, value: float, place: int, right: bool, colour: str) -> None:
+    """Mark at the edge an estimate that is outside the panel."""
+    edge, inwards = (1.0, -1) if right else (0.0, 1)
+    mark = ">" if right else "<"
+    transform = axes.get_yaxis_transform()
+    axes.plot(edge, place, mark, color=colour, ms=4.0, transform=transform, clip_on=False, zorder=3)
+    axes.annotate(
+        f"{value:.3g}",
+        (edge, place),
+        xycoords=transform,
+        xytext=(6 * inwards, 0),
+        textcoords="offset points",
+        ha="right" if right else "left",
+        va="center",
+        size=style.SMALL_SIZE,
+        color=colour,
+    )
+
+
+def _view(estimates: list[Parameter]) -> tuple[float, float]:
+    """Find the limits of a panel: all intervals and estimates but outliers, which would squeeze the others."""
+    points = np.array([p.estimate for p in estimates if np.isfinite(p.estimate)])
+    given = [end for p in estimates for end in (p.low, p.high, p.estimate) if end is not None]
+    ends = np.array([end for end in given if np.isfinite(end)])
+    middle = float(np.median(points)) if points.size else 0.0
+    bars = [p.high - p.low for p in estimates if p.low is not None and p.high is not None]
+    widths = [width for width in bars if np.isfinite(width)]
+    spread = max(float(np.median(np.abs(points - middle))), 0.5 * float(np.median(widths)) if widths else 0.0)
+    reach = _REACH * (spread or 0.1 * abs(middle) or 1.0)
+    inside = ends[np.abs(ends - middle) <= reach]
+    low, high = float(inside.min(initial=middle)), float(inside.max(initial=middle))
+    margin = 0.06 * (high - low) or 0.05 * abs(middle) or 1.0
+    return low - margin, high + margin

@@ -13,15 +13,13 @@ from markupsafe import Markup, escape
 
 from repro.exhibits.markup import unit
 from repro.logs.diagnostics import Description
-from repro.ownarm.compare import blocks, method_columns, predictions
 from repro.ownarm.figures import drawn_methods
-from repro.ownarm.numbers import percent, printed, significant
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.setup import friction, not_shown
-from repro.ownarm.words import ALLOWED
+from repro.ownarm.tables import blocks, method_columns, percent, predictions, rounded, significant
+from repro.ownarm.text import ALLOWED, detection_limits, friction_line, self_test_rows, self_test_verdict
 from repro.report.embed import Picture, environment, policy
 
-#: Pixels on the screen for one of the picture: drawn at 200 dpi, shown at 1.25 times the printed size.
+#: Screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size.
 _SHOWN = 1.25 * 96.0 / 200.0
 
 #: A parameter's name in a text.
@@ -29,7 +27,7 @@ _SYMBOL = re.compile(r"\b([Igbk])([123])\b")
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 
-#: What stands in the files beside the page.
+#: Contents of the files next to the page.
 FILES = {
     "parameters.json": "everything on this page, for programs",
     "parameters.csv": "the parameters of every method, a row each",
@@ -46,24 +44,25 @@ def render_page(
     result: Result, curves: Curves, figures: Mapping[str, bytes], files: Sequence[str] = tuple(FILES)
 ) -> str:
     """Lay out the report, the recommended method before the others."""
-    found = [method for method in result.methods if method.method == result.recommended]
-    if len(found) != 1:
+    best = [method for method in result.methods if method.method == result.recommended]
+    if len(best) != 1:
         raise ValueError(f"result.recommended: must name one of the methods, got {result.recommended!r}.")
-    result = replace(result, methods=(found[0], *(method for method in result.methods if method is not found[0])))
+    result = replace(result, methods=(best[0], *(method for method in result.methods if method is not best[0])))
     style = _style()
+    logs = (*result.fitted_logs, *result.validation_logs)
     return (
         _environment()
         .get_template("page.html")
         .render(
             result=result,
-            best=found[0],
+            best=best[0],
             style=style,
             policy=policy(style),
-            logs=(result.log, *result.more_logs, *result.validation_logs),
-            fitted=1 + len(result.more_logs),
-            not_shown=not_shown(result),
-            facts=_facts((result.log, *result.more_logs, *result.validation_logs)),
-            predictions=predictions(found[0]),
+            logs=logs,
+            fitted=len(result.fitted_logs),
+            detection_limits=detection_limits(result),
+            facts=_facts(logs),
+            predictions=predictions(best[0]),
             columns=method_columns(result),
             blocks=blocks(result),
             pictures={name: _picture(name, content) for name, content in figures.items()},
@@ -78,17 +77,19 @@ def render_page(
 
 
 def _environment() -> Environment:
-    filled = environment(Path(__file__).parent)
-    filled.filters |= {
+    jinja = environment(Path(__file__).parent)
+    jinja.filters |= {
         "unit": lambda text: unit(text).md,
         "symbols": symbols,
         "sentence": sentence,
-        "friction": friction,
-        "printed": printed,
+        "friction": friction_line,
+        "rounded": rounded,
         "percent": percent,
         "significant": significant,
+        "rows": self_test_rows,
+        "conclusion": self_test_verdict,
     }
-    return filled
+    return jinja
 
 
 def symbols(text: str) -> Markup:
@@ -97,13 +98,13 @@ def symbols(text: str) -> Markup:
 
 
 def sentence(text: str) -> str:
-    """A line of text with a capital, unless a parameter's name comes first, and a full stop."""
+    """Begin a text with a capital, unless a parameter's name comes first, and end it with a full stop."""
     start = text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
     return start if not start or start[-1] in ".!?:" else f"{start}."
 
 
 def _style() -> Markup:
-    """Styles of the reproduction's report, then those of this page alone."""
+    """Read the styles of the reproduction's report, then those of this page."""
     package = Path(__file__).parents[1]
     paths = (package / "report" / "report.css", package / "ownarm" / "page.css")
     return Markup("".join(path.read_text(encoding="utf-8") for path in paths))
@@ -117,6 +118,6 @@ def _picture(name: str, content: bytes) -> Picture:
 
 
 def _facts(logs: Sequence[Description]) -> list[tuple[str, list[str]]]:
-    """Name of every fact and its value in each log, empty where a log has none, in the order of first mention."""
+    """Give the name of every fact and its value in each log, empty where a log has none."""
     names = dict.fromkeys(name for log in logs for name, _ in log.facts)
     return [(name, [dict(log.facts).get(name, "") for log in logs]) for name in names]

@@ -1,270 +1,170 @@
-"""What `repro identify` finds out: plain dataclasses, written as JSON and drawn by the report."""
+"""The result of `repro identify`: plain dataclasses, written as JSON and drawn by the report."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 from repro.identification.cutoff import Cutoff
 from repro.identification.friction import Term
 from repro.identification.setup import Fault
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
-from repro.ownarm.selftest import SelfTest
 
-#: Halves of a log, each predicted from the other; methods without intervals would train a network for each.
+#: Halves of a log, each predicted from the other. Methods without intervals would train a network for each.
 HALVES = ("second half", "first half")
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter as one method finds it.
+    """One parameter as one method estimates it."""
 
-    Attributes
-    ----------
-    name, unit, description : str
-        As in Table 2.
-    estimate : float
-        Value, SI.
-    standard_error, low, high : float or None
-        Block-bootstrap standard error and 95 % interval; None for a method that claims none.
-    verdict : str
-        In plain words: "known to 3 %", "not excited by this motion".
-    """
-
-    name: str
+    name: str  # name, unit and description as in Table 2
     unit: str
     description: str
-    estimate: float
-    standard_error: float | None
-    low: float | None
+    estimate: float  # SI
+    standard_error: float | None  # block bootstrap; None for a method that claims no intervals, as the next two
+    low: float | None  # ends of the 95 % interval
     high: float | None
-    verdict: str
+    verdict: str  # such as "known to 3 %", "not excited by this motion"
 
 
 @dataclass(frozen=True)
 class Score:
-    """How well a method's parameters predict one log.
+    """How well a method's parameters predict one log."""
 
-    Attributes
-    ----------
-    log : str
-        File name; "first half", "second half" where one half of the log is predicted from the other.
-    relative_rms : tuple of 2 floats
-        RMS torque error over RMS torque, of each joint, fractions of 1.
-    similarity : tuple of 2 floats
-        Total of ``metr2ev`` of each joint, fractions of 1.
-    position_rms : tuple of 2 floats or None
-        RMS error of the re-simulated position, rad; None if the simulation is not possible with these parameters.
-    """
-
-    log: str
-    relative_rms: tuple[float, float]
-    similarity: tuple[float, float]
-    position_rms: tuple[float, float] | None
+    log: str  # file name, or one of `HALVES`
+    relative_rms: tuple[float, float]  # RMS torque error over RMS torque of each joint, fractions of 1
+    similarity: tuple[float, float]  # total of ``metr2ev`` of each joint, fractions of 1
+    position_rms: tuple[float, float] | None  # RMS error of the re-simulated position, rad; None if it fails
 
 
 @dataclass(frozen=True)
 class MethodResult:
-    """All about one method.
+    """Estimate and scores of one method."""
 
-    Attributes
-    ----------
-    method, title : str
-        Its name on the command line, and in words.
-    parameters : tuple of Parameter
-        The nine.
-    claims_intervals : bool
-        Whether it gives intervals.
-    consistent : bool
-        Whether the inertia matrix is positive definite and no friction is negative.
-    why_not_consistent : str
-        Which condition fails; empty if none does.
-    fit : Score
-        On the log itself, the samples it was fitted to.
-    validation : tuple of Score
-        On the logs given with ``--validate``.
-    halves : tuple of Score
-        Each half predicted from the other; empty for a method too slow for it.
-    whiteness : tuple of 2 floats
-        Autocorrelation of the residual of each joint at a lag of one period of the cut-off: 0 is white.
-    notes : tuple of str
-        What the method says about itself: weights, rejected samples, shrinkage chosen ...
-    citation : str
-        Key of the method's source in the BibTeX file.
-    """
-
-    method: str
+    method: str  # name on the command line
     title: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[Parameter, ...]  # the nine
     claims_intervals: bool
-    consistent: bool
-    why_not_consistent: str
-    fit: Score
-    validation: tuple[Score, ...]
-    halves: tuple[Score, ...]
-    whiteness: tuple[float, float]
-    notes: tuple[str, ...]
-    citation: str
+    consistent: bool  # whether the inertia matrix is positive definite and no friction is negative
+    why_not_consistent: str  # the conditions that fail; empty if none does
+    fit: Score  # on the log itself, the samples it was fitted to
+    validation: tuple[Score, ...]  # on the logs given with ``--validate``
+    halves: tuple[Score, ...]  # each half predicted from the other; empty for a method too slow for it
+    whiteness: tuple[float, float]  # autocorrelation of each joint's residual at a lag of one period of the cut-off
+    notes: tuple[str, ...]  # the method's own: weights, rejected samples, shrinkage chosen
+    citation: str  # BibTeX key of the method's source
+
+    @property
+    def scores(self) -> Iterator[tuple[str, Score]]:
+        """Every score with its kind: ``fit``, ``half``, ``log`` (left out of several) or ``validation``."""
+        yield "fit", self.fit
+        for score in self.halves:
+            yield "half" if score.log in HALVES else "log", score
+        for score in self.validation:
+            yield "validation", score
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """What the motion can tell at all, whatever the method.
+    """What the motion can show, whatever the method."""
 
-    Attributes
-    ----------
-    rank : int
-        Numerical rank of the regressor with columns of unit length; 9 if all are told apart.
-    condition : float
-        Its condition number.
-    share : tuple of 9 floats
-        RMS torque that each parameter moves, over the RMS torque, at the recommended estimate.
-    friction_correlation : tuple of 2 floats
-        Correlation of the estimates of viscous and Coulomb friction, joint 1 and joint 2.
-    unexcited : tuple of str
-        Names of parameters the motion does not excite.
-    base_parameters : tuple of str
-        Combinations that are determined if the rank is below 9, in words such as "I1 + 0.31 I3"; else the names.
-    """
-
-    rank: int
-    condition: float
-    share: tuple[float, ...]
-    friction_correlation: tuple[float, float]
-    unexcited: tuple[str, ...]
-    base_parameters: tuple[str, ...]
+    rank: int  # numerical rank of the regressor with columns of unit length; 9 if all parameters are identifiable
+    condition: float  # its condition number
+    share: tuple[float, ...]  # (9,), RMS torque of each parameter over the RMS torque, at the recommended estimate
+    friction_correlation: tuple[float, float]  # correlation of viscous and Coulomb friction of each joint
+    unexcited: tuple[str, ...]  # names of the parameters that the motion does not excite
+    base_parameters: tuple[str, ...]  # identifiable combinations, such as "I1 + 0.31 I3"; the names if the rank is 9
 
 
 @dataclass(frozen=True)
 class Preparation:
-    """How signals were filtered.
-
-    Attributes
-    ----------
-    filter : str
-        In words.
-    cutoff : float
-        Cut-off, Hz.
-    cutoff_reason : str
-        How it was chosen, one line.
-    delay : float
-        Torque was shifted by this much to fit the motion best, s; positive: the torque acts later than recorded.
-    friction_steepness : float
-        lambda of Eq. 1, s/rad.
-    rate : float
-        Rate of the samples that methods see, Hz.
-    samples : int
-        How many they see.
-    cut : float
-        Length left out at each end, s.
-    """
+    """How the signals were filtered."""
 
     filter: str
-    cutoff: float
+    cutoff: float  # Hz
     cutoff_reason: str
-    delay: float
-    friction_steepness: float
-    rate: float
-    samples: int
-    cut: float
+    delay: float  # shift of the torque that fits the motion best, s; positive: it acts later than recorded
+    friction_steepness: float  # lambda of Eq. 1, s/rad
+    rate: float  # rate of the samples that methods see, Hz
+    samples: int  # their number
+    cut: float  # length left out at each end, s
+
+
+@dataclass(frozen=True)
+class RecoveredParameter:
+    """One parameter in the self-test: true value, estimates from the draws, and coverage."""
+
+    name: str
+    true: float
+    median: float
+    low: float  # range of the estimates
+    high: float
+    hold: int  # intervals that contain the true value
+    intervals: int  # intervals claimed
+
+
+@dataclass(frozen=True)
+class SelfTest:
+    """Estimates of one method from synthetic logs whose parameters are known."""
+
+    method: str
+    draws: int  # number of synthetic logs
+    parameters: tuple[RecoveredParameter, ...]  # the nine
+    error: tuple[float, float]  # relative RMS torque error of each joint, median of the draws
+    real: tuple[float, float]  # the same on the log itself
+    noise: tuple[float, float]  # share of the squared `real` that noise explains, at most 1
+    model_wrong: bool  # whether noise explains less than half of it, of either joint
 
 
 @dataclass(frozen=True)
 class Result:
-    """Everything the JSON file holds.
+    """Everything that the JSON file contains."""
 
-    Attributes
-    ----------
-    arm : str
-        Name of the arm.
-    simulated : bool
-        Whether the log was made by the simulated board.
-    log : Description
-        Log that was fitted.
-    validation_logs : tuple of Description
-        Logs that were predicted.
-    preparation : Preparation
-        Filtering.
-    excitation : Excitation
-        What the motion can tell.
-    methods : tuple of MethodResult
-        In the order they were asked for.
-    recommended : str
-        Name of the method whose parameters to use, and
-    reason : str
-        why, one line.
-    warnings : tuple of str
-        About the result as a whole.
-    more_logs : tuple of Description
-        Logs that were fitted together with `log`.
-    setup : tuple of tuple of Fault
-        What the set-up gets wrong and was put right before the fit, of `log` and of each of `more_logs`.
-    hidden : tuple of dict of str to float or None
-        What else it could get wrong unseen, and up to which size, see `repro.identification.setup.hidden_faults`, of
-        each log as in `setup`.
-    friction : tuple of tuple of Term
-        Friction beyond Eq. 1 that was taken out of the torque or would help, of each log as in `setup`.
-    selftest : SelfTest or None
-        What comes out of known parameters, where it was asked for.
-    """
-
-    arm: str
-    simulated: bool
-    log: Description
+    arm: str  # name of the arm
+    simulated: bool  # whether the simulated board made the log
+    log: Description  # the log that was fitted
     validation_logs: tuple[Description, ...]
     preparation: Preparation
     excitation: Excitation
-    methods: tuple[MethodResult, ...]
-    recommended: str
+    methods: tuple[MethodResult, ...]  # in the order requested
+    recommended: str  # name of the method whose parameters to use
     reason: str
-    warnings: tuple[str, ...] = ()
-    more_logs: tuple[Description, ...] = ()
+    warnings: tuple[str, ...] = ()  # about the result as a whole
+    more_logs: tuple[Description, ...] = ()  # logs that were fitted together with `log`
+    # Of `log` and of each of `more_logs`: calibration errors that were corrected before the fit, those that the log
+    # could contain undetected with their detection limits, and friction terms that were subtracted or would help.
     setup: tuple[tuple[Fault, ...], ...] = ()
     hidden: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[Term, ...], ...] = ()
     selftest: SelfTest | None = None
 
+    @property
+    def best(self) -> MethodResult:
+        """The recommended method."""
+        return next(method for method in self.methods if method.method == self.recommended)
+
+    @property
+    def fitted_logs(self) -> tuple[Description, ...]:
+        """The logs that were fitted."""
+        return (self.log, *self.more_logs)
+
 
 @dataclass(frozen=True)
 class Signals:
-    """Curves of one log, for the report.
+    """Torques of one log over time (2, n) and frequency (2, m), N m; the dictionaries have a torque for each method."""
 
-    Attributes
-    ----------
-    name : str
-        File name.
-    t : array of shape (n,)
-        Time, s.
-    tau : array of shape (2, n)
-        Filtered torque, N m.
-    rebuilt : dict
-        For each method its torque, array of shape (2, n), N m.
-    frequency : array of shape (m,)
-        Hz.
-    tau_spectrum : array of shape (2, m)
-        Amplitude of the filtered torque, N m.
-    rebuilt_spectrum : dict
-        For each method an array of shape (2, m), N m.
-    """
-
-    name: str
-    t: Array
-    tau: Array
+    name: str  # file name
+    t: Array  # (n,), s
+    tau: Array  # measured and filtered
     rebuilt: dict[str, Array]
-    frequency: Array
+    frequency: Array  # (m,), Hz
     tau_spectrum: Array
     rebuilt_spectrum: dict[str, Array]
 
 
 @dataclass(frozen=True)
 class Curves:
-    """All curves of a report.
+    """Curves of a report: of the fitted logs first, then of the validation logs."""
 
-    Attributes
-    ----------
-    signals : tuple of Signals
-        The log first, then the validation logs.
-    cutoff : Cutoff or None
-        How the cut-off was chosen, if it was.
-    """
-
-    signals: tuple[Signals, ...] = field(default_factory=tuple)
-    cutoff: Cutoff | None = None
+    signals: tuple[Signals, ...] = ()
+    cutoff: Cutoff | None = None  # how the cut-off was chosen

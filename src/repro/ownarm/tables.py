@@ -1,41 +1,47 @@
-"""Parameters and scores as tidy tables, one row for each number with what it belongs to."""
+"""Parameters and scores as tables: tidy for the CSV files, rounded and side by side for the report."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import pandas as pd
 
-from repro.ownarm.result import HALVES, MethodResult, Result, Score
+from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
 
 PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
 SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
 
+#: Cell without a number.
+NOTHING = "\N{EN DASH}"
+#: Headings of the scores by their kind.
+_HEADINGS = {
+    "fit": "Fitted: {}",
+    "half": "Half on half: the {}, predicted from the other half",
+    "log": "Left out: {}, predicted from the other logs",
+    "validation": "Validation: {}, not used for the fit",
+}
+#: Powers of ten outside these are written as such.
+_LOWEST_POWER, _HIGHEST_POWER = -4, 5
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 
 def parameters_table(result: Result) -> pd.DataFrame:
-    """Parameters of every method."""
+    """Tabulate the parameters of every method, one a row."""
     rows = [
-        (
-            method.method,
-            parameter.name,
-            parameter.unit,
-            parameter.estimate,
-            parameter.standard_error,
-            parameter.low,
-            parameter.high,
-            parameter.verdict,
-        )
+        (method.method, p.name, p.unit, p.estimate, p.standard_error, p.low, p.high, p.verdict)
         for method in result.methods
-        for parameter in method.parameters
+        for p in method.parameters
     ]
     numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
     return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
 
 
 def scores_table(result: Result) -> pd.DataFrame:
-    """How well every method predicts every log."""
+    """Tabulate the scores of every method on every log, one joint a row."""
     rows = [
         (
             method.method,
-            cell(score.log),
+            escape_formula(score.log),
             part,
             joint + 1,
             score.relative_rms[joint],
@@ -43,22 +49,176 @@ def scores_table(result: Result) -> pd.DataFrame:
             score.position_rms[joint] if score.position_rms else None,
         )
         for method in result.methods
-        for part, score in parts(method)
+        for part, score in method.scores
         for joint in range(2)
     ]
     numbers = dict.fromkeys(SCORE_COLUMNS[4:], "float64")
     return pd.DataFrame(rows, columns=list(SCORE_COLUMNS)).astype(numbers)
 
 
-def cell(name: str) -> str:
-    """Name of a log as text that no spreadsheet takes for a formula."""
+def residuals_table(result: Result, curves: Curves) -> pd.DataFrame:
+    """Tabulate measured and rebuilt torque of the recommended method, log by log."""
+    frames = []
+    for signals in curves.signals:
+        for joint in range(2):
+            tau, rebuilt = signals.tau[joint], signals.rebuilt[result.recommended][joint]
+            columns = {
+                "log": escape_formula(signals.name),
+                "time_s": signals.t,
+                "joint": joint + 1,
+                "torque_nm": tau,
+                "rebuilt_nm": rebuilt,
+                "residual_nm": tau - rebuilt,
+            }
+            frames.append(pd.DataFrame(columns))
+    return pd.concat(frames, ignore_index=True)
+
+
+def escape_formula(name: str) -> str:
+    """Quote the name of a log that a spreadsheet would take for a formula."""
     return f"'{name}" if name.startswith(("=", "+", "-", "@")) else name
 
 
-def parts(method: MethodResult) -> Iterator[tuple[str, Score]]:
-    """Every score of a method with the part it belongs to: ``fit``, ``half``, ``log`` or ``validation``."""
-    yield "fit", method.fit
-    for score in method.halves:
-        yield "half" if score.log in HALVES else "log", score
-    for score in method.validation:
-        yield "validation", score
+@dataclass(frozen=True)
+class Cell:
+    """A rounded number, and whether it is the best of its column in its block."""
+
+    text: str
+    best: bool = False
+
+
+@dataclass(frozen=True)
+class Block:
+    """Scores of all methods on one log."""
+
+    heading: str  # which log and its use
+    # Methods that have this score; cells are relative RMS, similarity and position error, joint 1 and 2 of each
+    rows: list[tuple[MethodResult, list[Cell]]]
+
+
+def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
+    """Give the scores of one method on each log, unseen logs first."""
+    order = {"validation": 0, "half": 1, "log": 1, "fit": 2}
+    ordered = sorted(method.scores, key=lambda item: order[item[0]])
+    return [
+        (_HEADINGS[part].format(score.log), [_text(place, number) for place, number in enumerate(_numbers(score))])
+        for part, score in ordered
+    ]
+
+
+def method_columns(result: Result) -> list[tuple[str, str, str, list[str]]]:
+    """Give the parameters side by side: name, unit, description and the estimate of each method."""
+    rows = zip(*(method.parameters for method in result.methods), strict=True)
+    return [(row[0].name, row[0].unit, row[0].description, [rounded(p).with_error for p in row]) for row in rows]
+
+
+def blocks(result: Result) -> list[Block]:
+    """Give the scores side by side, a block for each log.
+
+    The best of a column is marked for predictions only, not for the fit, and only if the rounded numbers differ.
+    """
+    scores: dict[tuple[int, int], tuple[str, list[tuple[MethodResult, Score]]]] = {}
+    order = list(_HEADINGS)
+    for method in result.methods:
+        count = dict.fromkeys(order, 0)
+        for part, score in method.scores:  # by number, because two logs may have one name
+            heading = _HEADINGS[part].format(score.log)
+            scores.setdefault((order.index(part), count[part]), (heading, []))[1].append((method, score))
+            count[part] += 1
+    filled = []
+    for (part_number, _), (heading, pairs) in sorted(scores.items()):
+        marked = order[part_number] != "fit"
+        columns = [_column(place, [_numbers(score)[place] for _, score in pairs], marked) for place in range(6)]
+        rows = [(method, list(row)) for (method, _), row in zip(pairs, zip(*columns, strict=True), strict=True)]
+        filled.append(Block(heading, rows))
+    return filled
+
+
+def _numbers(score: Score) -> list[float | None]:
+    return [*score.relative_rms, *score.similarity, *(score.position_rms or (None, None))]
+
+
+def _text(place: int, number: float | None) -> str:
+    """Round the number of one of the six columns: four in percent, two in rad."""
+    if number is None:
+        return NOTHING
+    return percent(number) if place < 4 else significant(number)
+
+
+def _column(place: int, numbers: Sequence[float | None], marked: bool) -> list[Cell]:
+    """Fill one column; a larger similarity is better, a smaller error is."""
+    texts = [_text(place, number) for number in numbers]
+    known = [number for number in numbers if number is not None]
+    if not marked or not known or len(set(texts)) == 1:
+        return [Cell(text) for text in texts]
+    best = _text(place, max(known) if place in (2, 3) else min(known))
+    return [Cell(text, text == best) for text in texts]
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """A rounded estimate; all but `estimate` are empty where the method claims no interval."""
+
+    estimate: str
+    error: str  # standard error
+    low: str  # ends of the interval
+    high: str
+    power: str  # power of ten that multiplies all four, such as ``×10⁻⁷``; mostly empty
+
+    @property
+    def with_error(self) -> str:
+        """Estimate and standard error in one text."""
+        if not self.error:
+            return self.estimate + self.power
+        text = f"{self.estimate} ± {self.error}"
+        return f"({text}){self.power}" if self.power else text
+
+    @property
+    def interval(self) -> str:
+        """Both ends; empty if there are none."""
+        return f"{self.low} to {self.high}{self.power}" if self.low else ""
+
+
+def rounded(parameter: Parameter) -> Rounded:
+    """Round an estimate to two digits of its standard error, or to four digits without one."""
+    estimate, error = parameter.estimate, parameter.standard_error
+    values = (estimate, error, parameter.low, parameter.high)
+    if not all(value is None or math.isfinite(value) for value in values):
+        shown, spread, low, high = ("" if value is None else significant(value) for value in values)
+        return Rounded(shown, spread, low, high, "")
+    largest = max(abs(estimate), error or 0.0)
+    power = _power(largest) if largest > 0.0 else 0
+    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
+    scale = 10.0**power if scaled else 1.0
+    last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)  # power of the last digit shown
+    decimals = min(max(0, (power if scaled else 0) - last), 12)
+    shown, spread, low, high = (_fixed(None if value is None else value / scale, decimals) for value in values)
+    return Rounded(shown, "0" if error == 0.0 else spread, low, high, _times_power(power) if scaled else "")
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """Round to significant digits; a power of ten is written only far from 1."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value + 0.0:g}"  # no negative zero
+    power = _power(float(f"{value:.{digits - 1}e}"))
+    if _LOWEST_POWER <= power <= _HIGHEST_POWER:
+        return _fixed(value, max(0, digits - 1 - power))
+    return _fixed(value / 10.0**power, digits - 1) + _times_power(power)
+
+
+def percent(fraction: float) -> str:
+    """Write a fraction of 1 in percent."""
+    return f"{100.0 * fraction:.1f}" if abs(fraction) < 10.0 else significant(100.0 * fraction)
+
+
+def _power(value: float) -> int:
+    return math.floor(math.log10(abs(value)))
+
+
+def _times_power(power: int) -> str:
+    return f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}"
+
+
+def _fixed(value: float | None, decimals: int) -> str:
+    """Write with this many decimals; empty for None, and never a negative zero."""
+    return "" if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"

@@ -8,9 +8,8 @@ from pathlib import Path
 from repro.errors import InputError
 from repro.files import atomic_write
 from repro.fpga.capture import Capture, files_of, read_capture, write_capture
-from repro.fpga.link import record
+from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_start
-from repro.fpga.rawfile import raw_file
 from repro.pipeline.experiment import control_constants, metadata_for, program_from_config
 from repro.pipeline.job import Config
 from repro.pipeline.recordings import check_recorded

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from repro.errors import InputError
+from repro.fpga.capture import CaptureMetadata
 from repro.fpga.controller import ControlConstants
 from repro.fpga.messages import encode_program
-from repro.fpga.sidecar import CaptureMetadata
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.signals.kinematics import ArmGeometry

@@ -10,8 +10,8 @@ from repro.cnn.network import on_this_processor, save_network
 from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
-from repro.pipeline.description import model_card
 from repro.pipeline.job import Config
+from repro.pipeline.model_card import model_card
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
 from repro.pipeline.tracked import describe_motions, training_motion
 from repro.progress import Progress

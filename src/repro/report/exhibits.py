@@ -32,7 +32,7 @@ def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
     data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
     found, missing = _present(data, inputs.partial or exhibit.optional)
     links = [link(path, inputs.page) for path in found]
-    table = laid_out(exhibit.draw, data[0]) if data[0] in found else None  # type: ignore[arg-type]
+    table = laid_out(exhibit, data[0]) if data[0] in found else None
     return Shown(exhibit, links, missing, table=table)
 
 

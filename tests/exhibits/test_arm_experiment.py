@@ -20,21 +20,21 @@ from experiment_example import (
 )
 
 from repro.exhibits import arm_experiment, schematics
+from repro.exhibits.arm_experiment import (
+    HIGHEST,
+    control_table,
+    identification_curves,
+    motion_curves,
+    shown_estimates,
+    stability_table,
+    tip_paths,
+    validation_curves,
+)
 from repro.identification.algorithm1.listing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings, true_parameters
-from repro.pipeline.experiment_data import (
-    HIGHEST,
-    control_table,
-    identification_figure,
-    motions_figure,
-    paths_figure,
-    shown_estimates,
-    stability_table,
-    validation_figure,
-)
 from repro.pipeline.experiment_runs import least_squares_of, score_runs, tracking
 from repro.pipeline.identified import every_seed
 from repro.pipeline.recordings import read_recording
@@ -91,7 +91,7 @@ def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
 
 
 def test_figure_19_shows_torques_of_the_trajectory_proper_and_the_motion(recordings):
-    frame = identification_figure(recordings["ID"], SIGNALS, ESTIMATES)
+    frame = identification_curves(recordings["ID"], SIGNALS, ESTIMATES)
     program, n = recordings["ID"].program, 2400
     for joint in (1, 2):
         x, measured = curve(frame, f"torque{joint}", "measured")
@@ -121,9 +121,9 @@ def _derivatives(q):
 @pytest.mark.parametrize("motion", ["ID", "T4"])
 def test_spectra_are_those_of_the_curves_over_frequency_in_hertz(recordings, motion):
     if motion == "ID":
-        draw, prefix = (lambda spectra: identification_figure(recordings["ID"], SIGNALS, ESTIMATES, spectra)), ""
+        draw, prefix = (lambda spectra: identification_curves(recordings["ID"], SIGNALS, ESTIMATES, spectra)), ""
     else:
-        draw, prefix = (lambda spectra: validation_figure([recordings["T4"]], SIGNALS, ESTIMATES, spectra)), "T4 "
+        draw, prefix = (lambda spectra: validation_curves([recordings["T4"]], SIGNALS, ESTIMATES, spectra)), "T4 "
     in_time, in_frequency = draw(False), draw(True)
     for joint in (1, 2):
         for series in ("measured", "least-squares"):
@@ -140,7 +140,7 @@ def test_spectra_are_those_of_the_curves_over_frequency_in_hertz(recordings, mot
 
 def test_figure_21_is_where_the_tip_was_and_should_have_been(recordings):
     geometry = program_settings(CONFIG).geometry
-    frame = paths_figure([recordings["T2"], recordings["T4"]], geometry)
+    frame = tip_paths([recordings["T2"], recordings["T4"]], geometry)
     for motion in ("T2", "T4"):
         for series, q in (("desired", recordings[motion].program.q), ("actual", recordings[motion].q)):
             x, y = curve(frame, motion, series)
@@ -150,7 +150,7 @@ def test_figure_21_is_where_the_tip_was_and_should_have_been(recordings):
 
 
 def test_figure_22_shows_each_motion_in_panels_of_its_own(recordings):
-    frame = motions_figure([recordings[motion] for motion in MOTIONS[1:]], SIGNALS)
+    frame = motion_curves([recordings[motion] for motion in MOTIONS[1:]], SIGNALS)
     panels = {f"{motion} {panel}" for motion in MOTIONS[1:] for panel in ("position", "velocity", "acceleration")}
     assert set(frame["panel"]) == panels
     for motion in MOTIONS[1:]:

@@ -1,4 +1,4 @@
-"""Tables 2 and 3, Figure 7 and the model card: what the parameters and the network are."""
+"""The model card of a network, and its layers."""
 
 import hashlib
 from math import prod
@@ -33,35 +33,6 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
         ("output", "output", 1, 1, 9, "", count("fc6")),
     ]
     return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
-
-
-def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
-    """Table 3: features of the network and its training, rebuilt from Section IV-B.
-
-    Columns ``feature, value``.
-    """
-    layers = architecture(network)
-    side = network.image_size
-    rows = [("Input", f"{side} x {side} x 2"), ("Output", "9 parametric residuals")]
-    for row in layers.itertuples():
-        size = f"{row.height} x {row.width} x {row.channels}"
-        if row.kind == "convolution":
-            rows.append((f"Layer {str(row.layer)[-1]}, convolution", f"kernels {row.kernel}, output {size}"))
-        elif row.kind == "max pool":
-            rows.append((f"Layer {str(row.layer)[-1]}, max pool", f"window 2 x 2, output {size}"))
-        elif row.kind in {"fully connected", "output"}:
-            number = {"fc4": 4, "fc5": 5, "output": 6}[str(row.layer)]
-            rows.append((f"Layer {number}, fully connected", f"{row.channels} units"))
-    rows += [
-        ("Activation, layers 1 to 5", "ReLU (Eq. 12)"),
-        ("Activation, layer 6", f"sigmoid (Eq. 13), c = {network.sigmoid_gain:g}"),
-        ("Parameters", str(int(layers["parameters"].sum()))),
-        ("Loss", "half mean square error of sigmoids"),
-        ("Recipe", training.recipe),
-        ("Training iterations", str(training.steps)),
-        ("Images in an iteration", str(training.batch)),
-    ]
-    return pd.DataFrame(rows, columns=["feature", "value"])
 
 
 def model_card(

@@ -7,7 +7,6 @@ import pandas as pd
 from repro.errors import InputError
 from repro.exhibits.markup import Table, Text, formula, number, plain, unit
 from repro.exhibits.style import METHODS
-from repro.signals.programs import PROGRAMS, SPAN
 
 
 def methods_of(table: pd.DataFrame) -> list[str]:
@@ -32,7 +31,12 @@ def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
     return chosen.iloc[0]
 
 
-def _parameters(frame: pd.DataFrame, cases: Sequence[str], title: str, label: str) -> Table:
+def with_unit(name: Text, si: str) -> Text:
+    """Name of a column with its unit in brackets."""
+    return name + Text("~(", " (") + unit(si) + plain(")")
+
+
+def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     """Lay out true and identified parameters, cases side by side, a block for each method."""
     names = dict(zip(frame["parameter"], frame["unit"], strict=True))
     repeated = bool((frame["estimate_sd"] > 0).any())
@@ -52,20 +56,10 @@ def _parameters(frame: pd.DataFrame, cases: Sequence[str], title: str, label: st
         f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
     )
     header = [plain("Parameter"), *(plain(f"{case} {word}") for case in cases for word in ("true", "identified"))]
-    return Table(title, label, caption, "l" + "rr" * len(cases), header, blocks)
+    return Table(caption, "l" + "rr" * len(cases), header, blocks)
 
 
-def parameters_12(frame: pd.DataFrame) -> Table:
-    """Identified parameters of the numeric tests N1 and N2 (Table 4)."""
-    return _parameters(frame, ("N1", "N2"), "Table 4", "tab:table04")
-
-
-def parameters_34(frame: pd.DataFrame) -> Table:
-    """Identified parameters of the numeric tests N3 and N4 (Table 5)."""
-    return _parameters(frame, ("N3", "N4"), "Table 5", "tab:table05")
-
-
-def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: str, of_what: str) -> Table:
+def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Table:
     """Lay out similarities in percent: rows by joint and factor, columns by case, a block for each method."""
     factors = {"time": "Time", "frequency": "Freq.", "total": "Total"}
     per_block = frame.groupby("method")["seeds"]
@@ -92,29 +86,4 @@ def _similarities(frame: pd.DataFrame, cases: Sequence[str], title: str, label: 
             of_seeds += " All cells of a block without ± have the same seed."
     caption = plain(f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds}")
     header = [plain("metr2ev (%)"), *(plain(case) for case in cases)]
-    return Table(title, label, caption, "l" + "r" * len(cases), header, blocks)
-
-
-def similarity(frame: pd.DataFrame) -> Table:
-    """Similarity on the identification trajectory, N1 to N4 (Table 6)."""
-    what = "from the identified parameters, numeric tests"
-    return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 6", "tab:table06", what)
-
-
-def validation(frame: pd.DataFrame) -> Table:
-    """Similarity on the random validation trajectory, N1 to N4 (Table 7)."""
-    what = "on the random validation trajectory, numeric tests"
-    return _similarities(frame, ("N1", "N2", "N3", "N4"), "Table 7", "tab:table07", what)
-
-
-def experiment(frame: pd.DataFrame) -> Table:
-    """Similarity on the identification and validation motions of the simulated arm (Table 10)."""
-    what = "on the identification motion and the validation motions, simulated experiment"
-    return _similarities(frame, PROGRAMS, "Table 10", "tab:table10", what)
-
-
-def paper_recipe(frame: pd.DataFrame) -> Table:
-    """Similarity with the paper's own training beside ours; cases N1 to N4, ID, T1 to T4 (as for `similarity`)."""
-    cases = ("N1", "N2", "N3", "N4", *PROGRAMS)
-    what = f"with a network trained by the paper's own schedule and with ours; ID and {SPAN} of the simulated arm"
-    return _similarities(frame, cases, "The paper's training", "tab:paper_recipe", what)
+    return Table(caption, "l" + "r" * len(cases), header, blocks)

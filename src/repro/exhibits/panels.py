@@ -1,4 +1,4 @@
-"""Torques and their spectra against what was rebuilt from parameters, as panels and for N1-N4 (Fig. 12-15, 17)."""
+"""Curves in panels: long tables ``panel, series, x, y``, torques and spectra next to what was rebuilt."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import ceil
@@ -10,24 +10,81 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 
 from repro.exhibits import style
-from repro.render.lines import COEFFICIENT, JOINTS, TIME, TORQUE, Curve, curves_of, plot_panel
+from repro.model.parameters import Array
 
-_PAIR = ("actual", "rebuilt")
+#: Points (x, y) of one curve, arrays of shape (n,).
+Points = tuple[Array, Array]
+#: Panel, series, x and y of one curve of a long table.
+Curve = tuple[str, str, Array, Array]
+TIME = "Time (s)"
+TORQUE = "Torque (N·m)"
+COEFFICIENT = "Coefficient (N·m)"
+JOINTS = ("joint1", "joint2")
+#: Axis label of each panel of a motion.
+MOTION = {"position": "Position (rad)", "velocity": "Velocity (rad/s)", "acceleration": "Acceleration (rad/s²)"}
+
+
+def long_table(parts: Iterable[Curve]) -> pd.DataFrame:
+    """Tidy table of curves: columns ``panel, series, x, y``."""
+    frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": y}) for p, s, x, y in parts]
+    return pd.concat(frames, ignore_index=True)
+
+
+def curves_of(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Points]]:
+    """Curves of a long table ``panel, series, x, y``."""
+    points = {key: (rows["x"].to_numpy(), rows["y"].to_numpy()) for key, rows in frame.groupby(["panel", "series"])}
+    return {panel: {name: points[panel, name] for name in series} for panel, series in panels.items()}
+
+
+def plot_series(axes: Axes, name: str, curve: Points) -> None:
+    """Draw one curve in the stroke and under the label of its series."""
+    axes.plot(*curve, label=style.SERIES_LABELS[name], **style.STROKES[name])
+
+
+def plot_panel(axes: Axes, series: Mapping[str, Points]) -> None:
+    """Draw curves one over the other in their order."""
+    for name, curve in series.items():
+        plot_series(axes, name, curve)
+    style.few_ticks(axes)
+
+
+def draw_motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
+    """Position, velocity and acceleration of both joints over time."""
+    curves = curves_of(frame, dict.fromkeys(MOTION, JOINTS))
+    figure = style.new_figure(width, 3.9)
+    panels = figure.subplots(3, 1, sharex=True)
+    for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
+        plot_panel(axes, curves[panel])
+        axes.set_ylabel(label)
+    panels[-1].set_xlabel(TIME)
+    figure.align_ylabels()
+    style.legend_above(figure, panels[0], 2)
+    return figure
+
 
 #: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
 _MOST_TURNS_DASHED = 40
-
 #: The view of a spectrum ends with the last band that reaches this part of its panel's largest coefficient.
 _BAND_IN_VIEW = 0.05
-
 #: Up to this many bands a spectrum is drawn as stems and marks, above it as lines.
 _MOST_STEMS = 90
-
 #: Up to this many entries the legend is one row.
 _MOST_ABREAST = 5
-
 #: Curves of one panel by series: first the reference, then whatever is compared with it.
-Compared = Mapping[str, Curve]
+Compared = Mapping[str, Points]
+
+
+def loss_panel(frame: pd.DataFrame, names: tuple[str, ...], x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """Losses of these series on a logarithmic axis."""
+    curves = curves_of(frame, {"loss": names})["loss"]
+    figure = style.new_figure(style.COLUMN, 2.3)
+    axes = figure.subplots()
+    for name, curve in curves.items():
+        plot_series(axes, name, curve)
+    axes.set_yscale("log")
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    return figure, axes
 
 
 def page(panels: int) -> Figure:
@@ -63,7 +120,7 @@ def _plot_lines(axes: Axes, series: Compared) -> None:
     """Draw curves, thin and dark, over their reference, wide and light."""
     plot_panel(axes, series)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(axes.lines[-1].get_ydata()))))
-    if len(series) == len(_PAIR) and turns > _MOST_TURNS_DASHED:
+    if len(series) == 2 and turns > _MOST_TURNS_DASHED:
         axes.lines[-1].set_linestyle("-")
 
 
@@ -127,32 +184,3 @@ def spectrum_panels(
         first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
         note = f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
         figure.supxlabel(note, fontsize=style.SMALL_SIZE)
-
-
-def _numeric(frame: pd.DataFrame, cases: Sequence[str], draw: Callable[..., None]) -> Figure:
-    """Actual and rebuilt signals, a row for each case and a column for each joint."""
-    titles = {f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS}
-    curves = curves_of(frame, dict.fromkeys(titles, _PAIR))
-    figure = page(len(titles))
-    draw(figure, curves, titles)
-    return figure
-
-
-def torques_12(frame: pd.DataFrame) -> Figure:
-    """Numeric torques and the rebuilt ones, tests N1 and N2 (Fig. 12)."""
-    return _numeric(frame, ("N1", "N2"), torque_panels)
-
-
-def torques_34(frame: pd.DataFrame) -> Figure:
-    """Numeric torques and the rebuilt ones, tests N3 and N4 (Fig. 13)."""
-    return _numeric(frame, ("N3", "N4"), torque_panels)
-
-
-def torques_all(frame: pd.DataFrame) -> Figure:
-    """Validation torques and the rebuilt ones, tests N1 to N4 (Fig. 15)."""
-    return _numeric(frame, ("N1", "N2", "N3", "N4"), torque_panels)
-
-
-def spectra_all(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques and of the rebuilt ones, tests N1 to N4 (Fig. 14, 17)."""
-    return _numeric(frame, ("N1", "N2", "N3", "N4"), spectrum_panels)

@@ -1,0 +1,214 @@
+"""Write the tables of README.md and docs/*.md that show numbers of docs/reference.
+
+Such a table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function's name here. Usage, in the
+project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after each copy of a run.
+"""
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import pandas as pd
+
+from repro.paper.published import load_published
+
+ROOT = Path(__file__).resolve().parents[1]
+REFERENCE = ROOT / "docs/reference"
+PAGES = ("README.md", "docs/results.md", "docs/reproduction-notes.md")
+NUMERIC = ("N1", "N2", "N3", "N4")
+MOTIONS = ("ID", "T1", "T2", "T3", "T4")
+VALIDATION = MOTIONS[1:]
+
+#: Rows of Tables 6, 7 and 10, in their order.
+METHODS = {
+    "algorithm1": "Algorithm 1 as listed",
+    "algorithm1/one-run": "one run of it",
+    "algorithm1+desired": "+ desired motion in line 18 *(extension)*",
+    "algorithm1+tracked-measured": "+ closed-loop training *(extension)*",
+    "algorithm1+tracked": "+ both *(extension)*",
+    "algorithm1+tracked/one-run": "one run of it with both",
+    "algorithm1+refinement": "Algorithm 1 + refinement *(extension)*",
+    "algorithm1+local-search": "the refinement's selection without the network *(control)*",
+    "differential-evolution": "differential evolution without a network *(control)*",
+    "least-squares": "least squares",
+    "bounded": "least squares, no parameter below zero",
+    "consistent": "least squares, positive-definite inertia",
+    "true": "true parameters",
+}
+#: Rows of the README's table; a published row stands before its method.
+HEADLINE = (
+    "algorithm1",
+    "algorithm1+tracked",
+    "algorithm1+refinement",
+    "differential-evolution",
+    "least-squares",
+    "bounded",
+    "true",
+)
+#: Targets whose costs a page shows, with the label of each row.
+COSTS = {
+    "table06": "`table04` to `table07`",
+    "table10": "`table10`, `stability`",
+    "training": "`training`",
+    "table08": "`table08`",
+    "table09": "`table09`",
+    "claims": "settings, constants and arithmetic: the ledger's own job",
+    None: "none: only the hardware can decide",
+}
+
+
+def markdown(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table of a page."""
+    header = list(header)
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def percent(value: float) -> str:
+    """Percentage with two decimals, empty where there is none."""
+    return "" if pd.isna(value) else f"{100 * value:.2f}"
+
+
+def totals(name: str) -> pd.DataFrame:
+    """Totals of a table, a row for each method and a column for each case and joint."""
+    frame = pd.read_csv(REFERENCE / f"tables/{name}.csv")
+    return frame.pivot(index="method", columns=["case", "joint"], values="total")
+
+
+def published(prefix: str, cases: Iterable[str], suffix: str) -> list[float]:
+    """Published totals of some cases, as fractions."""
+    numbers = load_published()
+    return [numbers[f"{prefix}/{case}{suffix}/total/joint{joint}"].value / 100 for case, joint in cells(cases)]
+
+
+def mean(values: list[float]) -> float:
+    """Arithmetic mean."""
+    return sum(values) / len(values)
+
+
+def cells(cases: Iterable[str]) -> list[tuple[str, int]]:
+    """Both joints of each case."""
+    return [(case, joint) for case in cases for joint in (1, 2)]
+
+
+def table_of_totals(name: str, cases: tuple[str, ...], first: dict[str, list[float]], average: str = "") -> str:
+    """Methods by cells; published rows first, a mean over the validation motions last."""
+    values = {**first, **{METHODS[key]: row[cells(cases)].tolist() for key, row in totals(name).iterrows()}}
+    ordered = [*first, *(label for label in METHODS.values() if label in values)]
+    shown = [[*values[label], *([mean(values[label][2:])] if average else [])] for label in ordered]
+    header = ["", *(f"{case} τ{joint}" for case, joint in cells(cases)), *([average] if average else [])]
+    return markdown(header, [[label, *map(percent, row)] for label, row in zip(ordered, shown, strict=True)])
+
+
+def table06() -> str:
+    """Totals on the identification trajectory; the published ones are lost."""
+    return table_of_totals("table06", NUMERIC, {})
+
+
+def table07() -> str:
+    """Totals on the random validation motion."""
+    return table_of_totals("table07", NUMERIC, {"published": published("table07", NUMERIC, "")})
+
+
+def table10() -> str:
+    """Totals on the simulated arm."""
+    names = {"algorithm1": "published, Algorithm 1", "least-squares": "published, least squares"}
+    first = {label: published("table10", MOTIONS, f"/{method}") for method, label in names.items()}
+    return table_of_totals("table10", MOTIONS, first, "mean T1 to T4")
+
+
+def headline() -> str:
+    """Means over N1 to N4, and the simulated arm."""
+    numeric = [totals(name).mean(axis=1) for name in ("table06", "table07")]
+    arm = totals("table10")
+    rows = []
+    for key in HEADLINE:
+        if key in ("algorithm1", "least-squares"):
+            printed = published("table10", MOTIONS, f"/{key}")
+            validated = mean(published("table07", NUMERIC, "")) if key == "algorithm1" else float("nan")
+            rows.append(
+                [
+                    f"published, {'Algorithm 1' if key == 'algorithm1' else 'least squares'}",
+                    "over 97.38" if key == "algorithm1" else "",
+                    *map(percent, (validated, *printed[:2], mean(printed[2:]))),
+                ]
+            )
+        values = [*(part.get(key, float("nan")) for part in numeric), *arm.loc[key, cells(["ID"])]]
+        rows.append([METHODS[key], *map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])])
+    rows = [
+        [row[0].replace("+ both", "with closed-loop training and line 18 on the desired motion"), *row[1:]]
+        for row in rows
+    ]
+    header = ["", "N1-N4, identification", "N1-N4, validation", "arm, ID τ1", "ID τ2", "arm, mean T1 to T4"]
+    return markdown(header, rows)
+
+
+def verdicts() -> str:
+    """Counts of the ledger, by verdict and by what a comparison rests on: the first table of its page."""
+    page = (REFERENCE / "claims.md").read_text(encoding="utf-8")
+    return page[page.index("| verdict |") :].partition("\n\n")[0].replace("| 0 ", "|  ")
+
+
+def costs() -> str:
+    """What the claims of a target cost."""
+    frame = pd.read_csv(REFERENCE / "logs/costs.csv")
+    rows = []
+    for target, label in COSTS.items():
+        # Each table of Tables 4 to 7 hangs on the same jobs.
+        names = ["table04", "table05", "table06", "table07"] if target == "table06" else [target]
+        names = ["table10", "stability"] if target == "table10" else names
+        of = frame[frame["target"].isna()] if target is None else frame[frame["target"].isin(names)]
+        one = of.iloc[0]
+        figures = [
+            f"{one['jobs']:.0f}",
+            f"{one['minutes']:.1f}",
+            f"{one['cpu_minutes']:.1f}",
+            f"{one['memory_mib']:.0f}",
+            f"{one['disk_mb']:.1f}",
+        ]
+        rows.append([label, str(len(of)), *([""] * 5 if target is None else figures)])
+    return markdown(["target", "claims", "jobs", "minutes", "on the processor", "MiB", "MB"], rows)
+
+
+def verdict() -> str:
+    """Differences of the mean total in points, all intervals valid at once."""
+    frame = pd.read_csv(REFERENCE / "tables/verdict.csv")
+    shown = frame.apply(
+        lambda row: "{:.1f} ({:.1f} to {:.1f}), {}".format(
+            *(100 * row[name] for name in ("difference", "low", "high")), row["conclusion"]
+        ),
+        axis=1,
+    )
+    sets = {key: f"{key} ({of['arms'].iloc[0]} arms)" for key, of in frame.groupby("set", sort=False)}
+    rows = []
+    for (method, opponent), of in shown.groupby([frame["method"], frame["opponent"]], sort=False):
+        rows.append([METHODS[method], METHODS[opponent], *of])
+    rows = [[row[0].replace("+ both", "with closed-loop training and the desired motion"), *row[1:]] for row in rows]
+    return markdown(["", "against", *sets.values()], rows)
+
+
+def factorial() -> str:
+    """Effects of the factorial on the mean totals, with their intervals, and the frozen arm; largest first."""
+    return (REFERENCE / "tables/factorial.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    table.__name__: table for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial)
+}
+MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def written(text: str) -> str:
+    """The text of a page with its tables made anew."""
+    return MARKED.sub(lambda match: match[1] + "\n" + TABLES[match[2]]() + "\n\n" + match[3], text)
+
+
+def write_pages() -> None:
+    """Make the tables of all pages anew."""
+    for name in PAGES:
+        path = ROOT / name
+        path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write_pages()

@@ -1,0 +1,248 @@
+"""Prepare logs: options and filters chosen from the fitted log, calibration errors corrected, the problem to solve."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from repro.errors import InputError
+from repro.identification.alternatives import Alternative, alternatives, without
+from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
+from repro.identification.cutoff import Cutoff, choose_cutoff
+from repro.identification.excitation import Excited, excitation
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filters import FILTERS
+from repro.identification.friction import Term, columns_of_terms, eased, find_terms
+from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
+from repro.identification.solve import solve
+from repro.logs.armfile import Arm
+from repro.logs.conventions import quiet_joints
+from repro.logs.diagnostics import Description, describe
+from repro.logs.load import read_log
+from repro.logs.log import Log, period, uniform
+from repro.model.parameters import Array
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `repro identify`."""
+
+    methods: tuple[str, ...]  # names, in the order of the report
+    cache: Path  # folder of trained networks
+    filter: str = "dct"  # key of `FILTERS`
+    cutoff: float | None = None  # Hz; None: chosen from the log
+    seed: int = 1  # of the bootstrap, of training and of the search
+    steps: int = 1500  # training steps of the CNN
+    friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
+
+    def __post_init__(self) -> None:
+        """Refuse what the caller cannot mean."""
+        if not self.methods:
+            raise ValueError("methods: must name at least one.")
+        if self.filter not in FILTERS:
+            raise ValueError(f"filter: must be one of {tuple(FILTERS)}, got {self.filter!r}.")
+        if self.cutoff is not None and not 0.0 < self.cutoff < float("inf"):
+            raise ValueError(f"cutoff: must be positive and finite, got {self.cutoff}.")
+
+
+@dataclass(frozen=True)
+class LoadedLog:
+    """A log with its description."""
+
+    log: Log  # evenly sampled
+    description: Description  # of the log as it was recorded
+    recorded: Log | None = None  # before it was evenly sampled, where that is known
+
+    @property
+    def name(self) -> str:
+        """File name."""
+        return self.description.name
+
+
+@dataclass(frozen=True)
+class PreparedLog:
+    """A fitted log, corrected and filtered."""
+
+    loaded: LoadedLog  # with calibration errors corrected and friction subtracted
+    regression: Regression  # all samples but those of joints that never move: methods are evaluated on these
+    moving: Regression  # the same without standstill, subtracted friction projected out: methods are fitted to it
+    as_good: dict[str, Alternative]  # `moving` with other choices that are as plausible
+    settings: FilterSettings  # filters and delay
+    cutoff: Cutoff  # how the cut-off was chosen
+    faults: tuple[Fault, ...] = ()  # calibration errors that were corrected
+    hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits of others, see `hidden_faults`
+    terms: tuple[Term, ...] = ()  # friction terms beyond Eq. 1
+    load: Array | None = None  # (9,), parameters that give the load of that friction
+    doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
+
+
+@dataclass(frozen=True)
+class IdentificationProblem:
+    """The regressions that the methods solve and are evaluated on."""
+
+    logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
+    regression: Regression  # all of them together
+    moving: Regression  # the same without standstill, each log weighted by the inverse of its errors
+    as_good: dict[str, Alternative]  # `moving` with other choices that are as plausible
+    validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
+    excited: Excited  # which parameters the motion identifies
+    estimates_delay: bool  # whether the delay is estimated from the log
+
+    @property
+    def doubt(self) -> str:
+        """Why no interval is claimed; empty if it is from one of the logs."""
+        return self.logs[0].doubt if all(log.doubt for log in self.logs) else ""
+
+    @property
+    def fitted(self) -> LoadedLog:
+        """The first log to fit."""
+        return self.logs[0].loaded
+
+    @property
+    def settings(self) -> FilterSettings:
+        """Filters of the first log."""
+        return self.logs[0].settings
+
+    @property
+    def cutoff(self) -> Cutoff:
+        """How the cut-off of the first log was chosen."""
+        return self.logs[0].cutoff
+
+
+def load_log(path: Path, arm: Arm) -> LoadedLog:
+    """Read and describe a log."""
+    raw = read_log(path, arm)
+    description = describe(raw, arm)
+    log = uniform(raw)
+    fresh = tuple(note for note in log.notes if note not in description.notes)
+    return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
+
+
+def _check_rate(log: Log, cutoff: Cutoff) -> None:
+    """Refuse a log that is sampled too slowly for the cut-off."""
+    rate = 1.0 / period(log)
+    if cutoff.hertz > 0.25 * rate:
+        expected = f"at least four times the cut-off of {cutoff.hertz:.3g} Hz"
+        raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
+
+
+def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutoff, float]:
+    """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
+    settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
+    if arm.friction_steepness is not None:
+        settings = replace(settings, friction_steepness=arm.friction_steepness)
+    chosen = choose_cutoff(log, settings)
+    if options.cutoff is not None:
+        chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
+    settings = replace(settings, cutoff=chosen.hertz)
+    _check_rate(log, chosen)
+    if arm.friction_steepness is None:
+        settings = replace(settings, friction_steepness=choose_steepness(log, settings))
+    if arm.delay is not None:
+        return settings, chosen, 0.0
+    delay, delay_error = estimate_delay(log, settings)
+    return replace(settings, delay=delay), chosen, delay_error
+
+
+def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = ()) -> PreparedLog:
+    """Correct the calibration errors of a log, choose what is not given, and filter it.
+
+    Regressions of other logs of the arm reveal errors that this log does not show by itself.
+    """
+    settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
+    faults = find_faults(loaded.log, settings, others)
+    if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
+        settings, _, _ = _choose_settings(corrected(loaded.log, values_of(faults)), arm, options)
+        faults = find_faults(loaded.log, settings, others)
+        loaded = replace(loaded, log=corrected(loaded.log, values_of(faults)))
+        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
+    hidden = hidden_faults(loaded.log, settings, faults, others)
+    regression = drop_idle_joints(prepare(loaded.log, settings))
+    moving = drop_standstill(regression)
+    terms, load = find_terms(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
+    taken = [term for term in terms if term.taken]
+    if taken:
+        loaded = replace(loaded, log=eased(loaded.log, settings, load, taken))
+        regression = drop_idle_joints(prepare(loaded.log, settings))
+        moving = without(drop_standstill(regression), columns_of_terms(loaded.log, settings, load, taken))
+    as_good = alternatives(loaded.log, settings, delay_error)
+    if faults:
+        columns = columns_of_faults(loaded.log, settings, solve(moving.y, moving.tau), faults)
+        as_good["set-up"] = Alternative((without(moving, columns),))
+    doubt = _interval_doubt(loaded.log, settings.delay, arm)
+    return PreparedLog(loaded, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
+
+
+def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
+    """Find a reason to claim no intervals.
+
+    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero.
+    """
+    if quiet := quiet_joints(log):
+        return f"the torque of joint {quiet[0]} is little more than noise"
+    return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
+
+
+def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
+    """Prepare each log by itself, then compare those without calibration errors with the others.
+
+    The log whose correction reduces the error most is corrected first: an uncorrected log can make a good one look
+    faulty.
+    """
+    prepared = [prepare_log(loaded, arm, options) for loaded in logs]
+    remaining = [k for k, log in enumerate(prepared) if not log.faults and len(logs) > 1]
+    while remaining:
+        others = {k: [log.moving for log in prepared if log is not prepared[k]] for k in remaining}
+        faults = {k: find_faults(logs[k].log, prepared[k].settings, others[k]) for k in remaining}
+        gains = {k: min(fault.after / fault.before for fault in each) for k, each in faults.items() if each}
+        if not gains:
+            break
+        most = min(gains, key=gains.__getitem__)
+        prepared[most] = prepare_log(logs[most], arm, options, others[most])
+        remaining.remove(most)
+    return tuple(prepared)
+
+
+def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Alternative]]:
+    """Join several logs to one regression without standstill, and their alternatives."""
+    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
+    weights = [float(np.mean(size)) / one for one in size]
+    as_good = {}
+    for name in dict.fromkeys(name for log in logs for name in log.as_good):
+        each = [log.as_good.get(name, Alternative((log.moving,), 0.0)) for log in logs]
+        members = max(len(one.regressions) for one in each)
+        mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
+        as_good[name] = Alternative(tuple(mixed), max(one.weight for one in each))
+    return joined([log.moving for log in logs], weights), as_good
+
+
+def _correct_as(log: Log, first: PreparedLog) -> Log:
+    """Correct a log and subtract its friction as in the first log."""
+    right, taken = corrected(log, values_of(first.faults)), [term for term in first.terms if term.taken]
+    return eased(right, first.settings, first.load, taken) if taken and first.load is not None else right
+
+
+def make_problem(
+    fitted: LoadedLog,
+    validation: tuple[LoadedLog, ...],
+    arm: Arm,
+    options: Options,
+    more: tuple[LoadedLog, ...] = (),
+) -> IdentificationProblem:
+    """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
+    logs = _prepare_logs((fitted, *more), arm, options)
+    first = logs[0]
+    validation = tuple(replace(loaded, log=_correct_as(loaded.log, first)) for loaded in validation)
+    for loaded in validation:
+        _check_rate(loaded.log, first.cutoff)
+    predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
+    moving, as_good = join_logs(logs)
+    regression = joined([log.regression for log in logs])
+    return IdentificationProblem(logs, regression, moving, as_good, predicted, excitation(moving), arm.delay is None)
+
+
+def at_limit(delay: float) -> bool:
+    """Whether a delay is at the end of the search range."""
+    return abs(delay) >= 0.99 * REACH

@@ -1,0 +1,255 @@
+"""Sentences of `repro identify`: verdicts, calibration errors, friction, and the summary on the screen."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from repro.identification.alternatives import BEYOND
+from repro.identification.friction import Term
+from repro.identification.more_columns import SURE
+from repro.identification.setup import Fault
+from repro.logs.armfile import Arm
+from repro.model.parameters import NAMES, Array
+from repro.ownarm.prepare import PreparedLog
+from repro.ownarm.result import Result, Score, SelfTest
+
+#: What the intervals allow for, in one sentence.
+ALLOWED = (
+    f"the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, {', '.join(BEYOND)}, "
+    "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
+)
+#: Half an interval over the estimate: up to this the parameter is known.
+KNOWN = 0.5
+
+NOT_EXCITED = "not excited by this motion"
+IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
+COMBINED = "determined in a combination only, see the base parameters"
+
+#: Warning where no single arm file is right for all logs.
+DIFFERENT_ERRORS = (
+    "the logs have different calibration errors: no single arm file corrects them all. Either a zero was set again "
+    "between the logs, or one of the logs shows too little"
+)
+#: Calibration errors by their names without the joint.
+KINDS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
+
+
+def verdict(
+    estimate: float,
+    low: float | None,
+    high: float | None,
+    excited: bool,
+    at_bound: bool,
+    determined: bool = True,
+    possible: bool = True,
+    doubt: str = "",
+) -> str:
+    """Summarise an estimate and its 95 % interval in one phrase.
+
+    Parameters
+    ----------
+    estimate : float
+        Value.
+    low, high : float or None
+        Ends of the interval, if there is one.
+    excited : bool
+        Whether the parameter moves a considerable part of a torque.
+    at_bound : bool
+        Whether a condition of the method keeps it at zero.
+    determined : bool
+        Whether the motion determines it by itself.
+    possible : bool
+        Whether an arm can have such a value.
+    doubt : str
+        Why there is no interval; empty where the method claims none.
+    """
+    if not determined:
+        return COMBINED if excited else NOT_EXCITED
+    if at_bound:
+        return "held at zero: the log alone would make it negative"
+    if low is None or high is None:
+        none = f"no interval: {doubt}" if doubt else "the method claims no interval"
+        return none if excited else NOT_EXCITED
+    if low <= 0.0 <= high:
+        return "cannot be distinguished from zero" if excited else NOT_EXCITED
+    share = 0.5 * (high - low) / abs(estimate)
+    known = f"known to {_round_up(share)} %" if share <= KNOWN else "sign known, size only roughly"
+    return known if possible else IMPOSSIBLE
+
+
+def _round_up(share: float) -> str:
+    """Give percent rounded up to one or two digits: 0.4, 3, 12."""
+    percent = 100.0 * share
+    if percent >= 1.0:
+        return str(math.ceil(percent - 1e-9))
+    return f"{max(math.ceil(percent * 10.0 - 1e-9) / 10.0, 0.1):g}"
+
+
+def inconsistency(beta: Array) -> str:
+    """Name the conditions of `repro.model.parameters.is_positive_definite` that fail, with numbers."""
+    i1, i2, i3 = beta[:3]
+    failing = []
+    if i3 <= 0.0 or i3 * (i1 - i3) <= 0.25 * i2**2:
+        failing.append(
+            f"the inertia matrix is not positive definite: I3 (I1 - I3) = {i3 * (i1 - i3):.3g} is not above "
+            f"I2^2 / 4 = {0.25 * i2**2:.3g}"
+        )
+    failing += [
+        f"{name} = {value:.3g} is negative" for name, value in zip(NAMES[5:], beta[5:], strict=True) if value < 0
+    ]
+    return "; ".join(failing)
+
+
+def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
+    """Report calibration errors and friction that was not subtracted, with the name of the log if there are several."""
+    lines = [
+        f"in {log.loaded.name} {line}" if len(logs) > 1 else line
+        for log in logs
+        for line in (
+            *calibration_lines(log.faults, arm),
+            *(friction_line(term) for term in log.terms if not term.taken),
+        )
+    ]
+    return (*lines, *([] if all(_same_errors(log.faults, logs[0].faults) for log in logs) else [DIFFERENT_ERRORS]))
+
+
+def _same_errors(some: Sequence[Fault], others: Sequence[Fault]) -> bool:
+    """Whether two logs have the same calibration errors within their uncertainty."""
+    pairs = list(zip(some, others, strict=False))
+    same = [a.name for a in some] == [b.name for b in others]
+    return same and all(abs(a.value - b.value) <= SURE * np.hypot(a.error, b.error) for a, b in pairs)
+
+
+def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+    """Report each calibration error of a log, then the lines to write into the arm file."""
+    lines = []
+    for fault in faults:
+        joint, size = fault.name[-1], _size(fault.name, fault.value, fault.error)
+        problem = {
+            "zero": f"the zero of joint {joint} is {size} off",
+            "offset": f"the torque of joint {joint} has an offset of {size}",
+            "scale": f"the torque of joint {joint} is {size} what joint 1 implies: a torque constant is wrong",
+        }[fault.name[:-1]]
+        if fault.instead:
+            others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
+            problem += f" (this log can hardly distinguish it from {', or '.join(others)})"
+        before, after = 100.0 * fault.before, 100.0 * fault.after
+        lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
+    if lines:
+        lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
+    return tuple(lines)
+
+
+def arm_lines(faults: Sequence[Fault], arm: Arm) -> str:
+    """Write the lines of the arm file that correct a log, all errors together."""
+    values = {fault.name: fault.value for fault in faults}
+    sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
+    turn = np.array([values.get("zero1", 0.0), values.get("zero2", 0.0)])
+    if arm.second_joint_absolute:  # what is added to joint 1 is subtracted from joint 2 afterwards
+        turn[1] += turn[0]
+    offset = np.array([values.get("offset1", 0.0), values.get("offset2", 0.0)])
+    pairs = {
+        "zero": ("zero", np.array(arm.zero) - sign * turn),
+        "offset": ("torque_offset", np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale)),
+        "scale": ("torque_scale", np.array(arm.torque_scale) * [1.0, values.get("scale2", 1.0)]),
+    }
+    kinds = [kind for kind in pairs if any(name.startswith(kind) for name in values)]
+    return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for key, pair in (pairs[kind] for kind in kinds))
+
+
+def _size(name: str, value: float, error: float | None = None) -> str:
+    """Give value, twice its standard error if known, and unit; a zero has the sign that it has in the arm file."""
+    unit, turn, digits = {
+        "zero": ("degrees", float(-np.degrees(1.0)), 2),
+        "offset": ("N m", 1.0, 3),
+        "scale": ("times", 1.0, 3),
+    }[name[:-1]]
+    interval = "" if error is None else f" +- {2 * error * abs(turn):.2g}"
+    return f"{value * turn:.{digits}g}{interval} {unit}"
+
+
+def friction_line(term: Term) -> str:
+    """Report a friction term that Eq. 1 does not contain."""
+    what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
+    size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
+    done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
+    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %"
+
+
+def detection_limits(result: Result) -> tuple[str, ...]:
+    """Report which calibration errors each fitted log could contain undetected."""
+    lines = []
+    for log, hidden in zip(result.fitted_logs, result.hidden, strict=False):
+        if hidden:
+            which = log.name if result.more_logs else "this log"
+            errors = (f"{KINDS[n[:-1]]} of joint {n[-1]} {_limit(n[:-1], size)}" for n, size in hidden.items())
+            lines.append(f"{which} could contain these calibration errors undetected: {', '.join(errors)}")
+    return tuple(lines)
+
+
+def _limit(kind: str, size: float | None) -> str:
+    if size is None:
+        return "of any size"
+    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.0f} %"}
+    return f"up to {units[kind]}"
+
+
+def self_test_rows(test: SelfTest) -> list[tuple[str, ...]]:
+    """Print the self-test: parameter, true value, median, range, coverage."""
+    return [
+        (
+            p.name,
+            f"{p.true:.4g}",
+            f"{p.median:.4g}",
+            f"{p.low:.4g} to {p.high:.4g}",
+            f"{p.hold} of {p.intervals}" if p.intervals else "none claimed",
+        )
+        for p in test.parameters
+    ]
+
+
+def self_test_verdict(test: SelfTest) -> str:
+    """Compare the errors of the synthetic logs with that of the log."""
+    right, here = ("/".join(f"{100.0 * x:.1f}" for x in pair) for pair in (test.error, test.real))
+    noise = "/".join(f"{100.0 * x:.0f}" for x in test.noise)
+    errors = f"if Eq. 1 were right, the torque error of joint 1/2 would be {right} %; it is {here} %"
+    if test.model_wrong:
+        return (
+            f"{errors}: noise explains {noise} % of its square. The model causes the rest: friction, flexibility or "
+            "calibration errors"
+        )
+    return f"{errors}: noise explains it, and there is no sign that Eq. 1 is wrong"
+
+
+def summary(result: Result) -> str:
+    """Give what to know without opening the report."""
+    best = result.best
+    lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
+    lines += [f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}" for p in best.parameters]
+    if best.claims_intervals:
+        lines.append(f"  {ALLOWED}")
+    lines += [f"  {friction_line(term)}" for terms in result.friction for term in terms if term.taken]
+    lines += [f"  {line}" for line in detection_limits(result)]
+    lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
+    for m in result.methods:
+        errors = ", ".join(f"{_score_name(part, score)} {_errors(score)}" for part, score in m.scores)
+        mark = "*" if m is best else " "
+        lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
+    if test := result.selftest:
+        lines.append(f"self-test: {test.draws} synthetic logs of this motion with the parameters of {test.method}")
+        heads = ("", "true", "median", "range", "in the interval")
+        lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *self_test_rows(test))]
+        lines.append(self_test_verdict(test))
+    lines += [f"WARNING: {warning}" for warning in result.warnings]
+    return "\n".join(lines)
+
+
+def _score_name(part: str, score: Score) -> str:
+    return {"fit": "fit", "log": f"{score.log} from the others"}.get(part, score.log)
+
+
+def _errors(score: Score) -> str:
+    """Give the torque error of both joints, and that of the re-simulated position if there is one."""
+    torque = "/".join(f"{100 * error:.1f}" for error in score.relative_rms)
+    return torque if score.position_rms is None else "{} ({:.2g}/{:.2g} rad)".format(torque, *score.position_rms)
