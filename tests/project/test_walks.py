@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
 STEP = re.compile(r"^\| `([^`]+)` \| `([^`]+)` \| (.+) \|$", re.MULTILINE)
 #: Files of each walk, at most, by the beginning of its title.
-LIMITS = {"Table 10": 15, "`repro identify`": 30, "The image and its training": 15}
+LIMITS = {"Table 10": 15, "`repro identify": 30, "The image and its training": 15}
 
 
 def walk(title):
@@ -37,7 +37,7 @@ def names_in(place):
     """Names that a definition, or a whole script, refers to."""
     node = parsed(file_of(place))
     for part in place.partition(":")[2].split(".") if ":" in place else ():
-        (node,) = (each for each in node.body if part in defined_by(each))
+        node = next(each for each in node.body if part in defined_by(each))
     parts = list(ast.walk(node))
     names = {each.id for each in parts if isinstance(each, ast.Name)}
     names |= {alias.name for each in parts if isinstance(each, ast.ImportFrom) for alias in each.names}
