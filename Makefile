@@ -20,7 +20,7 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce quick check test smoke setup setup-test lock clean check-python
+.PHONY: help reproduce quick check test smoke golden setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
@@ -28,6 +28,7 @@ help:
 	@echo "make check      linters, types and the quick tests, before a commit"
 	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
+	@echo "make golden     run it from stored networks with small counts and compare every number with tests/golden"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make requirements.lock and requirements-test.lock anew from pyproject.toml"
 	@echo "make clean      remove $(VENV) and caches; results stay"
@@ -42,16 +43,23 @@ quick: setup
 smoke: setup
 	$(SNAKEMAKE) --cores $(CORES) --configfile config/smoke.yaml
 
+# In float32, which every processor has.
+golden: setup
+	ONEDNN_MAX_CPU_ISA=AVX2 ATEN_CPU_CAPABILITY=avx2 $(SNAKEMAKE) --cores $(CORES) --configfile config/golden.yaml
+	$(BIN)/python .ci/golden.py
+
 check: setup-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow"
 
 test: setup-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(SNAKEMAKE) --lint
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile

@@ -65,9 +65,9 @@ import os, tempfile
 from repro import contract
 contract.hold(os.environ)
 from pathlib import Path
-from repro.pipeline.acquire import acquire
+from repro.pipeline.experiment import acquire
 from repro.config import load_config
-from repro.pipeline.recordings import read_recording
+from repro.pipeline.experiment import read_recording
 config = load_config(Path("config/config.yaml"))
 simulated = {**config, "experiment": {**config["experiment"], "source": "simulated"}}
 runs = [(motion, config) for motion in ("ID", "T1", "T2", "T3", "T4")]

@@ -14,9 +14,8 @@ import torch
 import yaml
 
 from repro.cnn.network import load_network
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import search, select
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.search import ResidualEstimator, search, select
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.pipeline.numeric import mean_training_torque
 from repro.settings import data_settings, network_settings, numeric_settings, search_settings, signal_settings
@@ -46,7 +45,7 @@ def main() -> None:
             prepared = prepare(
                 filtered(motion.q, rebuild_torque(y, beta), signals, n1, n1 + mean.shape[-1]), mean, signals
             )
-            reader = ResidualReader(network, data.image, prepared)
+            reader = ResidualEstimator(network, data.image, prepared)
             select(search(reader, prepared, settings, np.random.default_rng(seed)).beta, prepared, settings)
             seconds.append(time.perf_counter() - began)
             images.append(reader.images)

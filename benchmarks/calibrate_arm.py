@@ -25,9 +25,7 @@ from repro.model.dynamics import rebuild_torque
 from repro.paper.appendix import FreeChoices, appendix_arm
 from repro.paper.metric_checks import least_squares_torque
 from repro.paper.published import load_published
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
-from repro.pipeline.recordings import Recording
-from repro.pipeline.specimen import disturbance
+from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
 from repro.signals.programs import Program

@@ -15,13 +15,14 @@ from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import (
+    board_from_config,
     control_constants,
+    disturbance,
     download,
     load_config,
     program_from_config,
     true_parameters,
 )
-from repro.pipeline.specimen import board_from_config, disturbance
 from repro.signals.programs import Program
 
 

@@ -17,8 +17,8 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.identification.best_fit import REACH
-from repro.identification.setup import corrected
+from repro.identification.extra_terms import correct_calibration
+from repro.identification.filtering import MAX_DELAY
 from repro.logs.armfile import Arm
 from repro.ownarm.prepare import LoadedLog, Options, load_log, make_problem
 
@@ -41,7 +41,7 @@ def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[st
     log, largest = told.log, np.abs(told.log.tau).max(axis=-1)
     sizes = {name: x * largest[int(name[-1]) - 1] if name.startswith("offset") else x for name, x in wrong.items()}
     # `corrected` undone: opposite zeros, and the scale before the offset.
-    zeros = corrected(log, {name: -x for name, x in sizes.items() if name.startswith("zero")})
+    zeros = correct_calibration(log, {name: -x for name, x in sizes.items() if name.startswith("zero")})
     tau = log.tau * np.array([[1.0], [sizes.get("scale2", 1.0)]])
     tau = tau + np.array([[sizes.get("offset1", 0.0)], [sizes.get("offset2", 0.0)]])
     tau = np.stack([np.interp(log.t + sizes.get("delay", 0.0), log.t, joint) for joint in tau])
@@ -72,7 +72,7 @@ def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) ->
             true, reach = size + before.get(name, 0.0), abs(size)
         off[name] = abs(said[name] - true) / reach if name in said else np.inf
     # A delay is said in any case: it counts where it is half right, or at the end of what is looked at.
-    at_end = abs(said["delay"]) >= 0.99 * REACH
+    at_end = abs(said["delay"]) >= 0.99 * MAX_DELAY
     reached = all(x < (0.5 if name == "delay" and not at_end else np.inf) for name, x in off.items())
     told = ", ".join(f"{name} {x:.3g}" for name, x in sizes.items())
     outcome = ", ".join(f"{name} {x:.3g}" for name, x in said.items()) or "nothing"

@@ -12,13 +12,17 @@ DESIRED, FRAMES = frames_of(SAMPLES)
 
 
 #: Modules that `stub` stands for.
-STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.specimen")
+STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.experiment")
+
+
+def load_config(path):
+    """Stands for `repro.config.load_config`."""
+    return {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
 
 
 def stub():
-    """Stands for `repro.pipeline.experiment` and `repro.pipeline.specimen`: one motion, whatever its name."""
+    """Stands for `repro.pipeline.experiment` and `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
-    module.load_config = lambda path: {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: Program(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
@@ -31,6 +35,9 @@ def stub():
 if __name__ == "__main__":
     for name in STOOD_FOR:
         sys.modules[name] = stub()
+    import repro.config
     from repro.cli import main
+
+    repro.config.load_config = load_config
 
     sys.exit(main(sys.argv[1:]))

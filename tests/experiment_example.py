@@ -14,9 +14,8 @@ from repro.files import write_csv, write_json
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.experiment import control_constants, metadata_for, program_from_config, true_parameters
-from repro.pipeline.identified import every_seed
-from repro.pipeline.recordings import Recording
+from repro.pipeline.experiment import Recording, control_constants, metadata_for, program_from_config, true_parameters
+from repro.pipeline.experiment_runs import every_seed
 
 ROOT = Path(__file__).resolve().parent.parent
 CAPTURES = ROOT / "data" / "captures"

@@ -4,8 +4,7 @@ import itertools
 
 import pandas as pd
 
-from repro.pipeline.effects import HIGH
-from repro.pipeline.factorial_design import COLUMNS, CONFIRMATION
+from repro.pipeline.factorial import COLUMNS, CONFIRMATION, HIGH
 
 #: Levels of each factor, the high one last.
 LEVELS = {
@@ -42,7 +41,7 @@ def similarity(cell, reader, scale=1.0):
 
 
 def factorial_scores(training_seeds=(1, 3), search_seeds=(1, 2), search_noise=0.001):
-    """Rows as `repro.pipeline.factorial.score_cell` writes them; searches differ, and their mean does not."""
+    """Rows as `repro.pipeline.factorial_networks.score_cell` writes them; searches differ, and their mean does not."""
     rows = []
     for reader in ("cnn", "plain"):
         factors = {name: levels for name, levels in LEVELS.items() if (reader, name) != ("plain", "image_motion")}
@@ -71,7 +70,7 @@ def factorial_scores(training_seeds=(1, 3), search_seeds=(1, 2), search_noise=0.
 
 
 def factorial_references():
-    """Rows as `repro.pipeline.factorial_design.score_references` writes them."""
+    """Rows as `repro.pipeline.factorial.score_references` writes them."""
     names = ("omega", "back_emf", "metric")
     rows = [
         {"reader": reader, **dict(zip(names, levels, strict=True)), "block": block, "arm": "first", "id": value + shift}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from repro.identification.cutoff import Cutoff
+from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
 from repro.ownarm.result import (

@@ -6,9 +6,8 @@ import numpy as np
 from log_example import BETA, columns, log_of, motion, recording, text
 from ownarm_log import H, exact, other_motion
 
-from repro.identification.cutoff import Cutoff
 from repro.identification.excitation import excitation
-from repro.identification.filtering import FilterSettings
+from repro.identification.filtering import Cutoff, FilterSettings
 from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description

@@ -22,10 +22,10 @@ from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.paper.audit import audit
-from repro.pipeline.both_metrics import COLUMNS as BOTH_METRICS
-from repro.pipeline.effects import cell_means, effects
-from repro.pipeline.paired import COLUMNS as PAIRED
-from repro.pipeline.readings import READINGS, ablation_figure
+from repro.pipeline.factorial import cell_means, effects
+from repro.pipeline.monte_carlo import COMPARISON_COLUMNS as PAIRED
+from repro.pipeline.summary import BOTH_METRICS
+from repro.pipeline.variants import VARIANTS, ablation_figure
 
 CASES = ("N1", "N2", "N3", "N4")
 METHODS = ("algorithm1+local-search", "algorithm1+refinement", "a further_one", "algorithm1")
@@ -253,7 +253,7 @@ def spread_frame() -> pd.DataFrame:
 def readings_frame() -> pd.DataFrame:
     """Numbers of each reading: one far below the others on the numeric arms, another one on the simulated arm."""
     rows = []
-    for i, reading in enumerate(READINGS.values()):
+    for i, reading in enumerate(VARIANTS.values()):
         numeric = (0.3012, 0.1, 0.2847) if reading.name == "DCT index" else (0.975, 0.9312, 0.968)
         arm = (0.9512, 0.4811, 0.9667) if reading.name == "SI units" else (0.953, 0.9411, 0.9667)
         arm = (0.9612, 0.9222, *arm)

@@ -11,8 +11,7 @@ from repro import contract
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.pipeline.experiment import program_from_config
-from repro.pipeline.recordings import check_recorded
+from repro.pipeline.experiment import check_recorded, program_from_config
 
 from experiment_example import CAPTURES, MOTIONS, full_config  # isort: skip
 

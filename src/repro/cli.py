@@ -11,21 +11,21 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from repro import __version__, contract
-from repro.commands import check, compare, decode, excite, identify, record, simulate, verify
+from repro.commands import boards, excite, identify, runs
 from repro.errors import InputError
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
-#: Subcommands in the order of a user's work.
+#: Subcommands in the order of a user's work: what declares its options, and what runs it.
 COMMANDS = {
-    "simulate": simulate,
-    "record": record,
-    "decode": decode,
-    "excite": excite,
-    "identify": identify,
-    "check": check,
-    "verify": verify,
-    "compare": compare,
+    "simulate": (boards.simulate_arguments, boards.simulate),
+    "record": (boards.record_arguments, boards.record),
+    "decode": (boards.decode_arguments, boards.decode),
+    "excite": (excite.add_arguments, excite.run),
+    "identify": (identify.add_arguments, identify.run),
+    "check": (runs.check_arguments, runs.check),
+    "verify": (runs.verify_arguments, runs.verify),
+    "compare": (runs.compare_arguments, runs.compare),
 }
 
 
@@ -34,9 +34,9 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
     top.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, module in COMMANDS.items():
-        first_line = (module.__doc__ or "").partition("\n")[0]
-        module.add_arguments(subparsers.add_parser(name, help=first_line, description=first_line))
+    for name, (add_arguments, run) in COMMANDS.items():
+        first_line = (run.__doc__ or "").partition("\n")[0]
+        add_arguments(subparsers.add_parser(name, help=first_line, description=first_line))
     return top
 
 
@@ -55,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
     try:
-        code: int = COMMANDS[arguments.command].run(arguments)
+        code: int = COMMANDS[arguments.command][1](arguments)
         sys.stdout.flush()
     except InputError as error:
         print(" ".join(str(error).splitlines()), file=sys.stderr)

@@ -1,7 +1,43 @@
-"""A browser for each file of tests; the file says by its fixture `report` which page it opens."""
+"""The two reports, and a browser for each file of tests; its fixture `report` says which page it opens.
+
+``REPORT_PAGE`` and ``IDENTIFY_PAGE`` name pages to open in place of the examples.
+"""
+
+import os
+from pathlib import Path
 
 import pytest
 from chromium import Chromium
+from ownarm_example import example_curves, example_result
+from report_example import make_example
+
+from repro.ownarm.figures import figures_of
+from repro.ownarm.page import FILES, render_page
+from repro.report.page import write_report
+
+
+@pytest.fixture(scope="module")
+def reproduction(tmp_path_factory):
+    """The report of a run, with the files that it links to."""
+    if "REPORT_PAGE" in os.environ:
+        return Path(os.environ["REPORT_PAGE"]).resolve()
+    inputs = make_example(tmp_path_factory.mktemp("project"), partial=True)
+    (inputs.figures / "fig24.png").unlink()
+    write_report(inputs)
+    return inputs.page
+
+
+@pytest.fixture(scope="module")
+def identification(tmp_path_factory):
+    """The report of `repro identify`, with the files that it links to."""
+    if "IDENTIFY_PAGE" in os.environ:
+        return Path(os.environ["IDENTIFY_PAGE"]).resolve()
+    folder = tmp_path_factory.mktemp("report")
+    for name in FILES:
+        (folder / name).write_text("", encoding="utf-8")
+    result, curves = example_result(simulated=True), example_curves()
+    (folder / "report.html").write_text(render_page(result, curves, figures_of(result, curves)), encoding="utf-8")
+    return folder / "report.html"
 
 
 @pytest.fixture(scope="module")

@@ -9,15 +9,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, stub
+from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
-from repro.commands.record import read_program
-from repro.commands.simulate import parse_faults
+from repro.commands.boards import parse_faults, read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
-from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.server import PtyEndpoint
 
 SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
@@ -27,6 +25,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 def experiment(monkeypatch):
     for name in STOOD_FOR:
         monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setattr("repro.config.load_config", load_config)
 
 
 @pytest.fixture
@@ -76,15 +75,6 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     assert read_capture(out).metadata.end_reason == "disconnected"
     assert read_capture(out).data == FRAMES[:1000]
     assert f"{out}: incomplete (disconnected); what arrived is kept" in capsys.readouterr().err
-
-
-def test_a_table_can_be_recorded(tmp_path):
-    table = tmp_path / "wave.csv"
-    pd.DataFrame({"q1_rad": DESIRED[0], "q2_rad": DESIRED[1]}).to_csv(table, index=False)
-    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:
-        assert main(["record", "--port", port, "--trajectory", str(table), "--out", str(tmp_path / "wave.bin")]) == 0
-    wave = read_capture(tmp_path / "wave.bin").metadata
-    assert (wave.motion, wave.samples, wave.n1, wave.n2) == ("wave", 200, 0, 200)
 
 
 @pytest.mark.parametrize(
@@ -206,15 +196,6 @@ def test_faults_that_make_no_sense_are_refused(text, expected):
     assert "\n" not in str(caught.value)
 
 
-def test_faults_are_read():
-    assert parse_faults("") == ErrorRates()
-    assert parse_faults("drop=1e-4,flip=0.5,stall_s=2,disconnect_after=7") == ErrorRates(
-        drop=1e-4, flip=0.5, stall_s=2.0, disconnect_after=7
-    )
-    damaged = ErrorInjector(parse_faults("drop=1"), np.random.default_rng(0)).apply(FRAMES)
-    assert damaged == b""
-
-
 @pytest.mark.parametrize(
     "argv",
     [
@@ -240,7 +221,7 @@ def test_exit_codes(monkeypatch, stored, error, code):
     def fail(arguments):
         raise error
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     assert main(["decode", str(stored)]) == code
 
 
@@ -248,7 +229,7 @@ def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
     def fail(arguments):
         raise RuntimeError("a fault of ours")
 
-    monkeypatch.setattr(COMMANDS["decode"], "run", fail)
+    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
     with pytest.raises(RuntimeError, match="a fault of ours"):
         main(["decode", str(stored)])
 

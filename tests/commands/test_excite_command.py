@@ -10,7 +10,7 @@ import yaml
 from pytest import approx
 
 from repro.cli import main
-from repro.commands.record import program_of
+from repro.commands.boards import program_of
 from repro.config import load_config
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log
@@ -109,21 +109,3 @@ def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(tmp_path, capsys, 
     told = capsys.readouterr().err.splitlines()
     assert words in told[-1]
     assert {path.name for path in tmp_path.iterdir()} == {"arm.yaml"}
-
-
-def test_a_folder_of_the_user_is_kept(tmp_path, capsys):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "motion.csv").write_text("mine")
-    assert excite(tmp_path, *SHORT) == 2
-    assert "found a folder with files in it, expected a new or empty folder, or --overwrite" in capsys.readouterr().err
-    assert (tmp_path / "out" / "motion.csv").read_text() == "mine"
-    assert excite(tmp_path, *SHORT, "--overwrite") == 0
-    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
-
-
-@pytest.mark.parametrize("option", [("--noise", "0", "1"), ("--noise", "a", "1"), ("--rate", "nan")])
-def test_numbers_that_are_none_are_refused(tmp_path, capsys, option):
-    with pytest.raises(SystemExit) as caught:
-        excite(tmp_path, *option)
-    assert caught.value.code == 2
-    assert "expected a" in capsys.readouterr().err

@@ -19,10 +19,8 @@ from log_example import BETA, columns, recording, text
 
 from repro.cli import main
 from repro.cnn import schedule
-from repro.commands import identify as commands
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
-from repro.identification.filters import FILTERS
 from repro.model.parameters import NAMES, is_positive_definite
 
 pytestmark = pytest.mark.slow
@@ -33,10 +31,6 @@ WRITTEN = {
     *("parameters.json", "parameters.csv", "scores.csv", "residuals.csv", "report.html", "methods.bib"),
     *("arm.urdf", "arm.xml", "provenance.json"),
 }
-
-
-def test_the_filters_offered_are_those_that_there_are():
-    assert tuple(FILTERS) == commands.FILTERS
 
 
 @pytest.fixture
@@ -84,26 +78,6 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     assert own.read_bytes() == before
 
 
-def test_a_link_to_nothing_is_refused_before_the_work(log, tmp_path, capsys):
-    out = tmp_path / "out"
-    out.symlink_to(tmp_path / "nowhere")
-    assert identify(log, "--method", "ordinary", "-o", out) == 2
-    assert capsys.readouterr().err.splitlines() == [
-        f"{out}: found a link to nothing, expected a folder, or a name that is free"
-    ]
-
-
-def test_torques_beyond_any_arm_are_one_line(tmp_path, capsys):
-    path = tmp_path / "log.csv"
-    path.write_text(
-        "t [s],q1 [rad],q2 [rad],tau1 [N m],tau2 [N m]\n"
-        + "".join(f"{k / 100},{k % 7},{k % 5},1e308,1\n" for k in range(300))
-    )
-    assert identify(path, "--method", "ordinary", "-o", tmp_path / "out") == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert f"{path}: torque: found 1e+308 N m" in line
-
-
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
     assert identify(log, "--method", "ordinary", "--method", "consistent", "-o", out) == 0
@@ -121,14 +95,6 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     )
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
-
-
-def test_the_log_is_described_before_anything_is_computed(log, tmp_path, capsys, no_figures):
-    assert identify(log, "--method", "ordinary", "-o", tmp_path / "out") == 0
-    lines = capsys.readouterr().err.splitlines()
-    rate = next(k for k, line in enumerate(lines) if "rate: 200 Hz" in line)
-    done = next(k for k, line in enumerate(lines) if "ordinary least squares: done" in line)
-    assert rate < done
 
 
 def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys, no_figures):
@@ -182,12 +148,6 @@ def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_fi
     assert 'id="self-test"' in (tmp_path / "a" / "report.html").read_text()
 
 
-def test_a_self_test_of_algorithm_1_alone_is_refused(log, tmp_path, capsys):
-    assert identify(log, "--method", "algorithm1", "--self-test", "-o", tmp_path / "out") == 2
-    assert capsys.readouterr().err.startswith("--self-test: found Algorithm 1 alone")
-    assert not (tmp_path / "out").exists()
-
-
 @pytest.fixture
 def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""
@@ -203,25 +163,6 @@ def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_fig
     assert identify(*common, "-o", tmp_path / "b") == 0
     assert "training the CNN" not in capsys.readouterr().err
     assert (tmp_path / "a" / "parameters.json").read_bytes() == (tmp_path / "b" / "parameters.json").read_bytes()
-
-
-@pytest.fixture
-def threads():
-    """Threads of torch, as a user's environment sets them; put back afterwards."""
-    before = torch.get_num_threads()
-    yield torch.set_num_threads
-    torch.set_num_threads(before)
-
-
-def test_the_number_of_threads_changes_no_result(log, tmp_path, no_figures, small_budgets, threads):
-    for number in (1, 2):
-        threads(number)
-        common = (log, "--method", "algorithm1", "--steps", 2, "--threads", number)
-        assert identify(*common, "--cache", tmp_path / f"cache{number}", "-o", tmp_path / f"out{number}") == 0
-    (one,), (two,) = ([*(tmp_path / f"cache{number}").iterdir()] for number in (1, 2))
-    assert one.name == two.name and one.read_bytes() == two.read_bytes()
-    first, second = ((tmp_path / f"out{number}/parameters.json").read_bytes() for number in (1, 2))
-    assert first == second
 
 
 def test_a_network_of_another_arithmetic_is_not_used(log, tmp_path, no_figures, small_budgets, monkeypatch):

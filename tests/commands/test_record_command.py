@@ -117,10 +117,6 @@ def test_bytes_that_an_earlier_recording_left_are_kept(tmp_path, capsys):
     assert read_capture(tmp_path / "T4.bin").data == FRAMES
 
 
-def test_the_shortest_silence_is_accepted(tmp_path):
-    assert record(PlayedBoard(FRAMES), tmp_path / "T4.bin", "--timeout", "0.1") == 0
-
-
 @pytest.mark.parametrize(
     "port",
     [

@@ -9,8 +9,7 @@ import pytest
 from repro.config import load_config
 from repro.fpga.capture import read_capture
 from repro.fpga.recording import recording_of, verify_control
-from repro.pipeline.acquire import simulate_capture
-from repro.pipeline.experiment import program_from_config
+from repro.pipeline.experiment import program_from_config, simulate_capture
 
 pytestmark = pytest.mark.slow
 

@@ -30,14 +30,18 @@ from repro.exhibits.arm_experiment import (
     tip_paths,
     validation_curves,
 )
-from repro.identification.algorithm1.listing import prepare
+from repro.identification.algorithm1.preprocessing import prepare
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import is_positive_definite
 from repro.model.stability import stability_constants
-from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings, true_parameters
-from repro.pipeline.experiment_runs import least_squares_of, score_runs, tracking
-from repro.pipeline.identified import every_seed
-from repro.pipeline.recordings import read_recording
+from repro.pipeline.experiment import (
+    control_constants,
+    mechanical_parameters,
+    program_settings,
+    read_recording,
+    true_parameters,
+)
+from repro.pipeline.experiment_runs import every_seed, least_squares_of, score_runs, tracking
 from repro.settings import metric_settings, signal_settings
 
 CONFIG = short_config()

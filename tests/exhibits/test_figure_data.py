@@ -21,7 +21,7 @@ from repro.model.dynamics import inverse_dynamics
 from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
 from repro.pipeline.model_card import architecture
 from repro.pipeline.numeric import score_estimates, validation_motion
-from repro.pipeline.readings import READINGS
+from repro.pipeline.variants import VARIANTS
 from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -92,9 +92,9 @@ def inputs(tmp_path_factory, scores):
     arm = scores.query("trajectory == 'ID' and case == 'N1'").drop(columns="trajectory")
     write_csv(folder / "arm.csv", pd.concat([arm.assign(case=case) for case in ("ID", "T1", "T2", "T3", "T4")]))
     write_csv(folder / "later.csv", history.assign(step=history["step"] * 100, test_loss=history["test_loss"] * 2))
-    for name in READINGS:
+    for name in VARIANTS:
         write_json(folder / "results" / f"{name}.json", numbers)
-    results, losses = sorted((folder / "results").glob("*.json")), [folder / "training.csv"] * len(READINGS)
+    results, losses = sorted((folder / "results").glob("*.json")), [folder / "training.csv"] * len(VARIANTS)
     write_csv(folder / "ablation.csv", TABLE_DATA["ablation"]({"results": results, "losses": losses}, CONFIG))
     shared = {
         "history": [folder / "training.csv"],

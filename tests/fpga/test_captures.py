@@ -16,10 +16,15 @@ from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced
 from repro.paper.metric_checks import least_squares_torque
 from repro.paper.published import load_published
-from repro.pipeline.experiment import control_constants, mechanical_parameters, program_from_config, true_parameters
+from repro.pipeline.experiment import (
+    control_constants,
+    disturbance,
+    mechanical_parameters,
+    program_from_config,
+    read_recording,
+    true_parameters,
+)
 from repro.pipeline.experiment_runs import tracking
-from repro.pipeline.recordings import read_recording
-from repro.pipeline.specimen import disturbance
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
 

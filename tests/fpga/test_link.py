@@ -92,13 +92,6 @@ def test_a_board_that_stops_in_the_middle():
     assert board.messages[-1].kind == MessageKind.STOP
 
 
-def test_a_stall_shorter_than_the_timeout():
-    injector = lambda: ErrorInjector(ErrorRates(stall=0.002, stall_s=0.1), np.random.default_rng(1))  # noqa: E731
-    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False, injector=injector) as port:
-        data, received = recorded(port, silence=1.0)
-    assert (data, received.end_reason) == (FRAMES, "")
-
-
 @pytest.fixture
 def heeding_control_c():
     """Ctrl-C as in a terminal: a process started in the background ignores it, and so would these tests."""
@@ -151,12 +144,6 @@ def test_a_port_that_cannot_be_opened_is_told_in_one_line(port):
     assert "\n" not in str(caught.value)
 
 
-def test_a_port_in_use_is_told():
-    with served(PlayedBoard(FRAMES), PtyEndpoint(), real_time=False) as port:  # noqa: SIM117
-        with serial.Serial(port, exclusive=True), pytest.raises(InputError, match="cannot be opened"):
-            recorded(port)
-
-
 # --- The receiver, with a line of its own ----------------------------------------------------------------------------
 
 
@@ -205,15 +192,6 @@ def test_what_comes_after_the_last_sample_is_left_out(size):
 def test_what_arrived_before_a_bad_end_is_kept(end, expected):
     receiver, reason, _ = receive(*cut(FRAMES[:1001], 100), *end)
     assert (bytes(receiver.data), reason, receiver.good) == (FRAMES[:1001], expected, 125)
-
-
-def test_a_bad_end_after_the_last_sample_is_none():
-    assert receive(FRAMES, OSError)[1] == ""
-
-
-def test_an_interruption_before_the_first_byte_is_passed_on():
-    with pytest.raises(KeyboardInterrupt):
-        receive(KeyboardInterrupt)
 
 
 def test_lost_frames_within_make_no_recording_incomplete():

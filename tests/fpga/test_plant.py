@@ -1,7 +1,6 @@
 """The simulated arm against Eq. 1, against SciPy's integrator, and against itself with finer steps and in a batch."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +14,7 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant, Unmodelled
 from repro.model.dynamics import forward_dynamics
 from repro.model.parameters import Array
-from repro.pipeline.experiment import true_parameters
-from repro.pipeline.specimen import disturbance
+from repro.pipeline.experiment import disturbance, true_parameters
 from repro.signals.programs import identification_program
 
 pytestmark = pytest.mark.slow
@@ -117,21 +115,6 @@ def test_a_batch_is_its_arms_one_by_one() -> None:
     assert (position[0] != position[2]).any()
 
 
-@pytest.mark.parametrize("other", [{"stribeck_velocity": 0.1}, {"ripple_cycles": 3.0}, {"dead_band": 2}])
-def test_arms_of_a_batch_share_everything_but_their_levels(other: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="unmodelled: must be one for each arm, equal but for the levels"):
-        Plant(np.stack([ARM, ARM]), H, [ROUGH, replace(ROUGH, **other)])
-    with pytest.raises(ValueError, match="one for each arm"):
-        Plant(np.stack([ARM, ARM]), H, [ROUGH])
-
-
-def test_without_torque_the_arm_keeps_hanging() -> None:
-    plant = Plant(ARM, H)
-    for _ in range(20):
-        plant.advance(np.zeros((2, 1), np.int32), TABLE_8.torque_per_count)
-    assert (plant.state == 0).all()
-
-
 def test_torque_within_the_dead_band_does_nothing() -> None:
     lazy = Plant(ARM, H, Unmodelled(dead_band=40))
     lazy.advance(np.array([[40], [-40]], np.int32), TABLE_8.torque_per_count)
@@ -148,8 +131,3 @@ def test_the_loop_follows_and_the_encoder_rounds() -> None:
     error = position[0] * RADIANS_PER_COUNT - program.q
     assert np.abs(error).max() < 0.05
     assert np.abs(pwm).max() <= 1023
-
-
-def test_impossible_arms_are_refused() -> None:
-    with pytest.raises(ValueError, match="positive definite"):
-        Plant(np.array([0.1, 0.5, 0.2, 1, 1, 0.1, 0.1, 0.1, 0.1]), H)

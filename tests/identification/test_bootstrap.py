@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from log_example import BETA, motion
 from ownarm_log import H, autoregressive, exact, exciting
 
-from repro.identification.alternatives import Alternative
-from repro.identification.bootstrap import GROUPS, block_length, bootstrap, correlation_time, redraw
+from repro.identification.bootstrap import GROUPS, block_length, bootstrap, resample
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
+from repro.identification.regression import correlation_time
+from repro.identification.sensitivity import Perturbation
 from repro.model.parameters import NAMES
 
 N = 1500
@@ -120,7 +121,7 @@ def test_blocks_span_five_correlation_times():
 def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     n = data.draw(st.integers(1, 300))
     length = data.draw(st.integers(1, n))
-    rows = redraw(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
+    rows = resample(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
     assert rows.shape == (n,)
     assert rows.min() >= 0
     assert rows.max() < n
@@ -130,7 +131,7 @@ def test_redrawn_samples_are_whole_stretches_of_the_log(data):
 
 def test_stretches_begin_anywhere():
     rng = np.random.default_rng(7)
-    starts = {int(redraw(10, 4, rng)[0]) for _ in range(300)}
+    starts = {int(resample(10, 4, rng)[0]) for _ in range(300)}
     assert starts == set(range(7))
 
 
@@ -152,7 +153,7 @@ def test_regressor_and_torque_are_redrawn_together():
 def test_other_filters_add_the_mean_square_of_what_they_change():
     rng = np.random.default_rng(10)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(4))
-    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good={"filters": Alternative(tuple(others))})
+    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good={"filters": Perturbation(tuple(others))})
     beta = ORDINARY.estimate(r).beta
     moved = [np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] - beta for o in others]
     added = together.standard_error**2 - alone.standard_error**2
@@ -164,7 +165,7 @@ def test_of_the_effects_beyond_eq_1_the_largest_shift_counts_as_the_end_of_a_rec
     rng = np.random.default_rng(13)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(3))
     named = dict(zip(("torque offsets", "Stribeck friction"), ((o,) for o in others), strict=True))
-    as_good = {name: Alternative(regressions, 0.6) for name, regressions in named.items()}
+    as_good = {name: Perturbation(regressions, 0.6) for name, regressions in named.items()}
     alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
     shifts = [ORDINARY.estimate(o).beta - ORDINARY.estimate(r).beta for o in others]
     added = together.standard_error**2 - alone.standard_error**2
@@ -193,7 +194,7 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
 
     chooser = replace(ORDINARY, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
     told = []
-    as_good = {"filters": Alternative((r, r))}
+    as_good = {"filters": Perturbation((r, r))}
     bootstrap(
         chooser, r, chooser.estimate(r), as_good, np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
     )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from log_example import BETA, motion
 from ownarm_log import H, exact, exciting, regression_of
 
-from repro.identification.excitation import excitation, torque_share
+from repro.identification.excitation import excitation, torque_fraction
 from repro.model.parameters import NAMES
 
 N = 1500
@@ -237,7 +237,7 @@ def test_torque_share_by_hand():
     y[0, :, 0] = 1.0, 1.0  # I1 moves 2 N m in joint 1, whose RMS torque is sqrt(12.5)
     y[1, :, 4] = 0.0, 1.0  # g2 moves sqrt(0.5) N m in joint 2, whose RMS torque is sqrt(2), and less in joint 1
     y[0, :, 4] = 0.1, 0.1
-    share = torque_share(regression_of(y, tau), np.array([2.0, 5.0, 5.0, 5.0, 1.0, 5.0, 5.0, 5.0, 5.0]))
+    share = torque_fraction(regression_of(y, tau), np.array([2.0, 5.0, 5.0, 5.0, 1.0, 5.0, 5.0, 5.0, 5.0]))
     assert share == pytest.approx([2.0 / np.sqrt(12.5), 0, 0, 0, 0.5, 0, 0, 0, 0], abs=1e-12)
 
 
@@ -246,13 +246,13 @@ def test_torque_shares_have_the_limits_of_rms(beta, unit):
     beta = np.array(beta)
     r = exciting(200)
     tau = r.y @ beta
-    share = torque_share(replace(r, tau=tau), beta)
+    share = torque_fraction(replace(r, tau=tau), beta)
     assert (share >= 0.0).all()
     assert (share[beta == 0.0] == 0.0).all()
     if np.abs(tau).max() > 1e-6:
         # RMS of a sum is at most the sum of RMS, and sign or unit of the torque is no matter.
         assert share.sum() >= 1.0 - 1e-9
-        scaled = torque_share(replace(r, tau=-unit * tau), unit * beta)
+        scaled = torque_fraction(replace(r, tau=-unit * tau), unit * beta)
         assert scaled == pytest.approx(share, rel=1e-9)
 
 
@@ -260,14 +260,14 @@ def test_a_parameter_alone_moves_all_torque_and_an_unmoved_one_none():
     r = exciting(N)
     for k in range(9):
         alone = BETA[k] * np.eye(9)[k]
-        share = torque_share(replace(r, tau=r.y @ alone), BETA)
+        share = torque_fraction(replace(r, tau=r.y @ alone), BETA)
         assert share[k] == pytest.approx(1.0, rel=1e-12)
     fixed = with_joint_fixed(1, 0.4)
-    still = torque_share(fixed, BETA)
+    still = torque_fraction(fixed, BETA)
     assert (still[[PLACE["b2"], PLACE["k2"]]] == 0.0).all()
     assert (np.delete(still, [PLACE["b2"], PLACE["k2"]]) > 0.0).all()
 
 
 def test_without_torque_no_parameter_has_a_share():
     r = exciting(N)
-    assert (torque_share(replace(r, tau=np.zeros_like(r.tau)), BETA) == 0.0).all()
+    assert (torque_fraction(replace(r, tau=np.zeros_like(r.tau)), BETA) == 0.0).all()

@@ -13,9 +13,14 @@ from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
-from repro.identification.best_fit import choose_steepness, estimate_delay
-from repro.identification.cutoff import choose_cutoff
-from repro.identification.filtering import FilterSettings, motion, prepare
+from repro.identification.filtering import (
+    FilterSettings,
+    choose_cutoff,
+    choose_steepness,
+    estimate_delay,
+    prepare,
+    smooth_motion,
+)
 from repro.identification.filters import FILTERS
 from repro.identification.regression import drop_standstill
 from repro.identification.solve import clip_to_bound, reduced_problem, solve, unit_columns
@@ -52,7 +57,7 @@ def test_smoothed_motion_is_the_motion(name):
     found = prepare(LOG, FilterSettings(name=name, cutoff=8.0))
     for ours, exact in zip((found.q, found.dq, found.ddq), log_example.motion(found.t), strict=True):
         assert np.abs(ours - exact).max() < 0.01 * np.abs(exact).max()
-    whole = motion(LOG.q, 1.0 / 200.0, FilterSettings(name=name, cutoff=8.0))
+    whole = smooth_motion(LOG.q, 1.0 / 200.0, FilterSettings(name=name, cutoff=8.0))
     for ours, part in zip((found.q, found.dq, found.ddq), whole, strict=True):
         kept = part[:, np.searchsorted(LOG.t, found.t)]
         np.testing.assert_allclose(ours, kept, rtol=0, atol=1e-9 * np.abs(part).max())

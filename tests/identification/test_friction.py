@@ -8,8 +8,8 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, silent
 from regression_example import log_from
 
+from repro.identification.extra_terms import FrictionTerm, find_friction, subtract_friction
 from repro.identification.filtering import FilterSettings
-from repro.identification.friction import Term, eased, find_terms
 from repro.identification.least_squares import METHODS
 from repro.identification.solve import solve
 from repro.logs.diagnostics import Description
@@ -58,7 +58,7 @@ def ready_of(log, friction):
     ],
 )
 def test_what_is_there_is_found_with_its_size(load, rest, names):
-    found = {term.name: term for term in find_terms(log_with(load, rest), SETTINGS, True) if term.taken}
+    found = {term.name: term for term in find_friction(log_with(load, rest), SETTINGS, True) if term.taken}
     assert list(found) == names
     true = dict(zip(("load1", "load2", "stribeck1", "stribeck2"), (*load, *rest), strict=True))
     for name, term in found.items():
@@ -68,13 +68,14 @@ def test_what_is_there_is_found_with_its_size(load, rest, names):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_nothing_is_found_where_there_is_nothing(seed):
-    assert find_terms(log_with(seed=seed), SETTINGS, True) == ()
+    assert find_friction(log_with(seed=seed), SETTINGS, True) == ()
 
 
 def test_taken_out_is_what_was_put_in():
-    terms = [Term("load1", 0.1, 0.0, 0.0, True), Term("stribeck2", 0.2, 0.0, 0.0, True)]
+    terms = [FrictionTerm("load1", 0.1, 0.0, 0.0, True), FrictionTerm("stribeck2", 0.2, 0.0, 0.0, True)]
     inside = slice(100, -100)  # the ends, where filters do not see both sides, apart
-    left = eased(log_with((0.1, 0.0), (0.0, 0.2), noise=0.0), SETTINGS, BETA, terms).tau - log_with(noise=0.0).tau
+    spoilt, clean = log_with((0.1, 0.0), (0.0, 0.2), noise=0.0), log_with(noise=0.0)
+    left = subtract_friction(spoilt, SETTINGS, BETA, terms).tau - clean.tau
     put_in = 0.1 * load_friction(log_with().t)[0], 0.2 * stribeck(log_with().t)[1]
     for joint in (0, 1):
         assert np.std(left[joint, inside]) < 0.1 * np.std(put_in[joint][inside])

@@ -22,7 +22,7 @@ from repro.identification.regression import joint_variance
 from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import mass_matrix, regressor
 from repro.model.parameters import NAMES, is_positive_definite
-from repro.pipeline.recordings import read_recording
+from repro.pipeline.experiment import read_recording
 from repro.settings import signal_settings
 
 pytestmark = pytest.mark.slow

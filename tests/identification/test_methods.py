@@ -9,7 +9,6 @@ import pytest
 from log_example import BETA
 from regression_example import beta_of, hostile, log_from, noisy_problem, problem, resting
 
-from repro.export.bibtex import entries
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.filters import FILTERS
 from repro.identification.least_squares import METHODS
@@ -17,6 +16,7 @@ from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES
+from repro.ownarm.outputs import entries
 
 CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
 PROBLEMS = {"clean": CLEAN, "noisy": noisy_problem(8, 60, 0.02), "hostile": hostile(3), "more hostile": hostile(5)}

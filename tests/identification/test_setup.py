@@ -5,9 +5,14 @@ import pytest
 from log_example import BETA, motion
 from regression_example import log_from
 
+from repro.identification.extra_terms import (
+    CALIBRATION_TERMS,
+    calibration_limits,
+    correct_calibration,
+    find_calibration_errors,
+)
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.regression import drop_standstill
-from repro.identification.setup import FAULTS, corrected, find_faults, hidden_faults
 from repro.identification.solve import solve
 from repro.logs.log import Log
 
@@ -46,13 +51,13 @@ def spoilt(log, **faults):
 )
 def test_faults_are_found_with_their_size(faults):
     log = spoilt(noisy(1), **faults)
-    found = {fault.name: fault for fault in find_faults(log, SETTINGS)}
+    found = {fault.name: fault for fault in find_calibration_errors(log, SETTINGS)}
     assert set(found) == set(faults)
     for name, value in faults.items():
         away = value - (name == "scale2")
         assert found[name].value - (name == "scale2") == pytest.approx(away, rel=0.1, abs=0.004)
         assert found[name].after < 0.9 * found[name].before
-    r = prepare(corrected(log, {name: fault.value for name, fault in found.items()}), SETTINGS)
+    r = prepare(correct_calibration(log, {name: fault.value for name, fault in found.items()}), SETTINGS)
     np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
 
 
@@ -61,7 +66,7 @@ def test_faults_are_found_with_their_size(faults):
 def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     """Without it the fit is so poor that a full step of Gauss-Newton goes anywhere."""
     log = noisy(1, log_from(lambda t: tuple(0.2 * x for x in motion(t)), seconds=20.0))
-    found = find_faults(spoilt(log, **zero), SETTINGS)
+    found = find_calibration_errors(spoilt(log, **zero), SETTINGS)
     assert {fault.name: pytest.approx(fault.value, abs=0.005) for fault in found} == zero
 
 
@@ -77,26 +82,26 @@ def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     ids=str,
 )
 def test_a_fault_that_a_log_can_hardly_tell_from_another_says_so(wrong, noise, others):
-    (fault,) = find_faults(spoilt(noisy(1, size=noise), **wrong), SETTINGS)
+    (fault,) = find_calibration_errors(spoilt(noisy(1, size=noise), **wrong), SETTINGS)
     assert [fault.name] == [*wrong]
     assert [*fault.instead] == others
 
 
 @pytest.mark.slow
 def test_a_log_without_a_fault_has_none():
-    assert sum(bool(find_faults(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
+    assert sum(bool(find_calibration_errors(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", CALIBRATION_TERMS)
 def test_a_fault_is_found_from_the_size_that_is_said(name):
     """Half of it is not, half as much again is: both rules hold for a column added to the nine, but for curvature."""
     log = noisy(3, size=0.2)
-    size = hidden_faults(log, SETTINGS, ())[name]
+    size = calibration_limits(log, SETTINGS, ())[name]
 
     def found(share):
         value = share * size + (name == "scale2")
-        return [fault.name for fault in find_faults(spoilt(log, **{name: value}), SETTINGS)]
+        return [fault.name for fault in find_calibration_errors(spoilt(log, **{name: value}), SETTINGS)]
 
     assert found(0.5) == []
     assert found(1.5) == [name]
@@ -105,51 +110,51 @@ def test_a_fault_is_found_from_the_size_that_is_said(name):
 def test_a_scale_that_a_log_does_not_show_of_itself_shows_beside_another():
     log = noisy(1, log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0), size=0.1)
     others = [drop_standstill(prepare(noisy(2), SETTINGS))]
-    alone, beside = hidden_faults(log, SETTINGS, ()), hidden_faults(log, SETTINGS, (), others)
-    assert all(beside[name] < alone[name] for name in FAULTS)
+    alone, beside = calibration_limits(log, SETTINGS, ()), calibration_limits(log, SETTINGS, (), others)
+    assert all(beside[name] < alone[name] for name in CALIBRATION_TERMS)
     assert beside["scale2"] < 0.5 * alone["scale2"]
     scale = 1.0 + 1.5 * beside["scale2"]
     wrong = spoilt(log, scale2=scale)
-    assert find_faults(wrong, SETTINGS) == ()
-    (fault,) = find_faults(wrong, SETTINGS, others)
+    assert find_calibration_errors(wrong, SETTINGS) == ()
+    (fault,) = find_calibration_errors(wrong, SETTINGS, others)
     assert fault.name == "scale2"
     assert abs(fault.value - scale) < 4 * fault.error
 
 
 def test_what_is_put_right_is_not_among_what_may_be_hidden():
     log = spoilt(noisy(1), zero1=0.1)
-    found = find_faults(log, SETTINGS)
-    hidden = hidden_faults(corrected(log, {"zero1": found[0].value}), SETTINGS, found)
-    assert {*hidden} == {*FAULTS} - {"zero1"}
-    assert hidden == pytest.approx(hidden_faults(noisy(1), SETTINGS, found), rel=0.1)
+    found = find_calibration_errors(log, SETTINGS)
+    hidden = calibration_limits(correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
+    assert {*hidden} == {*CALIBRATION_TERMS} - {"zero1"}
+    assert hidden == pytest.approx(calibration_limits(noisy(1), SETTINGS, found), rel=0.1)
 
 
 @pytest.mark.parametrize("scale", [-0.2, 0.1, 20.0])
 def test_a_scale_that_no_torque_constant_is_off_by_is_not_claimed(scale):
-    assert "scale2" not in {fault.name for fault in find_faults(spoilt(noisy(1), scale2=scale), SETTINGS)}
+    assert "scale2" not in {fault.name for fault in find_calibration_errors(spoilt(noisy(1), scale2=scale), SETTINGS)}
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", CALIBRATION_TERMS)
 def test_correcting_undoes_what_spoils(name):
     value = 1.3 if name == "scale2" else 0.07
-    back = corrected(spoilt(CLEAN, **{name: value}), {name: value})
+    back = correct_calibration(spoilt(CLEAN, **{name: value}), {name: value})
     np.testing.assert_allclose(back.q, CLEAN.q, atol=1e-15)
     np.testing.assert_allclose(back.tau, CLEAN.tau, atol=1e-14)
 
 
 def test_nothing_found_changes_nothing():
-    assert corrected(CLEAN, {}) is CLEAN
+    assert correct_calibration(CLEAN, {}) is CLEAN
 
 
 def test_a_joint_that_never_moves_has_no_fault_of_its_own():
     log = noisy(2)
     still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)
-    assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_faults(still, SETTINGS))
-    assert {*hidden_faults(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}
+    assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_calibration_errors(still, SETTINGS))
+    assert {*calibration_limits(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}
 
 
 def test_a_log_that_tells_nothing_of_a_fault_hides_any_size_of_it():
     swing = noisy(1, log_from(lambda t: tuple(0.02 * x for x in motion(t)), seconds=20.0), size=5.0)
-    hidden = hidden_faults(swing, SETTINGS, ())
+    hidden = calibration_limits(swing, SETTINGS, ())
     assert hidden["zero2"] is None
     assert hidden["scale2"] is None

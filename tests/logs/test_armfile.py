@@ -8,14 +8,6 @@ import yaml
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm, read_arm
-from repro.model.parameters import STANDARD_GRAVITY
-
-
-def test_an_arm_of_which_nothing_is_said(tmp_path):
-    assert read_arm(None) == Arm()
-    assert (Arm().gravity, Arm().friction_steepness, Arm().delay) == (STANDARD_GRAVITY, 20.0, None)
-    (tmp_path / "arm.yaml").write_text("# nothing\n")
-    assert read_arm(tmp_path / "arm.yaml") == Arm(file=str(tmp_path / "arm.yaml"))
 
 
 def test_every_key_of_an_arm_file_is_read(tmp_path):

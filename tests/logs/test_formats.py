@@ -85,16 +85,6 @@ def test_rows_left_out_are_told_by_line(file):
     assert list_lines(range(1, 30, 2)) == "lines 1, 3, 5, 7, 9 and 10 more places"
 
 
-def test_a_velocity_with_holes_is_no_reason_to_leave_rows_out(file):
-    written = lines()
-    cells = written[50].split(",")
-    written[50] = ",".join([*cells[:3], "", *cells[4:]])
-    log = read(file, written)
-    assert_same(log, GOOD)
-    assert log.dq is None
-    assert "velocity is ignored, because it has empty cells of its own" in log.notes
-
-
 def test_the_same_time_with_other_values_is_refused(file, tmp_path, capsys):
     written = lines(";")
     cells = written[50].split(";")

@@ -119,23 +119,3 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 @pytest.mark.filterwarnings("error")
 def test_numbers_that_no_arm_gives_are_refused(file, changes, found):
     assert found in refusal(file(text(GOOD | changes)))
-
-
-def test_utf32_is_named(file):
-    assert "found UTF-32 text" in refusal(file(text(GOOD).encode("utf-32")))
-
-
-def test_a_capture_says_that_columns_are_not_used():
-    path = Path(__file__).parents[2] / "data" / "captures" / "T1.bin"
-    (note,) = (n for n in read_log(path, Arm(columns={"q1": "a"}, file="arm.yaml")).notes if "arm.yaml" in n)
-    assert "not used" in note
-    assert not any("arm" in n for n in read_log(path, Arm()).notes)
-
-
-@pytest.mark.parametrize("line", ["\n", "# a comment\n"])
-def test_lines_without_samples_count_too(tmp_path, monkeypatch, line):
-    monkeypatch.setattr(table, "MOST_ROWS", 400)
-    path = tmp_path / "log.csv"
-    path.write_text("t,q1\n" + 2000 * line if line == "\n" else 2000 * line + "t,q1\n", encoding="utf-8")
-    with pytest.raises(InputError, match="lines, expected at most 800"):
-        table.read_table(path)

@@ -1,23 +1,19 @@
 """The whole of `repro identify` but its command line, on a known arm."""
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from log_example import BETA, columns, motion, recording, text
-from ownarm_problem import ARM, FILES, identify, made, noisy, problem_of, silent, tree, write_log
+from ownarm_problem import ARM, identify, made, write_log
 
 from repro.errors import InputError
-from repro.identification.excitation import torque_share
+from repro.identification.excitation import torque_fraction
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import Fit, assemble, fit_all, resolve
-from repro.ownarm.outputs import write_result
+from repro.ownarm.evaluate import Fit, assemble
 from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 
@@ -103,7 +99,7 @@ def test_each_method_is_judged_by_its_own_parameters(whole):
     found = [Fit(METHODS[n], Estimate(b), None, ()) for n, b in zip(names, betas, strict=True)]
     result, curves = assemble(problem, found, ARM)
     assert result.recommended == "bounded"
-    assert result.excitation.share == pytest.approx(torque_share(problem.moving, BETA))
+    assert result.excitation.share == pytest.approx(torque_fraction(problem.moving, BETA))
     for m, beta in zip(result.methods, betas, strict=True):
         assert [p.estimate for p in m.parameters] == list(beta)
         for s, each in zip(curves.signals, (m.fit, *m.validation), strict=True):
@@ -111,65 +107,6 @@ def test_each_method_is_judged_by_its_own_parameters(whole):
             assert each.relative_rms == pytest.approx(tuple(error), rel=1e-9)
             assert max(each.relative_rms) == pytest.approx(beta[0] / BETA[0] - 1.0, abs=0.01)
             assert (max(each.position_rms) < 2e-3) == (beta is betas[1])
-
-
-def test_the_whole_gives_the_same_bytes_twice(tmp_path):
-    for name in ("one", "two"):
-        folder = tmp_path / name
-        folder.mkdir()
-        _, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
-        write_result(folder / "out", result, curves, ARM)
-    assert tree(tmp_path / "one") == tree(tmp_path / "two")
-    assert set(FILES) == {path.name for path in (tmp_path / "one" / "out").iterdir()}
-
-
-def test_least_squares_loads_no_torch(tmp_path):
-    code = f"""
-import sys
-from pathlib import Path
-from ownarm_problem import ARM, identify
-from repro.ownarm.outputs import write_result
-folder = Path({str(tmp_path)!r})
-_, result, curves = identify(folder, ("ordinary", "consistent"), validate=False)
-print([m.method for m in result.methods], "torch" in sys.modules)
-"""
-    places = os.pathsep.join((str(ROOT / "src"), str(ROOT / "tests")))
-    environment = {**os.environ, "PYTHONPATH": places}
-    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
-    assert run.stdout == "['ordinary', 'consistent'] False\n", run.stderr
-
-
-def test_methods_come_in_the_order_asked_for(tmp_path):
-    names = ("robust", "ordinary", "consistent")
-    assert [m.name for m in resolve(Options(names, tmp_path), silent)] == list(names)
-    with pytest.raises(KeyError):
-        resolve(Options(("guess",), tmp_path), silent)
-
-
-def test_progress_is_reported_and_methods_are_told_when_done():
-    problem, reported, done = problem_of(noisy(BETA, n=200)), [], []
-    methods = [METHODS[name] for name in ("ordinary", "weighted")]
-    found = fit_all(problem, methods, 1, lambda *what: reported.append(what), done.append)
-    assert done == found
-    for m in methods:
-        steps = [(k, n) for what, k, n, _ in reported if m.title in what]
-        assert steps == [(k, steps[0][1]) for k in range(1, steps[0][1] + 1)]
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"methods": ()}, "at least one"),
-        ({"filter": "median"}, "filter: must be one of"),
-        ({"cutoff": 0.0}, "cutoff: must be positive"),
-        ({"cutoff": -1.0}, "cutoff: must be positive"),
-        ({"cutoff": float("nan")}, "cutoff: must be positive"),
-        ({"cutoff": float("inf")}, "cutoff: must be positive"),
-    ],
-)
-def test_options_that_cannot_be_are_refused(tmp_path, changes, words):
-    with pytest.raises(ValueError, match=words):
-        Options(**{"methods": ("ordinary",), "cache": tmp_path, **changes})
 
 
 @pytest.mark.parametrize("late", [-0.006, 0.0, 0.005])

@@ -13,13 +13,12 @@ from ownarm_problem import ARM, FILES, tree
 from PIL import Image
 
 from repro.errors import InputError
-from repro.export.bibtex import bibtex, entries
 from repro.export.links import links_of
 from repro.files import check_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
-from repro.ownarm.outputs import citations, write_result
+from repro.ownarm.outputs import bibtex, citations, entries, write_result
 
 SOURCES = {"ols": "gautier1992exciting", "consistent": "sousa2014physical", "cnn": "cnn_identification"}
 
@@ -98,16 +97,6 @@ def test_residuals_are_those_of_the_recommended_method(tmp_path):
             assert rows["rebuilt_nm"].to_numpy() == pytest.approx(signals.rebuilt["consistent"][joint - 1], rel=1e-8)
 
 
-@pytest.mark.usefixtures("small_figures")
-def test_a_second_write_gives_the_same_bytes(tmp_path):
-    for name in ("one", "two"):
-        write_result(tmp_path / name, *example(), ARM)
-    assert tree(tmp_path / "one") == tree(tmp_path / "two")
-    before = tree(tmp_path / "one")
-    write_result(tmp_path / "one", *example(), ARM)
-    assert tree(tmp_path / "one") == before
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
 @pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals_table"])
@@ -157,21 +146,6 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
 
 
 @pytest.mark.usefixtures("small_figures")
-def test_overwriting_that_fails_keeps_the_exports_of_before(tmp_path, monkeypatch):
-    out, (result, curves) = tmp_path / "out", example()
-    write_result(out, result, curves, ARM)
-    files = tree(tmp_path)
-
-    def fail(*_):
-        raise OSError("no space left on device")
-
-    monkeypatch.setattr(outputs, "render_page", fail)
-    with pytest.raises(InputError, match="no space left"):
-        write_result(out, without_links(result), curves, ARM)
-    assert tree(tmp_path) == files
-
-
-@pytest.mark.usefixtures("small_figures")
 def test_overwriting_keeps_what_is_not_ours(tmp_path):
     out = tmp_path / "out"
     (out / "deep").mkdir(parents=True)
@@ -205,15 +179,6 @@ def test_a_folder_that_cannot_be_used_is_refused(tmp_path):
     assert everything(tmp_path) == ["file", "full", "full/x"]
 
 
-def test_a_folder_that_can_be_used_is_not_touched(tmp_path):
-    (tmp_path / "empty").mkdir()
-    check_folder(tmp_path / "empty", overwrite=False)
-    check_folder(tmp_path / "not" / "yet" / "there", overwrite=False)
-    (tmp_path / "empty" / "x").touch()
-    check_folder(tmp_path / "empty", overwrite=True)
-    assert everything(tmp_path) == ["empty", "empty/x"]
-
-
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
 def test_a_folder_without_permission_is_refused(tmp_path):
     locked = tmp_path / "locked"
@@ -221,15 +186,6 @@ def test_a_folder_without_permission_is_refused(tmp_path):
     for out in (locked, locked / "new"):
         with pytest.raises(InputError, match="Permission denied"):
             check_folder(out, overwrite=True)
-
-
-@pytest.mark.usefixtures("small_figures")
-def test_links_are_exported_where_there_are_some(tmp_path):
-    result, curves = example()
-    write_result(tmp_path / "out", result, curves, ARM)
-    assert (tmp_path / "out" / "arm.urdf").read_text(encoding="utf-8").startswith("<?xml")
-    assert "<mujoco" in (tmp_path / "out" / "arm.xml").read_text(encoding="utf-8")
-    assert not (tmp_path / "out" / "no-links.txt").exists()
 
 
 @pytest.mark.usefixtures("small_figures")
@@ -265,16 +221,6 @@ def test_every_source_that_is_cited_exists(name, filter_name):
         assert (source in keys) == claims
     assert ("savitzky1964smoothing" in keys) == filter_name.startswith("Savitzky")
     assert bibtex(keys).count("@") == len(keys)
-
-
-@pytest.mark.usefixtures("small_figures")
-def test_a_folder_of_the_user_next_to_the_result_is_kept(tmp_path):
-    (tmp_path / ".out.partial").mkdir()
-    (tmp_path / ".out.partial" / "notes.txt").write_text("mine")
-    check_folder(tmp_path / "out", overwrite=False)
-    write_result(tmp_path / "out", *example(), ARM)
-    assert (tmp_path / ".out.partial" / "notes.txt").read_text() == "mine"
-    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.partial", "out"]
 
 
 @pytest.mark.usefixtures("small_figures")

@@ -5,11 +5,11 @@ import hashlib
 import io
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pandas as pd
 import pytest
+from html_page import Page
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
@@ -17,8 +17,8 @@ from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example
 from PIL import Image
 
 from repro.exhibits import style
-from repro.identification.alternatives import BEYOND
-from repro.identification.friction import Term
+from repro.identification.extra_terms import FrictionTerm
+from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm.figures import (
@@ -45,56 +45,8 @@ from repro.ownarm.tables import (
 from repro.ownarm.text import ALLOWED, summary
 
 pytestmark = pytest.mark.slow
-
-VOID = {"meta", "link", "img", "br", "mspace", "rect"}
 TIMES = style.TIMES
 HOSTILE = '<script>alert(1)</script>&".csv'
-
-
-class Page(HTMLParser):
-    """Elements of a document in order, each with its attributes and its text; rows of every table by its id."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self._open, self.tables, self._table = [], [], {}, None
-        self.feed(text)
-        self.close()
-        assert not self._open, f"never closed: {self._open}"
-
-    def handle_starttag(self, tag, attrs):
-        element = {"tag": tag, "text": "", **dict(attrs)}
-        self.elements.append(element)
-        if tag not in VOID:
-            self._open.append(element)
-        if element.get("class") == "best":
-            self._table[-1][-1]["best"] = True
-        if tag == "table":
-            self._table = self.tables.setdefault(element.get("id", f"table {len(self.tables)}"), [])
-        if tag == "tr":
-            self._table.append([])
-        if tag in ("td", "th"):
-            self._table[-1].append(element)
-
-    def handle_endtag(self, tag):
-        if tag in VOID:
-            return
-        assert self._open[-1]["tag"] == tag, f"</{tag}> closes <{self._open[-1]['tag']}>"
-        self._open.pop()
-
-    def handle_data(self, data):
-        for element in self._open:
-            element["text"] += data
-
-    def all(self, tag):
-        return [element for element in self.elements if element["tag"] == tag]
-
-    def one(self, anchor):
-        (element,) = [element for element in self.elements if element.get("id") == anchor]
-        return element
-
-    def rows(self, table):
-        """Texts of the cells of a table, row by row."""
-        return [[" ".join(cell["text"].split()) for cell in row] for row in self.tables[table]]
 
 
 @pytest.fixture(scope="module")
@@ -127,15 +79,6 @@ def test_the_recommended_parameters_stand_each_in_its_row(page):
         assert float(row[5]) == pytest.approx(error, rel=0.05)
         assert row[3] == verdict
     assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["kg·m²/s²"] * 2 + ["kg·m²/s"] * 2 + ["kg·m²/s²"] * 2
-
-
-def test_the_verdict_comes_first_and_says_why(page, text):
-    order = [heading["text"] for heading in page.all("h2")]
-    assert order[0] == "Verdict"
-    verdict = page.one("verdict")["text"]
-    assert "Physically consistent least squares" in verdict
-    assert "mallest torque error on the validation logs among the physically consistent methods" in verdict
-    assert text.index('id="verdict"') < text.index('id="warnings"') < text.index('id="logs"')
 
 
 def test_every_method_has_its_estimates_in_its_column(page):
@@ -202,30 +145,6 @@ def test_warnings_facts_notes_and_files_are_there(page):
     assert "None." in show(warnings=(), log=replace(result.log, warnings=())).one("warnings")["text"]
 
 
-def test_only_files_that_are_there_are_linked():
-    page = Page(render_page(example_result(), Curves(), {}, ["a:b c.csv"]))
-    assert [item["href"] for item in page.all("a") if not item["href"].startswith("#")] == ["a%3Ab%20c.csv"]
-    assert "Next to this page" not in render_page(example_result(), Curves(), {}, ())
-
-
-def test_excitation_says_what_is_not_determined():
-    few = replace(example_result().excitation, rank=8, base_parameters=("I1 + 0.31 I3", *NAMES[1:]))
-    found = " ".join(show(excitation=few).one("excitation")["text"].split())
-    assert "8 of 9" in found
-    assert "I1 + 0.31 I3" in found
-    assert "not excited" in found
-    none = replace(few, unexcited=())
-    assert re.search(r"Not excited\s*none\b", show(excitation=none).one("excitation")["text"])
-
-
-def test_simulated_is_said_where_it_is_and_only_there(text):
-    assert "Simulated." not in text
-    page = show(simulated=True, log=replace(example_result().log, simulated=True))
-    assert "simulated" in page.all("h1")[0]["text"]
-    assert "simulated" in page.all("title")[0]["text"]
-    assert "not a real one" in page.all("header")[0]["text"]
-
-
 def test_a_hostile_name_is_text():
     result = example_result(arm=HOSTILE, reason=HOSTILE, warnings=(HOSTILE,))
     logs = replace(result.log, name=HOSTILE, facts=((HOSTILE, HOSTILE),), notes=(HOSTILE,), warnings=(HOSTILE,))
@@ -272,15 +191,8 @@ def test_the_same_result_gives_the_same_bytes(figures, text):
     assert render_page(example_result(), example_curves(), figures) == text
 
 
-def test_what_cannot_be_shown_is_refused():
-    with pytest.raises(ValueError, match="'nobody'"):
-        render_page(example_result(recommended="nobody"), Curves(), {})
-    with pytest.raises(ValueError, match="overlay-0 must be a PNG"):
-        render_page(example_result(), Curves(), {"overlay-0": b"<svg/>"})
-
-
 def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
-    terms = (Term("load1", 0.0618, 0.005, 0.23, True), Term("load2", 0.056, 0.008, 0.11, False))
+    terms = (FrictionTerm("load1", 0.0618, 0.005, 0.23, True), FrictionTerm("load2", 0.056, 0.008, 0.11, False))
     result = example_result(friction=(terms,))
     row = (
         "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; subtracting it reduces "
@@ -295,7 +207,7 @@ def test_intervals_come_with_the_effects_that_they_allow_for_and_how_they_are_ma
     claims = example_result()
     bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False)
     none = example_result(methods=(bare,), recommended="ols")
-    assert set(BEYOND) and all(effect in ALLOWED for effect in BEYOND)
+    assert set(UNMODELLED_EFFECTS) and all(effect in ALLOWED for effect in UNMODELLED_EFFECTS)
     assert (ALLOWED in summary(claims), ALLOWED in summary(none)) == (True, False)
     page, without = (Page(render_page(result, Curves(), {})) for result in (claims, none))
     assert ALLOWED[1:] in page.one("verdict")["text"]
@@ -304,21 +216,6 @@ def test_intervals_come_with_the_effects_that_they_allow_for_and_how_they_are_ma
         assert text in page.one("methods")["text"]
     links = [[e["href"] for e in one.elements if e.get("href") == "#intervals"] for one in (page, without)]
     assert links[0] and not links[1]
-
-
-def test_a_page_without_figures_validation_or_intervals_is_whole():
-    bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False,
-                  validation=(), halves=(), notes=(), citation="")  # fmt: skip
-    page = show(methods=(bare,), recommended="ols", validation_logs=(), warnings=())
-    assert "--validate" in page.all("header")[0]["text"]
-    assert "claims no intervals" in page.one("verdict")["text"]
-    assert not page.all("img")
-
-
-def test_logs_of_one_name_keep_their_own_scores():
-    twice = method("ols", "One", validation=(score("a.csv", 0.1, 0.2), score("a.csv", 0.3, 0.4)))
-    rows = show(methods=(twice,), recommended="ols").rows("scores")
-    assert [row[1] for row in rows[-3:] if len(row) > 1] == ["10.0", "30.0"]
 
 
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
@@ -436,25 +333,6 @@ def test_figures_look_as_they_did(name, image_regression):
     image_regression.check(picture.getvalue(), diff_threshold=2e-3, basename=f"look-{name}")
 
 
-def words_of(figure):
-    titles = [legend.get_title().get_text() for legend in figure.legends]
-    return " ".join([figure.get_suptitle(), *titles])
-
-
-@pytest.mark.parametrize("name", ["overlay", "spectra", "cutoff", "parameters"])
-def test_axes_have_units_and_the_simulation_is_named(name):
-    figure = every_figure()[name]
-    assert figure.get_figwidth() == style.PAGE
-    labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
-    assert all(re.search(r"\((1|s|Hz|rad|N·m|kg·m².*)\)$", label) for label in labels if label)
-    named = {
-        axis for axes in figure.axes for axis, label in (("x", axes.get_xlabel()), ("y", axes.get_ylabel())) if label
-    }
-    assert named == ({"x"} if name == "parameters" else {"x", "y"})
-    assert style.SIMULATED not in words_of(figure)
-    assert style.SIMULATED in words_of(every_figure(simulated=True)[name])
-
-
 def test_curves_are_the_numbers_given():
     signals = example_curves().signals[0]
     titles = ordered_titles(example_result())
@@ -472,15 +350,6 @@ def test_curves_are_the_numbers_given():
         assert set(close.lines[0].get_xdata()) < set(signals.t)
     strokes = {(line.get_color(), line.get_linestyle()) for line in figure.axes[1].lines}
     assert len(strokes) == 3
-
-
-def test_a_method_without_curves_is_refused():
-    signals, titles = example_curves().signals[0], {"wls": "Weighted"}
-    for draw in (draw_overlay, draw_spectra):
-        with pytest.raises(ValueError, match="'wls'"):
-            drawn(draw, signals, ["wls"], titles)
-        with pytest.raises(ValueError, match="at least one"):
-            drawn(draw, signals, [], titles)
 
 
 def test_every_estimate_is_on_its_panel_or_named_at_its_edge():

@@ -9,8 +9,7 @@ from ownarm_log import exciting
 from ownarm_problem import ARM, made, problem_of
 
 from repro.model.parameters import NAMES
-from repro.ownarm.prepare import at_limit
-from repro.ownarm.recommend import compare_networks, odd_delay, prediction_error, recommend, undriven, warnings
+from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 
 
@@ -29,31 +28,6 @@ def test_validation_logs_count_before_halves():
     name, reason = recommend([replace(m, validation=()) for m in (a, b)])
     assert name == "b"
     assert reason == "smallest mean torque error on each half from the other among the physically consistent methods"
-
-
-def test_prediction_error_is_the_mean_over_logs_and_joints():
-    a = method("a", "A", validation=(score("x", 0.1, 0.2), score("y", 0.3, 0.6)), halves=(score("h", 0.4, 0.0),))
-    assert prediction_error(a) == pytest.approx(0.3)
-    assert prediction_error(replace(a, validation=())) == pytest.approx(0.2)
-    assert prediction_error(replace(a, validation=(), halves=())) == np.inf
-
-
-def test_a_method_that_was_not_judged_is_not_preferred():
-    slow = method("cnn", "CNN", 0.1, validation=(), halves=())
-    judged_one = method("b", "B", 3.0, validation=())
-    assert recommend((slow, judged_one))[0] == recommend((judged_one, slow))[0] == "b"
-
-
-def test_a_single_method_is_the_only_one():
-    assert recommend((method("a", "A", 9.0),)) == ("a", "the only method requested")
-
-
-def test_where_none_is_consistent_the_reason_says_so():
-    methods = [method(name, name, worse, consistent=False) for name, worse in (("a", 2.0), ("b", 1.0))]
-    name, reason = recommend(methods)
-    assert name == "b"
-    assert "none of the methods gives physically consistent parameters" in reason
-    assert "none of the methods gives physically consistent parameters" in recommend(methods[:1])[1]
 
 
 GOOD = method(
@@ -112,13 +86,6 @@ def test_each_limit_passed_makes_its_own_warning(excitation, changes, settings, 
     assert "\n" not in line
 
 
-def test_all_that_may_spoil_a_result_is_told_at_once():
-    changes = {key: value for _, part, _, _ in PASSED for key, value in part.items()}
-    changes["halves"] = (score("first half", 0.05, 0.9),)
-    lines = warned({"rank": 8, "friction_correlation": (1.0, 1.0)}, changes, {"delay": 0.02})
-    assert len(set(lines)) == len(lines) == 8
-
-
 def test_a_short_log_is_warned_of():
     problem = problem_of(exciting(50), delay=0.0)
     for seconds, short in ((14.9, True), (15.1, False)):
@@ -136,13 +103,6 @@ def test_friction_that_is_known_is_not_said_to_be_hard_to_tell_apart():
     for place in (5, 7):
         vague = [replace(p, low=0.4, high=1.6) if k == place else p for k, p in enumerate(known)]
         assert len(warnings(problem, (replace(GOOD, parameters=tuple(vague)),), "a", slow)) == 1
-
-
-def test_a_delay_that_was_given_is_not_warned_of():
-    for late in (-0.02, 0.02, 0.05):
-        assert warned({}, {}, {"delay": late, "estimates_delay": False}) == ()
-        assert at_limit(late)
-    assert not at_limit(0.0197)
 
 
 def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):
@@ -261,11 +221,3 @@ def test_a_network_is_compared_with_least_squares_on_logs_only_that_both_predict
     assert compare_networks(unseen, ("algorithm1",)) == unseen
     none = (network(0.1, name="a"), network(0.2, name="b"))
     assert compare_networks(none, ("algorithm1",)) == none
-
-
-def test_every_network_has_its_own_note():
-    methods = (network(0.2), network(0.1, name="a"), network(0.05, name="algorithm1+refinement"))
-    noted = compare_networks(methods, ("algorithm1", "algorithm1+refinement"))
-    assert [len(m.notes) - len(b.notes) for m, b in zip(noted, methods, strict=True)] == [1, 0, 1]
-    assert noted[0].notes[-1].startswith("mean validation error 2 times")
-    assert noted[2].notes[-1].startswith("mean validation error 0.5 times")

@@ -156,6 +156,6 @@ def test_nothing_that_makes_results_reads_the_published_numbers(tmp_path):
     computing = [path for path in scripts.glob("*.py") if path.stem not in COMPARING]
     assert len(computing) > 10
     for path in computing:
-        assert not [name for name in code.reached_by(path) if name.startswith("repro.paper")], path
+        assert not [name for name in code.of_script(path) if name.startswith("repro.paper")], path
     for family in ("numeric_tests", "arm_experiment", "many_arms", "causes", "variants"):
-        assert not [name for name in code.reached(f"repro.exhibits.{family}") if name.startswith("repro.paper")], family
+        assert not [name for name in code.of(f"repro.exhibits.{family}") if name.startswith("repro.paper")], family

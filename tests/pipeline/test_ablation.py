@@ -13,11 +13,17 @@ from repro.config import check_config
 from repro.documents import read_json
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
-from repro.pipeline.ablation import run_reading, train_reading
-from repro.pipeline.experiment import true_parameters
-from repro.pipeline.readings import HEADLINES, READINGS, ablation_figure, ablation_table, network_files, read_as
-from repro.pipeline.recordings import read_recordings
+from repro.pipeline.ablation import run_variant, train_variant
+from repro.pipeline.experiment import read_recordings, true_parameters
 from repro.pipeline.stored_networks import configuration_digest
+from repro.pipeline.variants import (
+    HEADLINES,
+    VARIANTS,
+    ablation_figure,
+    ablation_table,
+    configuration_of,
+    network_files,
+)
 from repro.settings import of_network, signal_settings
 from repro.signals.metric import metr2ev
 
@@ -39,10 +45,10 @@ CAPTURES = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", READINGS)
+@pytest.mark.parametrize("name", VARIANTS)
 def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
-    reading = READINGS[name]
-    changed = read_as(CONFIG, reading)
+    reading = VARIANTS[name]
+    changed = configuration_of(CONFIG, reading)
     whole = {**changed, "refinement": CONFIG["refinement"]}  # as it is run
     check_config(whole)
     of_its_network = of_network(CONFIG, reading.network)
@@ -57,19 +63,19 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     assert changed["training"]["steps"] == reading.longer * of_its_network["training"]["steps"]
 
 
-@pytest.mark.parametrize("name", [name for name, reading in READINGS.items() if not reading.trained])
+@pytest.mark.parametrize("name", [name for name, reading in VARIANTS.items() if not reading.trained])
 def test_a_reading_without_a_network_of_its_own_would_train_the_one_it_takes(name):
-    own, taken = (read_as(CONFIG, READINGS[which]) for which in (name, READINGS[name].of))
+    own, taken = (configuration_of(CONFIG, VARIANTS[which]) for which in (name, VARIANTS[name].of))
     assert configuration_digest(own) == configuration_digest(taken)
 
 
-@pytest.mark.parametrize("name", [name for name in READINGS if network_files(name)[0].startswith("model/")])
+@pytest.mark.parametrize("name", [name for name in VARIANTS if network_files(name)[0].startswith("model/")])
 def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name):
     weights, history = network_files(name)
     suffix = weights.removeprefix("model/cnn").removesuffix(".safetensors")
     assert history == f"model/training{suffix}.csv"
     own = of_network(CONFIG, suffix.removeprefix("-") or "published")
-    assert configuration_digest(read_as(CONFIG, READINGS[name])) == configuration_digest(own)
+    assert configuration_digest(configuration_of(CONFIG, VARIANTS[name])) == configuration_digest(own)
 
 
 @pytest.mark.parametrize(
@@ -87,20 +93,22 @@ def test_a_reading_takes_the_network_that_is_trained_for_it(name, files):
 
 
 def test_readings_are_read_as_they_are_called():
-    recipe, ranges = (read_as(CONFIG, READINGS[name]) for name in ("recipe-paper", "recipe-ranges"))
+    recipe, ranges = (configuration_of(CONFIG, VARIANTS[name]) for name in ("recipe-paper", "recipe-ranges"))
     assert recipe["training"] == ranges["training"]
     assert ranges["training"]["recipe"] == "paper"
     assert (recipe["data"]["prior"], ranges["data"]["prior"]) == (CONFIG["data"]["prior"], "published")
-    motions = {name: read_as(CONFIG, READINGS[name])["algorithm1"]["image_motion"] for name in MOTION_READINGS}
+    motions = {name: configuration_of(CONFIG, VARIANTS[name])["algorithm1"]["image_motion"] for name in MOTION_READINGS}
     assert motions == MOTION_READINGS
-    trained_on = {name: read_as(CONFIG, READINGS[name])["data"]["motions"] for name in MOTION_READINGS}
+    trained_on = {name: configuration_of(CONFIG, VARIANTS[name])["data"]["motions"] for name in MOTION_READINGS}
     assert trained_on == {"default": "ideal", "desired": "ideal", "tracked": "tracked", "tracked-measured": "tracked"}
-    formulas = [read_as(CONFIG, READINGS[name])["metric"]["time_formula"] for name in ("default", "metric-energy")]
+    formulas = [
+        configuration_of(CONFIG, VARIANTS[name])["metric"]["time_formula"] for name in ("default", "metric-energy")
+    ]
     assert formulas == ["mean-square", "energy"]
 
 
 def test_every_open_question_of_the_notes_has_a_reading():
-    questions = {reading.question for reading in READINGS.values()}
+    questions = {reading.question for reading in VARIANTS.values()}
     for word in ("omega", "motion", "ranges", "label", "time factor", "physically", "recipe", "L_exe"):
         assert any(word in question for question in questions), word
 
@@ -116,8 +124,8 @@ def true_on_validation():
 @pytest.mark.parametrize("name", ["label-physical", "recipe-paper", "recipe-ranges"])
 def test_a_reading_is_trained_and_scored(name, tmp_path):
     weights, history, checkpoint = (str(tmp_path / part) for part in ("w.safetensors", "h.csv", "c.safetensors"))
-    train_reading(name, weights, history, "", checkpoint, TINY)
-    run_reading(name, weights, CAPTURES, str(tmp_path / "out.json"), TINY)
+    train_variant(name, weights, history, "", checkpoint, TINY)
+    run_variant(name, weights, CAPTURES, str(tmp_path / "out.json"), TINY)
     table, result = read_csv(Path(history), HISTORY_COLUMNS), read_json(tmp_path / "out.json")
     assert table["step"].iloc[-1] == 3
     assert all(0 <= result[key] <= 1 for key in (*HEADLINES, "id_lowest"))
@@ -127,12 +135,12 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
 
 def test_the_table_has_each_readings_last_held_out_loss():
     numbers = dict.fromkeys(("id_mean", "id_lowest", "validation_mean", *HEADLINES), 0.5)
-    rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(READINGS) + 2)]
+    rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(VARIANTS) + 2)]
     histories = [pd.DataFrame(row, columns=list(HISTORY_COLUMNS)) for row in rows]
-    table = ablation_table([numbers] * len(READINGS), histories)
-    assert table["reading"].tolist() == [reading.name for reading in READINGS.values()]
-    assert table["steps"].tolist() == list(range(2, len(READINGS) + 2))
+    table = ablation_table([numbers] * len(VARIANTS), histories)
+    assert table["reading"].tolist() == [reading.name for reading in VARIANTS.values()]
+    assert table["steps"].tolist() == list(range(2, len(VARIANTS) + 2))
     assert table["held_out_loss"].tolist() == [k / 10 for k in table["steps"]]  # not the loss of the training
     figure = ablation_figure(table)
-    assert len(figure) == len(READINGS) * len(HEADLINES)
+    assert len(figure) == len(VARIANTS) * len(HEADLINES)
     assert set(figure["quantity"]) == set(HEADLINES)

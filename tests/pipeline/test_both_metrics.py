@@ -7,9 +7,9 @@ import pytest
 from experiment_example import MOTIONS, crossed_identification, least_squares_run, recording, short_config
 
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
-from repro.pipeline.both_metrics import COLUMNS, both_metrics
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.numeric import motion_of
+from repro.pipeline.summary import BOTH_METRICS, both_metrics
 from repro.settings import numeric_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
 
@@ -49,7 +49,7 @@ def table(recordings):
 
 
 def test_every_method_of_the_arm_has_both_formulas(table):
-    assert tuple(table.columns) == COLUMNS
+    assert tuple(table.columns) == BOTH_METRICS
     methods = ("algorithm1", "algorithm1+desired", "least-squares", "bounded", "consistent", "true")
     rows = [*zip(table["method"], table["formula"], strict=True)]
     assert sorted(rows) == sorted(itertools.product(methods, TIME_FORMULAS))

@@ -9,8 +9,7 @@ from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, fact
 from scipy import stats
 
 from repro.files import read_csv, write_csv
-from repro.pipeline.effects import cell_means, effects, interval
-from repro.pipeline.factorial_design import COLUMNS, CONFIRMATION
+from repro.pipeline.factorial import COLUMNS, CONFIRMATION, cell_means, effects, interval
 
 NAMES = tuple(MAIN)
 

@@ -18,18 +18,19 @@ from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.fpga.server import PtyEndpoint
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
-from repro.pipeline.acquire import acquire
 from repro.pipeline.experiment import (
+    acquire,
+    board_from_config,
     check_program,
     control_constants,
+    disturbance,
     mechanical_parameters,
     metadata_for,
     program_from_config,
+    read_recording,
     true_parameters,
 )
 from repro.pipeline.provenance import recorded_fingerprint
-from repro.pipeline.recordings import read_recording
-from repro.pipeline.specimen import board_from_config, disturbance
 
 pytestmark = pytest.mark.slow
 

@@ -17,15 +17,13 @@ from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, search, select
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.identification.solve import solve
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
-from repro.pipeline.experiment import control_constants, program_from_config
+from repro.pipeline.experiment import control_constants, disturbance, program_from_config
 from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.factorial import score_cell, search_under, train_cell
-from repro.pipeline.factorial_design import (
+from repro.pipeline.factorial import (
     CELLS,
     COLUMNS,
     CONFIRMATION,
@@ -35,8 +33,8 @@ from repro.pipeline.factorial_design import (
     score_references,
     simulate_blocks,
 )
+from repro.pipeline.factorial_networks import score_cell, search_under, train_cell
 from repro.pipeline.numeric import mean_training_torque
-from repro.pipeline.specimen import disturbance
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
@@ -108,7 +106,7 @@ class Reader:
 
     def estimate(self, guess):
         self.images += len(guess)
-        return ARM / PREPARED.largest + self._scale * (guess - 0.5) @ self._mix
+        return ARM / PREPARED.torque_scale + self._scale * (guess - 0.5) @ self._mix
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
@@ -314,9 +312,9 @@ def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, tm
     estimate = read_torque(from_disk, prepared.alpha)
     for formula in TIME_FORMULAS:
         (row,) = rows_of(table, block="6", back_emf=HIGH, metric=formula).to_dict("records")
-        expected = similarities(block, prepared.largest * estimate, formula, c)
+        expected = similarities(block, prepared.torque_scale * estimate, formula, c)
         np.testing.assert_allclose([row["id"], row["validation"]], expected, rtol=0, atol=1e-7)
-        error = np.sqrt(np.mean((estimate - block.true / prepared.largest) ** 2))
+        error = np.sqrt(np.mean((estimate - block.true / prepared.torque_scale) ** 2))
         assert row["error"] == pytest.approx(error, rel=1e-6)
 
 
@@ -337,7 +335,7 @@ def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, 
         for formula in TIME_FORMULAS:
             settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
             settings = replace(settings, metric=MetricSettings(formula))
-            reader = ResidualReader(network, image, prepared)
+            reader = ResidualEstimator(network, image, prepared)
             candidates = search(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
             expected = select(candidates.beta, prepared, settings).beta
             levels = {"block": block.name, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
@@ -345,7 +343,7 @@ def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, 
             totals = similarities(block, expected, formula, c)
             np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)
             guesses = [s.uniform(1e-3, 3.0, 9) for s in stream(seed, Stream.FACTORIAL_SEARCH, k).spawn(4)]
-            first = reader.estimate(np.stack(guesses)) - block.true / prepared.largest
+            first = reader.estimate(np.stack(guesses)) - block.true / prepared.torque_scale
             assert row["error"] == pytest.approx(np.sqrt(np.mean(first**2)), rel=1e-5)
             assert (row["search_seed"], row["training_seed"]) == (seed, 1)
 

@@ -9,14 +9,14 @@ from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identification.algorithm1.run import Algorithm1
-from repro.identification.algorithm1.uncertainty import distances, spread_of, unlike_beyond
+from repro.identification.algorithm1.conformal import distances, novelty_limit, spread_of
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.solve import solve
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
+from repro.pipeline.experiment import read_recording
 from repro.pipeline.numeric import mean_training_torque
-from repro.pipeline.recordings import read_recording
 from repro.pipeline.tracked import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
@@ -47,11 +47,11 @@ def tables(config, tmp_path_factory):
         def estimate(self, guess):
             # Least squares stands for a network that knows the arm but for its error.
             p = self._prepared
-            right = solve(p.regression.y, p.regression.tau) / p.largest
+            right = solve(p.regression.y, p.regression.tau) / p.torque_scale
             return right + 0.1 * rng.standard_normal(9) + 0.02 * rng.standard_normal(guess.shape)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stage, "ResidualReader", Reader)
+        patch.setattr(stage, "ResidualEstimator", Reader)
         signals = signal_settings(config)
         tau_mean = mean_training_torque(signals, data_settings(config), 1)
         algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
@@ -147,4 +147,4 @@ def test_another_motion_is_unlike(tables, config):
     training = training_motion(config, path).torque
     arms = read_tracked(path, config)
     mirrored = [stage._torque(q[::-1] * RADIANS_PER_COUNT, arms.program, config) for q in arms.position[:3]]
-    assert (distances(np.stack(mirrored), training) > unlike_beyond(training)).all()
+    assert (distances(np.stack(mirrored), training) > novelty_limit(training)).all()

@@ -13,11 +13,10 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.network import FactoredCNN
 from repro.cnn.priors import sample_beta
-from repro.identification.algorithm1.refinement import RefinementSettings
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.identified import every_seed
+from repro.pipeline.experiment_runs import every_seed
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     identify_arms,

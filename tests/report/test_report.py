@@ -7,12 +7,12 @@ import io
 import itertools
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from html_page import Page
 from PIL import Image
 from report_example import TRICKY, claim_rows, make_example, verdict_rows, write_picture, write_rows
 
@@ -27,39 +27,6 @@ from repro.report.page import build_report, write_report
 from repro.report.question import answer
 
 ROOT = Path(__file__).resolve().parents[2]
-VOID = {"meta", "link", "img", "br", "input"}
-
-
-class Page(HTMLParser):
-    """Elements of a document in order, each with its attributes and all the text inside it."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self._open = [], []
-        self.feed(text)
-        self.close()
-        assert not self._open, f"never closed: {self._open}"
-
-    def handle_starttag(self, tag, attrs):
-        element = {"tag": tag, "text": "", **dict(attrs)}
-        self.elements.append(element)
-        if tag not in VOID:
-            self._open.append(element)
-
-    def handle_endtag(self, tag):
-        assert self._open[-1]["tag"] == tag, f"</{tag}> closes <{self._open[-1]['tag']}>"
-        self._open.pop()
-
-    def handle_data(self, data):
-        for element in self._open:
-            element["text"] += data
-
-    def all(self, tag):
-        return [element for element in self.elements if element["tag"] == tag]
-
-    def one(self, anchor):
-        (element,) = [element for element in self.elements if element.get("id") == anchor]
-        return element
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ rule ablation_train:
         mem_mb=3000,
         runtime=90,
     params:
-        code=code("ablation_train.py"),
+        *code("ablation_train.py"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment"),
     message:
@@ -38,7 +38,7 @@ rule ablation_run:
     resources:
         mem_mb=2000,
     params:
-        code=code("ablation_run.py"),
+        *code("ablation_run.py"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),
     message:
         "Headline numbers under the reading {wildcards.reading}"

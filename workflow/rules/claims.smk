@@ -19,7 +19,7 @@ rule claims:
     resources:
         mem_mb=1500,
     params:
-        code=code("claims.py"),
+        *code("claims.py"),
         config=ledger_sections(),
     message:
         "Ledger of every published number"
@@ -43,7 +43,7 @@ rule verify:
     resources:
         mem_mb=1500,
     params:
-        code=code("verify.py"),
+        *code("verify.py"),
         config={**ledger_sections(), "claims": config["claims"]},
     message:
         "Verifying the ledger"

@@ -5,7 +5,7 @@ AWAITED, TRAINING, LONG = 20, 10, 5
 
 
 def code(script, *modules):
-    """Digest of the code that a script reaches, and of further modules; a docstring changes nothing."""
+    """Digests of the definitions that a script reaches, and of further ones; a docstring changes nothing."""
     return CODE.of_script(HERE / "scripts" / script, *modules)
 
 

@@ -19,7 +19,7 @@ rule check_coverage:
         mem_mb=2000,
         runtime=30,
     params:
-        code=code("check_coverage.py"),
+        *code("check_coverage.py"),
         trained_as=configuration_digest(of_network(config, "tracked")),
         config=sections(*USED, *ARM, "coverage", of=of_network(config, "tracked")),
     message:

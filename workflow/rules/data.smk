@@ -11,7 +11,7 @@ rule simulate_tracked:
     resources:
         mem_mb=2000,
     params:
-        code=code("simulate_tracked.py"),
+        *code("simulate_tracked.py"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"
@@ -32,7 +32,7 @@ rule mean_torque:
     resources:
         mem_mb=1000,
     params:
-        code=code("mean_torque.py"),
+        *code("mean_torque.py"),
         config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"

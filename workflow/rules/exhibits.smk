@@ -27,8 +27,8 @@ SOURCES = {
     },
     "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", "-paper-recipe"])},
     "readings": {
-        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=READINGS),
-        "losses": [f"{R}/{network_files(reading)[1]}" for reading in READINGS],
+        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=VARIANTS),
+        "losses": [f"{R}/{network_files(reading)[1]}" for reading in VARIANTS],
     },
     "factorial": {
         "scores": [
@@ -91,7 +91,7 @@ for (module, *sources), exhibits in TOGETHER.items():
         resources:
             mem_mb=1500,
         params:
-            code=code("exhibits.py", *(one.definition for one in exhibits)),
+            *code("exhibits.py", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],
             config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
         message:

@@ -24,7 +24,7 @@ rule acquire:
         mem_mb=2000,
         serial_port=int(SERIAL),
     params:
-        code=code("acquire.py"),
+        *code("acquire.py"),
         config=sections(*ARM),
     message:
         "Capture of {wildcards.motion}"
@@ -53,7 +53,7 @@ rule identify_experiment:
     resources:
         mem_mb=2000,
     params:
-        code=code("identify_experiment.py"),
+        *code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
         config=network_sections(*ARM),
@@ -77,7 +77,7 @@ rule identify_least_squares:
     resources:
         mem_mb=2000,
     params:
-        code=code("identify_least_squares.py"),
+        *code("identify_least_squares.py"),
         config=sections(*ARM),
     message:
         "Identifying the arm by least squares"
@@ -101,7 +101,7 @@ rule score_experiment:
     resources:
         mem_mb=2000,
     params:
-        code=code("score_experiment.py"),
+        *code("score_experiment.py"),
         config=sections(*ARM, "metric"),
     message:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
@@ -122,7 +122,7 @@ rule simulate_spread:
     resources:
         mem_mb=2000,
     params:
-        code=code("simulate_spread.py"),
+        *code("simulate_spread.py"),
         config=sections(*ARM, "data", "spread"),
     message:
         "Simulating many specimens of the arm"
@@ -148,7 +148,7 @@ rule score_spread:
         mem_mb=2000,
         runtime=30,
     params:
-        code=code("score_spread.py"),
+        *code("score_spread.py"),
         trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
         config=sections(*USED, *ARM, "networks", "spread"),
     message:

@@ -10,7 +10,7 @@ rule simulate_factorial:
     resources:
         mem_mb=2000,
     params:
-        code=code("simulate_factorial.py"),
+        *code("simulate_factorial.py"),
         config=sections(*ARM, "data", "factorial"),
     message:
         "Simulating the blocks of the factorial"
@@ -34,7 +34,7 @@ rule train_factorial:
         mem_mb=3000,
         runtime=90,
     params:
-        code=lambda wildcards: CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train"),
+        code=lambda wildcards: " ".join(CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train")),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:
@@ -60,7 +60,7 @@ rule score_factorial:
         mem_mb=2000,
         runtime=60,
     params:
-        code=code("score_factorial.py"),
+        *code("score_factorial.py"),
         config=factorial_sections(),
     message:
         "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
@@ -82,7 +82,7 @@ rule score_factorial_references:
     resources:
         mem_mb=2000,
     params:
-        code=code("score_factorial_references.py"),
+        *code("score_factorial_references.py"),
         config=factorial_sections(),
     message:
         "Least squares on the blocks of the factorial"

@@ -18,7 +18,7 @@ rule identify_numeric:
     resources:
         mem_mb=2000,
     params:
-        code=code("identify_numeric.py"),
+        *code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
         trained_as=trained_as,
         config=network_sections("numeric"),
@@ -40,7 +40,7 @@ rule identify_numeric_least_squares:
     resources:
         mem_mb=1500,
     params:
-        code=code("identify_numeric_least_squares.py"),
+        *code("identify_numeric_least_squares.py"),
         config=sections("signals", "numeric"),
     message:
         "Identifying N1 to N4 by least squares"

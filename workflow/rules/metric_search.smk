@@ -16,7 +16,7 @@ rule search_metric:
     resources:
         mem_mb=1500,
     params:
-        code=code("search_metric.py"),
+        *code("search_metric.py"),
         config=sections("metric_search"),
     message:
         "Searching for the formula of metr2ev and the random motion that explain Table 7"

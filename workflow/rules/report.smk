@@ -20,7 +20,7 @@ rule report:
     resources:
         mem_mb=1500,
     params:
-        code=code("report.py"),
+        *code("report.py"),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,

@@ -23,7 +23,7 @@ rule train:
         runtime=90,
     params:
         # The training alone: nobody wants it again for a change around it.
-        code=CODE.of("repro.cnn.train"),
+        *CODE.of("repro.cnn.train"),
         config=training_sections,
         checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
     message:

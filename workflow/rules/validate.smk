@@ -16,7 +16,7 @@ rule score_numeric:
     resources:
         mem_mb=1500,
     params:
-        code=code("score_numeric.py"),
+        *code("score_numeric.py"),
         config=sections("signals", "metric", "numeric"),
     message:
         "Scoring the numeric estimates, network{wildcards.suffix}"

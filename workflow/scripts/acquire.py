@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from repro.pipeline.acquire import acquire
+from repro.pipeline.experiment import acquire
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

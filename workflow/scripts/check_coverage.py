@@ -7,7 +7,7 @@ from repro.pipeline.coverage import coverage
 from repro.pipeline.job import job
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import read_mean_torque
-from repro.pipeline.recordings import read_recordings
+from repro.pipeline.experiment import read_recordings
 from repro.settings import signal_settings
 
 with job(snakemake.log[0], snakemake.threads):

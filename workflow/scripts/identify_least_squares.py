@@ -4,7 +4,7 @@ from repro.files import write_json
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.experiment_runs import least_squares_of
 from repro.pipeline.job import job
-from repro.pipeline.recordings import read_recordings
+from repro.pipeline.experiment import read_recordings
 from repro.settings import signal_settings
 
 with job(snakemake.log[0], snakemake.threads):

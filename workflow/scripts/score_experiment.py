@@ -2,9 +2,9 @@
 
 from repro.files import write_csv
 from repro.pipeline.experiment_runs import score_runs
-from repro.pipeline.identified import every_seed, read_identifications
+from repro.pipeline.experiment_runs import every_seed, read_identifications
 from repro.pipeline.job import job
-from repro.pipeline.recordings import read_recordings
+from repro.pipeline.experiment import read_recordings
 from repro.settings import metric_settings, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):

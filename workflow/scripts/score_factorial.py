@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from repro.files import write_csv
-from repro.pipeline.factorial import score_cell
+from repro.pipeline.factorial_networks import score_cell
 from repro.pipeline.job import job
 from repro.pipeline.numeric import read_mean_torque
 from repro.settings import signal_settings

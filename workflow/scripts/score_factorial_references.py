@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from repro.files import write_csv
-from repro.pipeline.factorial_design import score_references
+from repro.pipeline.factorial import score_references
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

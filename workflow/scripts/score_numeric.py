@@ -1,7 +1,7 @@
 """Similarity of every estimate of the numeric arms, on the identification and the validation trajectories."""
 
 from repro.files import write_csv
-from repro.pipeline.identified import every_seed, read_identifications
+from repro.pipeline.experiment_runs import every_seed, read_identifications
 from repro.pipeline.job import job
 from repro.pipeline.numeric import score_estimates
 from repro.settings import metric_settings, numeric_settings, signal_settings

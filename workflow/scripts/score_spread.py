@@ -6,7 +6,7 @@ from repro.files import write_csv
 from repro.pipeline.job import job
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.numeric import read_mean_torque
-from repro.pipeline.specimens import score_specimens
+from repro.pipeline.monte_carlo import score_specimens
 from repro.settings import of_network, signal_settings
 
 with job(snakemake.log[0], snakemake.threads):

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from repro.pipeline.factorial_design import simulate_blocks
+from repro.pipeline.factorial import simulate_blocks
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

@@ -1,7 +1,7 @@
 """One network, trained or taken from those that come with the project."""
 
 from repro.pipeline.job import job
-from repro.pipeline.training import train_network
+from repro.pipeline.networks import train_network
 
 with job(snakemake.log[0], snakemake.threads):
     train_network(

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from repro.pipeline.factorial import train_cell
+from repro.pipeline.factorial_networks import train_cell
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

@@ -11,7 +11,7 @@ from repro.commands.options import folder, integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
-    from repro.identification.envelope import Envelope
+    from repro.identification.exciting_motion import Envelope
     from repro.model.parameters import Array
     from repro.signals.trajectories import Motion
 
@@ -51,12 +51,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Design, compare with Eq. 10, write."""
+    """Design a motion to identify your own arm by, within its limits."""
     import numpy as np
 
     from repro.files import check_folder, fill_folder
-    from repro.identification.envelope import Envelope
-    from repro.identification.excite import design, published
+    from repro.identification.exciting_motion import Envelope, design, published
     from repro.logs.armfile import read_arm
     from repro.progress import Progress
 
@@ -124,14 +123,14 @@ def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> di
     """Give the extremes of a motion and the expected half-widths of its intervals."""
     import numpy as np
 
-    from repro.identification.excite import expected
+    from repro.identification.exciting_motion import expected_accuracy
     from repro.model.dynamics import inverse_dynamics
     from repro.model.parameters import NAMES
 
     moved = motion.q, motion.dq, motion.ddq
     torque = None if limits.beta is None else inverse_dynamics(*moved, limits.beta, limits.steepness)
     peaks = {"speed_rad_s": motion.dq, "acceleration_rad_s2": motion.ddq, "torque_nm": torque}
-    half, condition, log_det = expected(moved, noise, limits.steepness)
+    half, condition, log_det = expected_accuracy(moved, noise, limits.steepness)
     return {
         "position_rad": np.stack([motion.q.min(axis=1), motion.q.max(axis=1)], axis=1).tolist(),
         **{key: None if x is None else np.abs(x).max(axis=1).tolist() for key, x in peaks.items()},

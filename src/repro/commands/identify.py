@@ -75,7 +75,7 @@ def _cache() -> Path:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, describe, prepare, fit, evaluate, write."""
+    """Identify your own arm: from a log to parameters with intervals, and a report."""
     from repro.files import check_folder
     from repro.logs.armfile import read_arm
     from repro.ownarm.evaluate import add_self_test, assemble, fit_all, resolve
@@ -150,16 +150,16 @@ def _source(arguments: argparse.Namespace, text: str) -> Path:
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
     if "://" not in text and not path.is_char_device():
         return path
-    from repro.commands import record
+    from repro.commands import boards
 
     capture: Path = arguments.out.parent / f"{arguments.out.name}-recording.bin"
     if capture.exists() and not arguments.overwrite:
         raise InputError.at(str(capture), "a recording", "a new name for the folder, or --overwrite")
     parser = argparse.ArgumentParser()
-    record.add_arguments(parser)
+    boards.record_arguments(parser)
     command = ["--port", text, "--trajectory", arguments.trajectory, "--out", str(capture)]
     command += ["--config", str(arguments.config)] + ["--overwrite"] * arguments.overwrite
-    if record.run(parser.parse_args(command)) != 0:
+    if boards.record(parser.parse_args(command)) != 0:
         raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")
     return capture
 

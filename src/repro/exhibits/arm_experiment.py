@@ -29,11 +29,15 @@ from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
-from repro.pipeline.experiment import control_constants, mechanical_parameters, program_settings
-from repro.pipeline.experiment_runs import CASE, tracking
-from repro.pipeline.identified import every_seed, read_identifications, read_scores
+from repro.pipeline.experiment import (
+    Recording,
+    control_constants,
+    mechanical_parameters,
+    program_settings,
+    read_recordings,
+)
+from repro.pipeline.experiment_runs import CASE, every_seed, read_identifications, read_scores, tracking
 from repro.pipeline.job import Config
-from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.summary import SCORES, experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import spectrum

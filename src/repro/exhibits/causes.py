@@ -10,10 +10,8 @@ from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
 from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 from repro.files import read_csv
-from repro.pipeline.effects import cell_means, effects
-from repro.pipeline.experiment_runs import CASE
-from repro.pipeline.factorial_design import COLUMNS
-from repro.pipeline.identified import read_scores
+from repro.pipeline.experiment_runs import CASE, read_scores
+from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.job import Config
 from repro.pipeline.summary import SCORES
 

@@ -13,7 +13,7 @@ from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.job import Config
-from repro.pipeline.paired import comparisons
+from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
@@ -183,7 +183,7 @@ def _spread(inputs: Inputs) -> pd.DataFrame:
 
 
 def verdict_layout(frame: pd.DataFrame) -> Table:
-    """Each method against each of the field's over many simulated arms; columns `repro.pipeline.paired.COLUMNS`.
+    """Each method against each of the field's over many simulated arms; columns `COMPARISON_COLUMNS` of the study.
 
     A block for each opponent and set of arms, a row for each method and duration.
     """

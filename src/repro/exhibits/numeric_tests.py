@@ -33,7 +33,7 @@ from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
-from repro.pipeline.identified import every_seed, read_identifications, read_scores
+from repro.pipeline.experiment_runs import every_seed, read_identifications, read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table

@@ -17,18 +17,18 @@ from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, ta
 from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
-from repro.pipeline.both_metrics import both_metrics
-from repro.pipeline.identified import read_identifications
+from repro.pipeline.experiment import read_recordings
+from repro.pipeline.experiment_runs import read_identifications
 from repro.pipeline.job import Config
-from repro.pipeline.readings import HEADLINES, ablation_figure, ablation_table
-from repro.pipeline.recordings import read_recordings
+from repro.pipeline.summary import both_metrics
+from repro.pipeline.variants import HEADLINES, ablation_figure, ablation_table
 from repro.signals.programs import SPAN
 
 
 def both_metrics_layout(frame: pd.DataFrame) -> Table:
     """Headline rows under both time factors, two rows for each method.
 
-    Columns as `repro.pipeline.both_metrics.COLUMNS`.
+    Columns as `repro.pipeline.summary.BOTH_METRICS`.
     """
     words = {"mean-square": "mean square", "energy": "energy ratio"}
     values = ("numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id", "frequency_validation")

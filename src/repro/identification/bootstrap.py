@@ -5,10 +5,10 @@ uncertainties are combined.
 
 - Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
   jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
-- Type B [3]_: root mean square shift of the estimate when filters, delay or faults of the set-up are chosen
-  differently. An effect beyond Eq. 1 (`repro.identification.alternatives`) shifts it by anything up to what its columns
-  cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a
-  method that is biased on purpose belongs here too.
+- Type B [3]_: root mean square shift of the estimate when filters, delay or calibration errors are chosen differently.
+  An effect beyond Eq. 1 (`repro.identification.sensitivity`) shifts it by anything up to what its columns cause: a
+  rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a method that
+  is biased on purpose belongs here too.
 - Bias by errors of the motion, estimated by SIMEX [4]_. It widens the interval and does not move the estimate.
 
 Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
@@ -28,55 +28,47 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from repro.identification.alternatives import BEYOND, CHANCE, SMEARED, Alternative
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression, correlation_time
+from repro.identification.sensitivity import F_TEST_LEVEL, SIMEX, UNMODELLED_EFFECTS, Perturbation
 from repro.model.parameters import Array
 
 REPLICATES = 200
-#: Blocks span so many correlation times, and a log holds at least so many blocks.
-CORRELATION_TIMES = 5.0
-FEWEST_BLOCKS = 20
+#: Correlation times in a block, and fewest blocks in a log.
+CORRELATION_TIMES_PER_BLOCK, MIN_BLOCKS = 5.0, 20
 #: Groups of the jackknife: parts of the log that are left out in turn.
 GROUPS = 6
 
 
 @dataclass(frozen=True)
-class Spread:
-    """Uncertainty of an estimate.
+class Uncertainty:
+    """Uncertainty of an estimate, each array of shape (9,)."""
 
-    Attributes
-    ----------
-    standard_error : array of shape (9,)
-        Combined standard uncertainty of sampling and type B.
-    low, high : arrays of shape (9,)
-        Ends of the 95 % interval.
-    """
-
-    standard_error: Array
-    low: Array
+    standard_error: Array  # combined standard uncertainty of sampling and type B
+    low: Array  # ends of the 95 % interval
     high: Array
 
 
 def block_length(error: Array, h: float) -> int:
-    """Samples in a block, from the residuals of a fit, shape (2, n)."""
+    """Samples in a block, from the residuals (2, n) of a fit."""
     n = error.shape[-1]
-    wanted = round(CORRELATION_TIMES * correlation_time(error, h) / h)
-    return int(np.clip(wanted, 1, max(n // FEWEST_BLOCKS, 1)))
+    length = round(CORRELATION_TIMES_PER_BLOCK * correlation_time(error, h) / h)
+    return int(np.clip(length, 1, max(n // MIN_BLOCKS, 1)))
 
 
-def redraw(n: int, length: int, rng: np.random.Generator) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Numbers of the samples of one replicate: stretches of `length` that begin anywhere, `n` in all."""
+def resample(n: int, length: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Draw the sample indices of one replicate: blocks of `length` that begin anywhere, `n` samples in all."""
     starts = rng.integers(0, n - length + 1, size=-(-n // length))
-    rows: np.ndarray[tuple[int], np.dtype[np.intp]] = (starts[:, None] + np.arange(length)).reshape(-1)[:n]
+    rows: NDArray[np.intp] = (starts[:, None] + np.arange(length)).reshape(-1)[:n]
     return rows
 
 
 def jackknife(method: Method, regression: Regression, first: Estimate) -> tuple[Array, int]:
-    """Variance by the delete-a-group jackknife, shape (9,), and its degrees of freedom."""
+    """Compute the variance (9,) by the delete-a-group jackknife and its degrees of freedom."""
     n = regression.t.size
     group = np.arange(n) * GROUPS // n
     estimates = []
@@ -93,12 +85,12 @@ def bootstrap(
     method: Method,
     regression: Regression,
     first: Estimate,
-    as_good: Mapping[str, Alternative],
+    perturbations: Mapping[str, Perturbation],
     rng: np.random.Generator,
     replicates: int = REPLICATES,
     report: Callable[[int, int], None] = lambda *_: None,
-) -> Spread:
-    """Standard errors and 95 % intervals of a method.
+) -> Uncertainty:
+    """Compute standard errors and 95 % intervals of a method.
 
     Parameters
     ----------
@@ -107,9 +99,9 @@ def bootstrap(
     regression : Regression
         Its regression.
     first : Estimate
-        What it found.
-    as_good : mapping of Alternative
-        The same log with something chosen otherwise, by what, see `repro.identification.alternatives`.
+        Its estimate.
+    perturbations : mapping of Perturbation
+        The same log with other choices, see `repro.identification.sensitivity`.
     rng : numpy.random.Generator
         Draws the blocks.
     replicates : int
@@ -119,7 +111,7 @@ def bootstrap(
 
     Returns
     -------
-    Spread
+    Uncertainty
         Standard errors and intervals.
 
     Raises
@@ -131,8 +123,8 @@ def bootstrap(
     length = block_length(regression.tau - regression.y @ beta, regression.h)
     drawn = []
     for k in range(replicates):
-        replicate = regression.take(redraw(n, length, rng))
-        with suppress(NoSolutionError):  # a stretch drawn so often that it determines too little
+        replicate = regression.take(resample(n, length, rng))
+        with suppress(NoSolutionError):  # a block drawn so often that it determines too little
             drawn.append(method.repeat(replicate, first))
         report(k + 1, replicates)
     if len(drawn) < max(replicates // 2, 2):
@@ -140,21 +132,21 @@ def bootstrap(
     sampling = np.var(drawn, axis=0, ddof=1)
     blocks = max(n // length - 1, 1)
     slow, groups = jackknife(method, regression, first)
-    slower = slow > float(fisher.isf(CHANCE, groups, blocks)) * sampling
+    slower = slow > float(fisher.isf(F_TEST_LEVEL, groups, blocks)) * sampling
     sampling = np.where(slower, slow, sampling)
-    type_b, beyond, attenuation = np.zeros((3, len(beta)))
-    for name, other in as_good.items():
+    type_b, unmodelled, attenuation = np.zeros((3, len(beta)))
+    for name, other in perturbations.items():
         shifts = [method.repeat(regression, first) - beta for regression in other.regressions]
         square = other.weight * np.mean(np.square(shifts), axis=0)
-        if name == SMEARED:
+        if name == SIMEX:
             attenuation = square
-        elif name in BEYOND:  # rival explanations of the same residual: the largest shift counts
-            beyond = np.maximum(beyond, square / 3.0)  # variance of a rectangular distribution up to that shift
+        elif name in UNMODELLED_EFFECTS:  # rival explanations of the same residual: the largest shift counts
+            unmodelled = np.maximum(unmodelled, square / 3.0)  # variance of a rectangular distribution up to that shift
         else:
             type_b += square
-    type_b += beyond
+    type_b += unmodelled
     if method.unbiased is not None:
         type_b += (method.unbiased(regression).beta - beta) ** 2
     factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
-    reach = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
-    return Spread(np.sqrt(sampling + type_b), beta - reach, beta + reach)
+    half_width = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
+    return Uncertainty(np.sqrt(sampling + type_b), beta - half_width, beta + half_width)

@@ -1,10 +1,17 @@
-"""A log made into a linear regression, tau = Y beta, with torque and regressor through one filter.
+"""From a log to a linear regression, tau = Y beta, with torque and regressor through the same filters.
 
-The position is smoothed and differentiated with a wide filter, so that Eq. 1's sines and signs see the motion as it
-was; then each column of the regressor and the torque go through the narrow one ("parallel filtering"), which
-keeps their relation exactly because it is linear. The torque also goes through the wide filter, as the motion did.
+Parallel filtering (Swevers and others): the position is smoothed and differentiated with a wide filter, so that Eq. 1's
+sines and signs see the true motion; then each column of the regressor and the torque go through the narrow filter,
+which keeps their relation exactly because it is linear. The torque also goes through the wide filter.
+
+Cut-off, steepness of friction and delay of the torque are chosen from the log. The cut-off is the lower of two limits.
+Above the first the position no longer stands out from its own noise, which two differentiations amplify. Above the
+second, where the squared coherence of recorded and rebuilt torque is below one half, noise and unmodelled effects move
+the torque more than the motion does. The second alone is not enough: a controller answers the noise of the position
+with torque, and the two then agree on nothing but noise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,106 +19,85 @@ from numpy.typing import NDArray
 from scipy.fft import prev_fast_len
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
+from scipy.signal import csd
 
 from repro.identification.filters import FILTERS
-from repro.identification.regression import Regression, joined
+from repro.identification.regression import Regression, correlation_time, joined
+from repro.identification.solve import solve
 from repro.logs.log import Log, period
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
+#: Position, velocity and acceleration, each of shape (..., 2, N): rad, rad/s, rad/s^2.
+Moved = tuple[Array, Array, Array]
+
 #: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
-LONG = 4096
+MIN_SHORTENED_SAMPLES = 4096
+#: Squared coherence of the torque, and amplitude of the position over its noise (20 dB), that a frequency needs.
+MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
+#: Range of the cut-off, Hz.
+LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0
+#: Length of a segment of the spectra, s.
+SEGMENT = 3.0
+#: Values of lambda that are tried, s/rad: from friction that sets in over 0.2 rad/s to one that is a step.
+STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
+#: Largest delay that is searched, s, and number of delays.
+MAX_DELAY, N_DELAYS = 0.02, 11
 
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """How a log is filtered.
+    """How a log is filtered."""
 
-    Attributes
-    ----------
-    name : str
-        Key of `repro.identification.filters.FILTERS`.
-    cutoff : float
-        Half-power frequency of torque and regressor, Hz.
-    width : float
-        Half-power frequency of the motion's own filter over `cutoff`.
-    delay : float
-        The torque acts this much later than it was recorded, s.
-    friction_steepness : float
-        lambda of Eq. 1, s/rad.
-    cut : float
-        Length left out at each end, s.
-    samples_per_cycle : float
-        Samples kept in a period of the cut-off: the rest repeat what these say.
-    """
-
-    name: str = "dct"
-    cutoff: float = 5.0
-    width: float = 4.0
-    delay: float = 0.0
-    friction_steepness: float = LAMBDA
-    cut: float = 0.3
-    samples_per_cycle: float = 8.0
+    name: str = "dct"  # key of `repro.identification.filters.FILTERS`
+    cutoff: float = 5.0  # half-power frequency of torque and regressor, Hz
+    width: float = 4.0  # half-power frequency of the motion's own filter over `cutoff`
+    delay: float = 0.0  # the torque acts this much later than it was recorded, s
+    friction_steepness: float = LAMBDA  # lambda of Eq. 1, s/rad
+    cut: float = 0.3  # length left out at each end, s
+    samples_per_cycle: float = 8.0  # samples kept in a period of the cut-off: more would be redundant
 
 
-def wide(settings: FilterSettings, h: float) -> float:
+def motion_cutoff(settings: FilterSettings, h: float) -> float:
     """Half-power frequency of the motion's own filter, Hz."""
     return min(settings.width * settings.cutoff, 0.45 / h)
 
 
-def motion(q: Array, h: float, settings: FilterSettings) -> tuple[Array, Array, Array]:
-    """Smoothed position and its derivatives.
-
-    Parameters
-    ----------
-    q : array of shape (2, N)
-        Position, rad.
-    h : float
-        Sampling period, s.
-    settings : FilterSettings
-        Filter.
-
-    Returns
-    -------
-    q, dq, ddq : arrays of shape (2, N)
-        rad, rad/s, rad/s^2.
-    """
+def smooth_motion(q: Array, h: float, settings: FilterSettings) -> Moved:
+    """Smooth a position (2, N) and differentiate it twice."""
     smooth = FILTERS[settings.name].apply
-    top = wide(settings, h)
+    top = motion_cutoff(settings, h)
     return smooth(q, h, top, 0), smooth(q, h, top, 1), smooth(q, h, top, 2)
 
 
-def narrow(columns: Array, h: float, settings: FilterSettings) -> Array:
-    """Columns of shape (2, N, k) through the narrow filter."""
+def filter_columns(columns: Array, h: float, settings: FilterSettings) -> Array:
+    """Apply the narrow filter to columns (2, N, k)."""
     return np.moveaxis(FILTERS[settings.name].apply(np.moveaxis(columns, -1, 0), h, settings.cutoff, 0), 0, -1)
 
 
-def filtered_regressor(moved: tuple[Array, Array, Array], h: float, settings: FilterSettings) -> Array:
-    """Regressor of a motion through the narrow filter, shape (2, N, 9)."""
-    return narrow(regressor(*moved, settings.friction_steepness), h, settings)
+def filtered_regressor(moved: Moved, h: float, settings: FilterSettings) -> Array:
+    """Compute the regressor (2, N, 9) of a motion through the narrow filter."""
+    return filter_columns(regressor(*moved, settings.friction_steepness), h, settings)
 
 
 def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
-    """Torque through both filters and moved by the delay, shape (2, N)."""
+    """Apply both filters to a torque (2, N) and shift it by the delay."""
     smooth = FILTERS[settings.name].apply
-    tau = smooth(smooth(tau, h, wide(settings, h), 0), h, settings.cutoff, 0)
+    tau = smooth(smooth(tau, h, motion_cutoff(settings, h), 0), h, settings.cutoff, 0)
     if settings.delay == 0.0:
         return tau
     t = h * np.arange(tau.shape[-1])
-    moved: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
-    return moved
+    shifted: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
+    return shifted
 
 
-def kept(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
-    """Samples of a log that are filtered, the first so many, and the numbers of those that are kept of them.
+def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
+    """Number of samples, from the first, that are filtered, and the indices of those that are kept of them.
 
-    Raises
-    ------
-    ValueError
-        If nothing is left between the cuts.
+    ValueError is raised if nothing remains between the cuts.
     """
     h, n = period(log), log.t.size
-    if n > LONG:  # a cosine transform of a length with large prime factors takes five times as long
+    if n > MIN_SHORTENED_SAMPLES:  # a cosine transform of a length with large prime factors takes five times as long
         n = prev_fast_len(n)
     margin = max(round(settings.cut / h), 1)
     step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
@@ -121,8 +107,8 @@ def kept(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
     return n, keep
 
 
-def _between(x: Array, at: Array) -> Array:
-    """Cubic spline through evenly spaced samples, shape (2, n, k), at places counted in samples, away from the ends."""
+def _interpolated(x: Array, at: Array) -> Array:
+    """Evaluate a cubic spline through samples (2, n, k) at places counted in samples, away from the ends."""
     c, first = spline_filter1d(x, axis=1), np.floor(at).astype(np.intp)
     f = (at - first)[:, np.newaxis]
     weights = ((1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3)  # of the B-splines around
@@ -132,7 +118,7 @@ def _between(x: Array, at: Array) -> Array:
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:
-    """Filter, cut and thin out, each piece of the log on its own.
+    """Filter, cut and decimate each piece of a log by itself.
 
     Parameters
     ----------
@@ -149,27 +135,144 @@ def prepare(log: Log, settings: FilterSettings) -> Regression:
     Raises
     ------
     ValueError
-        If nothing is left between the cuts.
+        If nothing remains between the cuts.
     """
     parts = [_piece(piece, settings) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 
 
 def _piece(log: Log, settings: FilterSettings) -> Regression:
-    """Regression of a log in one piece."""
+    """Prepare a log in one piece."""
     h = period(log)
-    n, keep = kept(log, settings)
+    n, keep = retained_samples(log, settings)
     time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]
-    moved = motion(recorded, h, settings)
+    moved = smooth_motion(recorded, h, settings)
     y = filtered_regressor(moved, h, settings)
     halves = []
     for first in (0, 1):
-        there = slice(first, None, 2)
-        half = filtered_regressor(motion(recorded[:, there], 2 * h, settings), 2 * h, settings)
-        halves.append(_between(half, (keep - first) / 2))
+        every_other = slice(first, None, 2)
+        half = filtered_regressor(smooth_motion(recorded[:, every_other], 2 * h, settings), 2 * h, settings)
+        halves.append(_interpolated(half, (keep - first) / 2))
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
-    counts = np.ones(q.shape, dtype=np.bool_)
-    return Regression(
-        time[keep], y[:, keep], tau[:, keep], q, dq, ddq, counts, (keep[1] - keep[0]) * h, np.stack(halves)
-    )
+    mask = np.ones(q.shape, dtype=np.bool_)
+    return Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, np.stack(halves))
+
+
+# Choice of the cut-off.
+
+
+@dataclass(frozen=True)
+class Cutoff:
+    """The choice of the cut-off and its reason."""
+
+    hertz: float  # half-power frequency for `FilterSettings.cutoff`
+    reason: str  # one line
+    frequency: Array  # (m,), Hz
+    coherence: Array  # squared coherence of recorded and rebuilt torque of each joint, (2, m)
+    position: Array  # amplitude of the position over that of its noise, of each joint, (2, m)
+    highest: float  # highest cut-off that could have been chosen, Hz
+    explained: float = MIN_COHERENCE  # least coherence, mean of both joints
+    above_noise: float = MIN_SIGNAL_TO_NOISE  # least amplitude ratio, of the better joint
+
+
+def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
+    """Find the highest frequency that satisfies both limits: 1 to 10 Hz, but at most a tenth of the sampling rate.
+
+    The cut-off of the settings is not used.
+    """
+    rate = 1.0 / period(log)
+    highest = min(HIGHEST_CUTOFF, rate / 10.0)
+    segment = min(round(SEGMENT * rate), log.longest.t.size // 4)
+    q = [piece.q for piece in log.pieces]
+    frequency, density = _density(q, q, rate, segment, "blackmanharris")
+    # The noise is that of the upper half of the spectrum, where an arm does not move.
+    noise = np.median(density.real[:, frequency > 0.25 * rate], axis=-1, keepdims=True)
+    position = np.sqrt(density.real / np.where(noise > 0.0, noise, np.finfo(np.float64).tiny))
+    band = (frequency >= LOWEST_CUTOFF) & (frequency <= highest)
+    by_noise = _first_below(frequency[band], position.max(0)[band], MIN_SIGNAL_TO_NOISE)
+
+    first = prepare(log, replace(settings, cutoff=min(3.0, highest)))
+    beta = solve(first.y, first.tau)
+    every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
+    wide = [prepare(piece, every_sample) for piece in log.pieces]
+    tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
+    segment = min(segment, max(piece.t.size for piece in wide) // 4)
+    pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
+    (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
+    with np.errstate(divide="ignore", invalid="ignore"):  # no torque at all
+        squared = np.nan_to_num(np.abs(cross) ** 2 / own.real / other.real)
+    coherence = np.stack([np.interp(frequency, grid, joint) for joint in squared])
+    by_coherence = _first_below(frequency[band], coherence.mean(0)[band], MIN_COHERENCE)
+
+    hertz = min(by_noise, by_coherence, highest)
+    if hertz == highest:
+        reason = f"position and torque are good up to {highest:.3g} Hz, the most that is used"
+    elif by_coherence <= by_noise:
+        reason = f"above {hertz:.3g} Hz Eq. 1 explains less than half of the torque's power"
+    else:
+        reason = f"above {hertz:.3g} Hz the position is less than {MIN_SIGNAL_TO_NOISE:g} times its noise"
+    return Cutoff(hertz, reason, frequency, coherence, position, highest)
+
+
+def _density(
+    x: Sequence[Array], y: Sequence[Array], rate: float, segment: int, window: str
+) -> tuple[Array, NDArray[np.complex128]]:
+    """Frequency and cross-spectral density of the pieces of a log that contain a segment, each by its length."""
+    long = [(a, b) for a, b in zip(x, y, strict=True) if a.shape[-1] >= segment]
+    densities = [csd(a, b, rate, window=window, nperseg=segment, axis=-1) for a, b in long]
+    weight = np.array([a.shape[-1] for a, _ in long]) / sum(a.shape[-1] for a, _ in long)
+    return densities[0][0], sum(part * w for (_, part), w in zip(densities, weight, strict=True))
+
+
+def _first_below(frequency: Array, curve: Array, limit: float) -> float:
+    """Lowest frequency at which a curve is below a limit; infinity if there is none."""
+    below = np.flatnonzero(curve < limit)
+    return float(frequency[below[0]]) if below.size else np.inf
+
+
+# Choice of the friction's steepness and the delay.
+
+
+def choose_steepness(log: Log, settings: FilterSettings) -> float:
+    """Choose lambda of Eq. 1 with the smallest sum of squared errors, each joint over its torque's energy."""
+    errors = []
+    for steepness in STEEPNESS_GRID:
+        r = prepare(log, replace(settings, friction_steepness=steepness))
+        weight = 1.0 / np.mean(r.tau**2, axis=-1, keepdims=True)
+        errors.append(float(np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)))
+    return STEEPNESS_GRID[int(np.argmin(errors))]
+
+
+def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
+    """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
+
+    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
+    squared errors of ordinary least squares is close to a parabola about the true delay.
+    """
+    delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
+    pieces = [_delayed(piece, settings, delays) for piece in log.pieces]
+    y, tau, h = np.concatenate([y for y, _, _ in pieces], 1), np.concatenate([x for _, x, _ in pieces], 2), pieces[0][2]
+    residual = np.stack([x - y @ solve(y, x) for x in tau])
+    error = np.sum(residual**2, axis=(1, 2))
+    best = int(np.clip(error.argmin(), 1, N_DELAYS - 2))
+    near = slice(best - 1, best + 2)
+    curve, slope, _ = np.polyfit(delays[near] - delays[best], error[near], 2)
+    if curve <= 0.0:
+        return float(delays[error.argmin()]), MAX_DELAY
+    delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
+    if abs(delay) >= MAX_DELAY:  # the best delay is beyond the range: nothing is known of it
+        return delay, MAX_DELAY
+    # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
+    n_independent = residual[best].size * h / correlation_time(residual[best], h)
+    return delay, min(float(np.sqrt(error.min() / n_independent / curve)), MAX_DELAY)
+
+
+def _delayed(log: Log, settings: FilterSettings, delays: Array) -> tuple[Array, Array, float]:
+    """Regressor of a piece of a log, its torque with each delay (len(delays), 2, n), and time between samples."""
+    plain = prepare(log, replace(settings, delay=0.0))
+    t = plain.t
+    inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
+    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
+    torque_at = CubicSpline(fine.t, fine.tau, axis=-1)
+    return plain.y[:, inside], np.stack([torque_at(t[inside] - delay) for delay in delays]), plain.h

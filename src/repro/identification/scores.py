@@ -1,23 +1,32 @@
-"""How well parameters rebuild a torque."""
+"""How well parameters predict: similarity and relative error of the torque, and error of the re-simulated position."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.regression import Regression
-from repro.model.dynamics import rebuild_torque
-from repro.model.parameters import Array
+from repro.logs.log import Log, period
+from repro.model.dynamics import forward_dynamics, rebuild_torque
+from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev
 
 #: Torque over the torques that it is made of, below which a joint is not driven.
-LITTLE = 0.02
+MIN_DRIVE_RATIO = 0.02
+#: Length of a window of re-simulation, s, and most windows, evenly spread over the log.
+WINDOW, MAX_WINDOWS = 0.5, 40
+#: Longest step of the integration, s, and its largest product with the fastest decay of friction.
+MAX_STEP, MAX_DECAY_STEP = 2.5e-3, 1.0
+#: Most steps in a sample: M(q) that needs more is nearly singular.
+MAX_STEPS_PER_SAMPLE = 40
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
-    """Similarity of a torque and its rebuilding by each method (**metr2ev**).
+    """Compute the similarity (**metr2ev**) of a torque and its rebuilding by each method.
 
     Parameters
     ----------
@@ -43,32 +52,20 @@ def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSett
 
 
 def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
-    """RMS torque error over RMS torque of each joint, or over the torques that it is made of.
+    """Compute the RMS torque error over the RMS torque of each joint, or over the torques that it is made of.
 
     An arm that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it: where
-    the torque is less than `LITTLE` of these, they are what the error is compared with.
-
-    Parameters
-    ----------
-    regression : Regression
-        Filtered regressor and torque of the motion predicted.
-    beta : array of shape (9,)
-        Parameters.
-
-    Returns
-    -------
-    tuple of 2 floats
-        Fractions of 1; 0 where there is no error.
+    the torque is less than `MIN_DRIVE_RATIO` of these, the error is relative to them.
     """
     error = np.sqrt(np.mean((regression.tau - regression.y @ beta) ** 2, axis=-1))
-    whole = np.where(driven(regression, beta), _rms(regression.tau), _parts(regression, beta))
+    whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
     first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
     return float(first), float(second)
 
 
 def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:
-    """Whether each joint has a torque worth comparing with, shape (2,)."""
-    return np.asarray(_rms(regression.tau) >= LITTLE * _parts(regression, beta))
+    """Check (2,) whether each joint has a torque worth comparing with."""
+    return np.asarray(_rms(regression.tau) >= MIN_DRIVE_RATIO * _rms_of_parts(regression, beta))
 
 
 def _rms(tau: Array) -> Array:
@@ -76,7 +73,7 @@ def _rms(tau: Array) -> Array:
     return size
 
 
-def _parts(regression: Regression, beta: Array) -> Array:
+def _rms_of_parts(regression: Regression, beta: Array) -> Array:
     """RMS of the torques of inertia, gravity and friction, whatever their signs."""
     return _rms(np.abs(regression.y) @ np.abs(beta))
 
@@ -88,3 +85,90 @@ def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
         for tau, rebuilt in zip(regression.tau, regression.y @ beta, strict=True)
     ]
     return totals[0], totals[1]
+
+
+def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
+    """Compute the RMS error of the re-simulated position for several parameter sets.
+
+    An arm without its controller, above all one that hangs and swings, forgets where it started within seconds for any
+    parameters. The simulation therefore restarts from the recorded state at the beginning of each window.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled.
+    settings : FilterSettings
+        Filter of the states that windows begin from, delay of the torque and lambda of Eq. 1.
+    betas : array of shape (m, 9)
+        Parameter sets.
+
+    Returns
+    -------
+    list of (float, float) or None
+        Median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
+        nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
+    """
+    h = period(log)
+    steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])
+    feasible = steps <= MAX_STEPS_PER_SAMPLE
+    errors: list[tuple[float, float] | None] = [None] * len(betas)
+    if feasible.any():
+        simulated = _simulate(log, settings, betas[feasible], int(steps[feasible].max()))
+        for k, error in zip(np.flatnonzero(feasible), simulated, strict=True):
+            if np.isfinite(error).all():
+                errors[k] = (float(error[0]), float(error[1]))
+    return errors
+
+
+def _steps_per_sample(beta: Array, h: float, steepness: float) -> float:
+    """Steps that a sample needs, by the fastest decay of friction; infinity if M(q) is not positive definite."""
+    if not is_positive_definite(np.concatenate([beta[:5], np.maximum(beta[5:], 0.0)])):
+        return np.inf
+    i1, i2, i3 = beta[:3]
+    smallest = min(i3 - 0.25 * i2**2 / (i1 - i3), i1 - i3 - 0.25 * i2**2 / i3)  # of a joint with the other free
+    decay = float(np.max(np.abs(beta[5:7]) + steepness * np.abs(beta[7:9]))) / smallest
+    return float(np.ceil(h * max(1.0 / MAX_STEP, decay / MAX_DECAY_STEP)))
+
+
+def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> Array:
+    """Median over the windows of the RMS position error, shape (m, 2); all of them are simulated in parallel."""
+    h = period(log)
+    margin = max(round(settings.cut / h), 1)
+    moved = [smooth_motion(piece.q, h, settings) for piece in log.pieces]
+    q, dq, _ = (np.concatenate(signal, axis=1) for signal in zip(*moved, strict=True))
+    length = max(round(WINDOW / h), 1)
+    edges = pairwise((0, *log.breaks, log.t.size))
+    starts = np.concatenate([np.arange(begin + margin, end - margin - length, length) for begin, end in edges])
+    if not starts.size:
+        return np.full((len(betas), 2), np.nan)
+    starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MAX_WINDOWS)).astype(int)]
+    parameters = betas[:, None, :]
+    shape = (len(betas), starts.size, 2)
+    x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
+    squares = np.zeros(shape)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(length):
+            # The torque in the middle of the step: a drive that holds each sample has a delay of half a period.
+            at = log.t[starts + k] + 0.5 * h - settings.delay
+            torque = np.broadcast_to(np.stack([np.interp(at, log.t, joint) for joint in log.tau], -1), shape)
+            for _ in range(steps):
+                x, v = _runge_kutta(x, v, torque, parameters, h / steps, settings.friction_steepness)
+            if not (np.isfinite(x).all() and np.isfinite(v).all()):
+                diverged = ~(np.isfinite(x).all(-1) & np.isfinite(v).all(-1))
+                squares[diverged] = np.inf
+                x[diverged], v[diverged] = 0.0, 0.0
+            squares += (x - q[:, starts + k + 1].T) ** 2
+    error: Array = np.median(np.sqrt(squares / length), axis=1)
+    return error
+
+
+def _runge_kutta(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
+    """One step of the classical Runge-Kutta method of order 4."""
+    a1 = forward_dynamics(x, v, tau, beta, steepness)
+    v2 = v + 0.5 * h * a1
+    a2 = forward_dynamics(x + 0.5 * h * v, v2, tau, beta, steepness)
+    v3 = v + 0.5 * h * a2
+    a3 = forward_dynamics(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    v4 = v + h * a3
+    a4 = forward_dynamics(x + h * v3, v4, tau, beta, steepness)
+    return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)

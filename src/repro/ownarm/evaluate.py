@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from repro.identification.bootstrap import Spread, bootstrap
-from repro.identification.excitation import EXCITED, torque_share
+from repro.identification.bootstrap import Uncertainty, bootstrap
+from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filters import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
-from repro.identification.predicted_motion import position_errors
 from repro.identification.regression import Regression, residual_autocorrelation
-from repro.identification.scores import relative_rms, similarity
+from repro.identification.scores import position_errors, relative_rms, similarity
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepare import IdentificationProblem, Options, join_logs
@@ -50,7 +49,7 @@ class Fit:
 
     method: Method
     estimate: Estimate
-    spread: Spread | None  # standard errors and intervals, if it claims any
+    spread: Uncertainty | None  # standard errors and intervals, if it claims any
     halves: tuple[Score, ...]  # each half predicted from the other; of several logs each from the others
 
 
@@ -135,7 +134,7 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
     return MethodResult(
         method=fitted.method.name,
         title=fitted.method.title,
-        parameters=_parameters(fitted, torque_share(problem.moving, beta), problem),
+        parameters=_parameters(fitted, torque_fraction(problem.moving, beta), problem),
         claims_intervals=fitted.spread is not None,
         consistent=consistent,
         why_not_consistent="" if consistent else inconsistency(beta),
@@ -164,7 +163,7 @@ def _parameters(fitted: Fit, share: Array, problem: IdentificationProblem) -> tu
             float(beta[k]),
             low,
             high,
-            bool(share[k] > EXCITED),
+            bool(share[k] > MIN_TORQUE_FRACTION),
             at_bound,
             determined[k],
             name in EITHER_SIGN or beta[k] > 0.0,
@@ -237,9 +236,9 @@ def add_self_test(
 
 
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:
-    excited, share = problem.excited, torque_share(problem.moving, beta)
-    still = torque_share(problem.moving, np.ones(9)) == 0.0
-    weak = (share <= EXCITED) & (beta != 0.0)
+    excited, share = problem.excited, torque_fraction(problem.moving, beta)
+    still = torque_fraction(problem.moving, np.ones(9)) == 0.0
+    weak = (share <= MIN_TORQUE_FRACTION) & (beta != 0.0)
     return Excitation(
         excited.rank,
         excited.condition,

@@ -14,7 +14,7 @@ from PIL import Image
 from repro.exhibits import style
 from repro.exhibits.markup import unit
 from repro.exhibits.panels import JOINTS, TIME, TORQUE
-from repro.identification.cutoff import Cutoff
+from repro.identification.filtering import Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Curves, Parameter, Result, Signals
 

@@ -1,13 +1,13 @@
 """Write the files of a result."""
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from repro.export.bibtex import bibtex
 from repro.export.links import links_of
 from repro.export.models import mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text, writing
@@ -21,6 +21,8 @@ from repro.ownarm.text import COMBINED, NOT_EXCITED
 from repro.pipeline.provenance import write_provenance
 
 PAGE = "report.html"
+#: BibTeX entries of the methods.
+METHODS_FILE = Path(__file__).with_name("methods.bib")
 #: Files that are written or not, as the result has it.
 OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt"}
 #: File next to a result with the versions that computed it.
@@ -69,6 +71,22 @@ def citations(result: Result) -> list[str]:
     if result.preparation.filter.startswith("Savitzky"):
         keys.append("savitzky1964smoothing")
     return list(dict.fromkeys(keys))
+
+
+def entries() -> dict[str, str]:
+    """Read every entry of ``methods.bib``, by key in the order of the file."""
+    # An entry starts with @type{key, in the first column and ends with the next brace there.
+    text = METHODS_FILE.read_text(encoding="utf-8")
+    return {m[1]: m[0] for m in re.finditer(r"^@\w+\{([^,\s]+),.*?^\}", text, re.DOTALL | re.MULTILINE)}
+
+
+def bibtex(keys: Sequence[str]) -> str:
+    """Write the entries of some keys."""
+    known = entries()
+    missing = [key for key in keys if key not in known]
+    if missing:
+        raise ValueError(f"keys: no BibTeX entry {missing[0]!r}; there are {', '.join(known)}.")
+    return "".join(f"{known[key]}\n\n" for key in dict.fromkeys(keys)).removesuffix("\n")
 
 
 def _write_links(folder: Path, result: Result, arm: Arm) -> None:

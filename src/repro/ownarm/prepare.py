@@ -7,15 +7,31 @@ from pathlib import Path
 import numpy as np
 
 from repro.errors import InputError
-from repro.identification.alternatives import Alternative, alternatives, without
-from repro.identification.best_fit import REACH, choose_steepness, estimate_delay
-from repro.identification.cutoff import Cutoff, choose_cutoff
-from repro.identification.excitation import Excited, excitation
-from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.filters import FILTERS
-from repro.identification.friction import Term, columns_of_terms, eased, find_terms
+from repro.identification.excitation import Identifiability, excitation
+from repro.identification.extra_terms import (
+    CALIBRATION,
+    FRICTION,
+    CalibrationError,
+    FrictionTerm,
+    calibration_limits,
+    correct_calibration,
+    find_calibration_errors,
+    find_friction,
+    subtract_friction,
+    term_columns,
+    values_of,
+)
+from repro.identification.filtering import (
+    MAX_DELAY,
+    Cutoff,
+    FilterSettings,
+    choose_cutoff,
+    choose_steepness,
+    estimate_delay,
+    prepare,
+)
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.setup import Fault, columns_of_faults, corrected, find_faults, hidden_faults, values_of
+from repro.identification.sensitivity import Perturbation, perturbations, project_out
 from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
@@ -36,15 +52,6 @@ class Options:
     seed: int = 1  # of the bootstrap, of training and of the search
     steps: int = 1500  # training steps of the CNN
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
-
-    def __post_init__(self) -> None:
-        """Refuse what the caller cannot mean."""
-        if not self.methods:
-            raise ValueError("methods: must name at least one.")
-        if self.filter not in FILTERS:
-            raise ValueError(f"filter: must be one of {tuple(FILTERS)}, got {self.filter!r}.")
-        if self.cutoff is not None and not 0.0 < self.cutoff < float("inf"):
-            raise ValueError(f"cutoff: must be positive and finite, got {self.cutoff}.")
 
 
 @dataclass(frozen=True)
@@ -68,12 +75,14 @@ class PreparedLog:
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
     regression: Regression  # all samples but those of joints that never move: methods are evaluated on these
     moving: Regression  # the same without standstill, subtracted friction projected out: methods are fitted to it
-    as_good: dict[str, Alternative]  # `moving` with other choices that are as plausible
+    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
-    faults: tuple[Fault, ...] = ()  # calibration errors that were corrected
-    hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits of others, see `hidden_faults`
-    terms: tuple[Term, ...] = ()  # friction terms beyond Eq. 1
+    faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
+    hidden: dict[str, float | None] = field(
+        default_factory=dict
+    )  # detection limits of others, see `calibration_limits`
+    terms: tuple[FrictionTerm, ...] = ()  # friction terms beyond Eq. 1
     load: Array | None = None  # (9,), parameters that give the load of that friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
 
@@ -85,9 +94,9 @@ class IdentificationProblem:
     logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
     regression: Regression  # all of them together
     moving: Regression  # the same without standstill, each log weighted by the inverse of its errors
-    as_good: dict[str, Alternative]  # `moving` with other choices that are as plausible
+    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
-    excited: Excited  # which parameters the motion identifies
+    excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
 
     @property
@@ -152,25 +161,25 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[
     Regressions of other logs of the arm reveal errors that this log does not show by itself.
     """
     settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
-    faults = find_faults(loaded.log, settings, others)
+    faults = find_calibration_errors(loaded.log, settings, others)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(corrected(loaded.log, values_of(faults)), arm, options)
-        faults = find_faults(loaded.log, settings, others)
-        loaded = replace(loaded, log=corrected(loaded.log, values_of(faults)))
+        settings, _, _ = _choose_settings(correct_calibration(loaded.log, values_of(faults)), arm, options)
+        faults = find_calibration_errors(loaded.log, settings, others)
+        loaded = replace(loaded, log=correct_calibration(loaded.log, values_of(faults)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
-    hidden = hidden_faults(loaded.log, settings, faults, others)
+    hidden = calibration_limits(loaded.log, settings, faults, others)
     regression = drop_idle_joints(prepare(loaded.log, settings))
     moving = drop_standstill(regression)
-    terms, load = find_terms(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
+    terms, load = find_friction(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
     taken = [term for term in terms if term.taken]
     if taken:
-        loaded = replace(loaded, log=eased(loaded.log, settings, load, taken))
+        loaded = replace(loaded, log=subtract_friction(loaded.log, settings, load, taken))
         regression = drop_idle_joints(prepare(loaded.log, settings))
-        moving = without(drop_standstill(regression), columns_of_terms(loaded.log, settings, load, taken))
-    as_good = alternatives(loaded.log, settings, delay_error)
+        moving = project_out(drop_standstill(regression), term_columns(FRICTION, loaded.log, settings, load, taken))
+    as_good = perturbations(loaded.log, settings, delay_error)
     if faults:
-        columns = columns_of_faults(loaded.log, settings, solve(moving.y, moving.tau), faults)
-        as_good["set-up"] = Alternative((without(moving, columns),))
+        columns = term_columns(CALIBRATION, loaded.log, settings, solve(moving.y, moving.tau), faults)
+        as_good["set-up"] = Perturbation((project_out(moving, columns),))
     doubt = _interval_doubt(loaded.log, settings.delay, arm)
     return PreparedLog(loaded, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
 
@@ -195,7 +204,7 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     remaining = [k for k, log in enumerate(prepared) if not log.faults and len(logs) > 1]
     while remaining:
         others = {k: [log.moving for log in prepared if log is not prepared[k]] for k in remaining}
-        faults = {k: find_faults(logs[k].log, prepared[k].settings, others[k]) for k in remaining}
+        faults = {k: find_calibration_errors(logs[k].log, prepared[k].settings, others[k]) for k in remaining}
         gains = {k: min(fault.after / fault.before for fault in each) for k, each in faults.items() if each}
         if not gains:
             break
@@ -205,23 +214,23 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     return tuple(prepared)
 
 
-def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Alternative]]:
+def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Perturbation]]:
     """Join several logs to one regression without standstill, and their alternatives."""
     size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
     weights = [float(np.mean(size)) / one for one in size]
     as_good = {}
     for name in dict.fromkeys(name for log in logs for name in log.as_good):
-        each = [log.as_good.get(name, Alternative((log.moving,), 0.0)) for log in logs]
+        each = [log.as_good.get(name, Perturbation((log.moving,), 0.0)) for log in logs]
         members = max(len(one.regressions) for one in each)
         mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
-        as_good[name] = Alternative(tuple(mixed), max(one.weight for one in each))
+        as_good[name] = Perturbation(tuple(mixed), max(one.weight for one in each))
     return joined([log.moving for log in logs], weights), as_good
 
 
 def _correct_as(log: Log, first: PreparedLog) -> Log:
     """Correct a log and subtract its friction as in the first log."""
-    right, taken = corrected(log, values_of(first.faults)), [term for term in first.terms if term.taken]
-    return eased(right, first.settings, first.load, taken) if taken and first.load is not None else right
+    right, taken = correct_calibration(log, values_of(first.faults)), [term for term in first.terms if term.taken]
+    return subtract_friction(right, first.settings, first.load, taken) if taken and first.load is not None else right
 
 
 def make_problem(
@@ -245,4 +254,4 @@ def make_problem(
 
 def at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
-    return abs(delay) >= 0.99 * REACH
+    return abs(delay) >= 0.99 * MAX_DELAY

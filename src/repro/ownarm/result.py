@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from repro.identification.cutoff import Cutoff
-from repro.identification.friction import Term
-from repro.identification.setup import Fault
+from repro.identification.extra_terms import CalibrationError, FrictionTerm
+from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
 
@@ -133,9 +132,9 @@ class Result:
     more_logs: tuple[Description, ...] = ()  # logs that were fitted together with `log`
     # Of `log` and of each of `more_logs`: calibration errors that were corrected before the fit, those that the log
     # could contain undetected with their detection limits, and friction terms that were subtracted or would help.
-    setup: tuple[tuple[Fault, ...], ...] = ()
+    setup: tuple[tuple[CalibrationError, ...], ...] = ()
     hidden: tuple[dict[str, float | None], ...] = ()
-    friction: tuple[tuple[Term, ...], ...] = ()
+    friction: tuple[tuple[FrictionTerm, ...], ...] = ()
     selftest: SelfTest | None = None
 
     @property

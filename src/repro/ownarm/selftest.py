@@ -14,12 +14,11 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from repro.identification.bootstrap import bootstrap
-from repro.identification.cutoff import SEGMENT
-from repro.identification.filtering import motion, wide
+from repro.identification.extra_terms import correct_calibration, values_of
+from repro.identification.filtering import SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.method import Method
 from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
-from repro.identification.setup import corrected, values_of
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period, segments, uniform
@@ -69,11 +68,11 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
     s, log = prepared.settings, _from_zero(prepared.loaded.log.longest)
     pieces = segments(prepared.loaded.recorded or prepared.loaded.log)[0]
     piece = _from_zero(max(pieces, key=lambda one: one.t.size))
-    even, h, top = uniform(piece), period(log), wide(s, period(log))
-    moved = motion(log.q, h, s)
+    even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
+    moved = smooth_motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
     late = acting(np.clip(log.t + s.delay, 0.0, log.t[-1]))
-    right = corrected(replace(log, q=moved[0], tau=late), _inverse(values_of(prepared.faults)))
+    right = correct_calibration(replace(log, q=moved[0], tau=late), _inverse(values_of(prepared.faults)))
     # Above the frequencies of the motion the torque contains friction, and its residual the noise of the position.
     noise = [_level(x, h, top, 2.0 * top) for x in (even.tau, even.tau - right.tau)]
     # Rounded time stamps say when a sample was written; it was measured at the even instant.

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from repro.identification.alternatives import BEYOND
-from repro.identification.friction import Term
-from repro.identification.more_columns import SURE
-from repro.identification.setup import Fault
+from repro.identification.extra_terms import MIN_Z_SCORE, CalibrationError, FrictionTerm
+from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
@@ -16,7 +14,8 @@ from repro.ownarm.result import Result, Score, SelfTest
 
 #: What the intervals allow for, in one sentence.
 ALLOWED = (
-    f"the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, {', '.join(BEYOND)}, "
+    "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
+    f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
 )
 #: Half an interval over the estimate: up to this the parameter is known.
@@ -114,14 +113,14 @@ def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ..
     return (*lines, *([] if all(_same_errors(log.faults, logs[0].faults) for log in logs) else [DIFFERENT_ERRORS]))
 
 
-def _same_errors(some: Sequence[Fault], others: Sequence[Fault]) -> bool:
+def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
     """Whether two logs have the same calibration errors within their uncertainty."""
     pairs = list(zip(some, others, strict=False))
     same = [a.name for a in some] == [b.name for b in others]
-    return same and all(abs(a.value - b.value) <= SURE * np.hypot(a.error, b.error) for a, b in pairs)
+    return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
-def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
+def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str, ...]:
     """Report each calibration error of a log, then the lines to write into the arm file."""
     lines = []
     for fault in faults:
@@ -141,7 +140,7 @@ def calibration_lines(faults: Sequence[Fault], arm: Arm) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def arm_lines(faults: Sequence[Fault], arm: Arm) -> str:
+def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
     """Write the lines of the arm file that correct a log, all errors together."""
     values = {fault.name: fault.value for fault in faults}
     sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
@@ -169,7 +168,7 @@ def _size(name: str, value: float, error: float | None = None) -> str:
     return f"{value * turn:.{digits}g}{interval} {unit}"
 
 
-def friction_line(term: Term) -> str:
+def friction_line(term: FrictionTerm) -> str:
     """Report a friction term that Eq. 1 does not contain."""
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"

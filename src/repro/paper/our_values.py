@@ -34,7 +34,7 @@ from repro.paper import audit as hardware
 from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue
 from repro.paper.results import Results, Sample
-from repro.pipeline.paired import EQUIVALENT
+from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
 from repro.signals.metric import metr2ev
 

@@ -5,33 +5,31 @@ from pathlib import Path
 from typing import Any
 
 from repro.files import write_json
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.refinement import Algorithm1
 from repro.model.parameters import Array
-from repro.pipeline.experiment import true_parameters
+from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
 from repro.pipeline.job import Config
-from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.pipeline.networks import algorithm1_of, for_the_arm, train_and_keep
 from repro.pipeline.numeric import identify_arms, mean_training_torque, score_estimates
-from repro.pipeline.readings import READINGS, read_as
-from repro.pipeline.recordings import Recording, read_recordings
 from repro.pipeline.stored_networks import configuration_digest
-from repro.pipeline.training import train_and_keep
+from repro.pipeline.variants import VARIANTS, configuration_of
 from repro.settings import data_settings, metric_settings, numeric_settings, signal_settings
 
 
-def train_reading(name: str, weights: str, history: str, tracked: str, checkpoint: str, config: Config) -> None:
+def train_variant(name: str, weights: str, history: str, tracked: str, checkpoint: str, config: Config) -> None:
     """Write weights and history of a network that no table has."""
-    reading = READINGS[name]
-    said, c = f"{reading.question}: {reading.name}", read_as(config, reading)
+    reading = VARIANTS[name]
+    said, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
     train_and_keep(said, Path(weights), Path(history), checkpoint, c, tracked)
     Path(checkpoint).unlink(missing_ok=True)
 
 
-def run_reading(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
+def run_variant(name: str, weights: str, captures: Sequence[str], out: str, config: Config) -> None:
     """Headline numbers under a reading."""
-    reading = READINGS[name]
+    reading = VARIANTS[name]
     # Every reading is refined, whatever its network is used for elsewhere.
-    c = {**read_as(config, reading), "refinement": config["refinement"]}
+    c = {**configuration_of(config, reading), "refinement": config["refinement"]}
     signals, metric = signal_settings(c), metric_settings(c)
     tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
     arms, algorithm1 = numeric_settings(c), algorithm1_of("published", weights, c, configuration_digest(c))

@@ -1,4 +1,6 @@
-"""The code that a job reaches, as one digest: a rule whose digest is another one is run anew.
+"""The code that a job reaches, a digest for each definition: Snakemake runs a job again if one of them changes.
+
+Each digest is a parameter of its rule, so that the reason which Snakemake prints names the definitions that changed.
 
 Definitions are followed by name. A function counts with the functions, classes and constants that it names, in whatever
 module of the package they stand, each by its syntax tree without docstrings; statements that define nothing count with
@@ -20,6 +22,8 @@ PACKAGE = Path(__file__).resolve().parents[1]
 Definition = tuple[str, list[str]]
 #: Of a module's statements that define nothing.
 REST = ""
+#: Digest of a module without such statements.
+NOTHING = hashlib.sha256().hexdigest()
 
 
 class Module(TypedDict):
@@ -42,21 +46,15 @@ class CodeDigests:
             self._read = {}
         self._known = len(self._read)
 
-    def of_script(self, script: Path, *names: str) -> str:
-        """Digest of a script with all that it reaches, and of what further names do."""
-        return self._digest(self._reached([*self._in_script(script), *self._named(names)]), script)
+    def of_script(self, script: Path, *names: str) -> list[str]:
+        """Digests of what a script and all further names reach."""
+        own = self._parse(script.read_bytes())["definitions"]
+        reached = self._reached([*self._in_script(script), *self._named(names)])
+        return [*self._digests(reached), *(f"{script.name}:{name} {digest[:12]}" for name, (digest, _) in own.items())]
 
-    def of(self, *names: str) -> str:
-        """Digest of what modules (``package.module``) or definitions (``package.module:name``) reach."""
-        return self._digest(self._reached(self._named(names)))
-
-    def reached_by(self, script: Path) -> set[str]:
-        """Modules of the package that a script reaches something of."""
-        return {module for module, _ in self._reached(self._in_script(script))}
-
-    def reached(self, *names: str) -> set[str]:
-        """Modules of the package that modules or definitions reach something of."""
-        return {module for module, _ in self._reached(self._named(names))}
+    def of(self, *names: str) -> list[str]:
+        """Digests of what modules (``package.module``) or definitions (``package.module:name``) reach."""
+        return self._digests(self._reached(self._named(names)))
 
     def keep(self) -> None:
         """Write down what was read, for the next process."""
@@ -64,11 +62,11 @@ class CodeDigests:
             write_text(self._kept, json.dumps(self._read))
             self._known = len(self._read)
 
-    def _digest(self, reached: Iterable[tuple[str, str]], script: Path | None = None) -> str:
-        parts = [f"{module}:{name} {self._module(module)['definitions'][name][0]}" for module, name in sorted(reached)]
-        if script:
-            parts += [found for found, _ in self._parse(script.read_bytes())["definitions"].values()]
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    def _digests(self, reached: Iterable[tuple[str, str]]) -> list[str]:
+        found = [(f"{module}:{name}", self._module(module)["definitions"][name][0]) for module, name in sorted(reached)]
+        # Snakemake would take braces, as in a table's key, for wildcards.
+        braces = str.maketrans("{}", "<>")
+        return [f"{name} {digest[:12]}".translate(braces) for name, digest in found if digest != NOTHING]
 
     def _in_script(self, script: Path) -> Iterator[tuple[str, str]]:
         source = self._parse(script.read_bytes())

@@ -9,23 +9,22 @@ from scipy import stats
 
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.run import Algorithm1
-from repro.identification.algorithm1.uncertainty import (
-    Spread,
+from repro.identification.algorithm1.conformal import (
+    GuessSpread,
     covered,
     distances,
-    misses,
+    normalised_errors,
+    novelty_limit,
     spread_of,
     stretch_factors,
-    unlike_beyond,
 )
+from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.refinement import Algorithm1
+from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.experiment import Recording, control_constants, true_parameters
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.pipeline.job import Config
-from repro.pipeline.recordings import Recording
 from repro.pipeline.tracked import (
     Draw,
     Tracked,
@@ -66,19 +65,19 @@ def read_arms(
         recording = Recording(arms.program, position * RADIANS_PER_COUNT, pwm * torque)
         prepared, estimates[k] = _read(algorithm1, recording, tau_mean, guesses, config, which, k)
         # In canonical time, which is the recorded one here, and in units of the largest torque.
-        truth[k] = arms.parameters[k] / prepared.largest
+        truth[k] = arms.parameters[k] / prepared.torque_scale
         progress(k + 1, len(truth))
     return estimates, truth
 
 
 def _read(
     algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, config: Config, which: int, k: int
-) -> tuple[Prepared, Array]:
+) -> tuple[PreparedSignals, Array]:
     search = algorithm1.search
     prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
     rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
     guess = rng.uniform(search.low, search.high, (guesses, 9))
-    return prepared, ResidualReader(algorithm1.network, algorithm1.image, prepared).estimate(guess)
+    return prepared, ResidualEstimator(algorithm1.network, algorithm1.image, prepared).estimate(guess)
 
 
 def coverage(
@@ -94,10 +93,10 @@ def coverage(
 
     _, estimates, truth = read(0, True, draw_arms)
     known = spread_of(estimates)
-    factors, calibration = stretch_factors(known, truth, levels), misses(known, truth)
+    factors, calibration = stretch_factors(known, truth, levels), normalised_errors(known, truth)
     together = joint_factors(factors, calibration, levels)
     training = training_motion(config, tracked).torque
-    beyond = unlike_beyond(training)
+    beyond = novelty_limit(training)
     rows: list[dict[str, Any]] = []
     ranks: list[dict[str, Any]] = []
     for which, name, effects, draw in TESTED:
@@ -108,7 +107,7 @@ def coverage(
         rows += [
             {**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, together, levels)
         ]
-        ranks += _rank_rows(name, found, right, misses(spread, right), calibration)
+        ranks += _rank_rows(name, found, right, normalised_errors(spread, right), calibration)
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
     own = _intervals(algorithm1, recording, tau_mean, guesses, factors[-1], config)
     return {
@@ -124,7 +123,7 @@ def _intervals(
     prepared, found = _read(algorithm1, recording, tau_mean, guesses, config, OWN, 0)
     spread = spread_of(found)
     bounds = (spread.centre, spread.centre - factor * spread.width, spread.centre + factor * spread.width)
-    centre, low, high = (prepared.recorded(x * prepared.largest) for x in bounds)
+    centre, low, high = (prepared.to_recorded_time(x * prepared.torque_scale) for x in bounds)
     true = true_parameters(config)
     return pd.DataFrame({"parameter": NAMES, "true": true, "centre": centre, "low": low, "high": high})
 
@@ -146,12 +145,12 @@ def _coverage_rows(
     name: str,
     found: Array,
     right: Array,
-    spread: Spread,
+    spread: GuessSpread,
     factors: Array,
     together: Array,
     levels: tuple[float, ...],
 ) -> list[dict[str, Any]]:
-    missed, prior = misses(spread, right), right.var(axis=0)
+    missed, prior = normalised_errors(spread, right), right.var(axis=0)
     stretched = covered(spread, right, factors)
     rows: list[dict[str, Any]] = []
     for i, level in enumerate(levels):

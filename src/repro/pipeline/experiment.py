@@ -1,17 +1,31 @@
-"""The experimental set-up from the configuration: arm, board, motions, and the bytes between them (Section V-C)."""
+"""The experiment on the arm (Section V-C): its arm, board and motions, and captures and recordings of them."""
 
-from dataclasses import replace
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
 from repro.errors import InputError
-from repro.fpga.capture import CaptureMetadata
+from repro.files import atomic_write
+from repro.fpga.board import Board
+from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, write_capture
 from repro.fpga.controller import ControlConstants
-from repro.fpga.messages import encode_program
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.link import raw_file, record
+from repro.fpga.messages import encode_program, encode_start
+from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.recording import recording_of
+from repro.identification.algorithm1.preprocessing import filtered
+from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
+from repro.progress import Progress
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, Program, ProgramSettings, check_limits, permitted_program
+from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 
@@ -81,3 +95,138 @@ def metadata_for(program: Program, config: Config) -> CaptureMetadata:
     control = control_constants(config)
     load = encode_program(control, program.q)
     return CaptureMetadata(program.name, program.q.shape[1], program.n1, program.n2, program.h, load, control)
+
+
+def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
+    """What Eq. 1 leaves out of one arm."""
+    a = config["arm"]
+    rng = stream(seed, Stream.PLANT)
+    phase = rng.uniform(0.0, 2.0 * np.pi, 2)
+    factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
+    levels = Unmodelled(
+        stribeck=_scaled(a["stribeck"], factor[0]),
+        stribeck_velocity=a["stribeck_velocity_rad_s"],
+        ripple=_scaled(a["ripple_nm"], factor[1]),
+        ripple_cycles=a["ripple_cycles"],
+        dead_band=a["dead_band_counts"],
+    )
+    return levels, phase
+
+
+def _scaled(levels: Sequence[float], factor: float) -> tuple[float, float]:
+    first, second = levels
+    return float(first * factor), float(second * factor)
+
+
+def board_from_config(config: Config, seed: int | None = None) -> Board:
+    """Simulated board with its arm."""
+    seed = config["experiment"]["seed"] if seed is None else seed
+    beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
+    levels, phase = disturbance(config, seed)
+    stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
+    effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
+    arm = {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}
+    return Board(
+        lambda: Plant(beta, h, levels, phase),
+        control_constants(config).torque_per_count,
+        {"board": "simulated", "arm": arm},
+    )
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What was measured along one motion."""
+
+    program: Program  # desired positions as the board received them, and where the trajectory proper begins and ends
+    q: Array  # measured position (rad) and torque (N m)
+    tau: Array
+
+    def regression(self, signals: SignalSettings) -> Regression:
+        """What methods solve: lines 1 to 4 of Algorithm 1."""
+        return filtered(self.q, self.tau, signals, self.program.n1, self.program.n2)
+
+
+#: Most encoder counts by which the motion sent may differ from the configuration's: single precision costs 0.0002 on
+#: motions of 3 rad, another processor's last bits 0.0003; a hundredth of a count moves no PWM value but by chance.
+SAME_MOTION = 0.01
+
+
+def check_recorded(capture: Capture, program: Program) -> None:
+    """Refuse a capture of another motion than the configuration's."""
+    metadata = capture.metadata
+    found, expected = (metadata.samples, metadata.n1, metadata.n2), (program.q.shape[1], program.n1, program.n2)
+    apart = np.abs(metadata.desired - program.q).max() / RADIANS_PER_COUNT if found == expected else np.inf
+    if apart > SAME_MOTION:
+        what = f"{apart:.3g} encoder counts away" if np.isfinite(apart) else f"samples, n1, n2 of {found}"
+        raise InputError.at(
+            f"{capture.place}: trajectory",
+            f"a recording of another {program.name}, {what}",
+            f"that of this configuration {expected}; record it again or set experiment.source: simulated",
+        )
+
+
+def read_recording(path: Path, config: Config) -> Recording:
+    """Measured signals of a capture."""
+    capture = read_capture(path)
+    program = program_from_config(config, path.stem)
+    check_recorded(capture, program)
+    measured = recording_of(capture)
+    still = np.ptp(measured.q, axis=1) < 10 * RADIANS_PER_COUNT
+    if still.any():
+        raise InputError.at(f"{path}: joint {int(still.argmax()) + 1}", "no motion", "a joint that moves")
+    return Recording(replace(program, q=capture.metadata.desired.astype(np.float64)), measured.q, measured.tau)
+
+
+def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Recording]:
+    """Recordings of a rule's captures, whose sidecars are inputs of the rule, too."""
+    return [read_recording(path, config) for path in map(Path, captures) if path.suffix == ".bin"]
+
+
+def acquire(motion: str, out: Path, config: Config) -> None:
+    """Put the capture of a motion at `out`."""
+    source = config["experiment"]["source"]
+    if source == "stored":
+        _copy(Path(config["experiment"]["captures"]) / f"{motion}.bin", out, config, motion)
+    elif source == "simulated":
+        simulate_capture(out, program_from_config(config, motion), config)
+    else:
+        _record(out, program_from_config(config, motion), config)
+
+
+def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
+    """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
+    board, metadata = board_from_config(config), metadata_for(program, config)
+    board.receive(metadata.program + encode_start(metadata.samples))
+    if not board.running:
+        raise InputError.at(f"simulated board: {program.name}", "; ".join(board.refusals), "a start")
+    progress = Progress(f"simulating {program.name}")
+    data = bytearray()
+    while board.running:
+        data += board.tick()
+        progress(len(data) // 8, metadata.samples)
+    return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
+
+
+def _record(out: Path, program: Program, config: Config) -> None:
+    e, metadata = config["experiment"], metadata_for(program, config)
+    with raw_file(out, metadata, overwrite=True) as raw:
+        data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)
+        raw.close()
+        write_capture(out, data, metadata, overwrite=True)
+
+
+def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
+    capture = read_capture(stored)
+    check_recorded(capture, program_from_config(config, motion))
+    _check_set_up(capture, config)
+    for there, here in zip(files_of(stored), files_of(out), strict=True):
+        atomic_write(here, partial(shutil.copyfile, there))
+
+
+def _check_set_up(capture: Capture, config: Config) -> None:
+    """Refuse a stored capture of other gains, motors or, if it is simulated, another arm than configured."""
+    expected = "that of this configuration; record it again or set experiment.source: simulated"
+    if capture.metadata.control != control_constants(config):
+        raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
+    if capture.metadata.board is not None and capture.metadata.board != board_from_config(config).identity:
+        raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)

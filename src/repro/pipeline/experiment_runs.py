@@ -1,24 +1,28 @@
-"""The experiment: parameters from the recording of the identification trajectory, validated on T1 to T4."""
+"""Identifications and scores of the experiment: runs on a recording, and runs and scores read back from files."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from repro.identification.algorithm1.listing import Prepared, derivatives, prepare
+from repro.documents import read_json
+from repro.errors import InputError
+from repro.files import read_csv
+from repro.identification.algorithm1.preprocessing import PreparedSignals, derivatives, prepare
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES, as_json
 from repro.identification.scores import score
-from repro.model.parameters import Array
-from repro.pipeline.recordings import Recording
+from repro.model.parameters import NAMES, Array
+from repro.pipeline.experiment import Recording
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.run import Algorithm1
+    from repro.identification.algorithm1.refinement import Algorithm1
 
 #: The one case of the experiment's identifications: parameters come from this motion.
 CASE = "ID"
@@ -26,7 +30,7 @@ CASE = "ID"
 
 def prepare_recording(
     recording: Recording, tau_mean: Array, signals: SignalSettings, image_motion: ImageMotion = "measured"
-) -> Prepared:
+) -> PreparedSignals:
     """Lines 1 to 12 of Algorithm 1 for a recording of any duration."""
     n1, n2 = recording.program.n1, recording.program.n2
     n, m = n2 - n1, tau_mean.shape[1]
@@ -87,3 +91,58 @@ def tracking(recording: Recording, metric: MetricSettings) -> pd.DataFrame:
     s = metr2ev(recording.program.q[:, proper], recording.q[:, proper], metric)
     rows = [("tracking", "pd", 0, j + 1, s.time[j], s.frequency[j], s.total[j]) for j in (0, 1)]
     return pd.DataFrame(rows, columns=["case", "method", "seed", "joint", "time", "frequency", "total"])
+
+
+SCORE_COLUMNS = ("case", "method", "seed", "trajectory", "joint", "time", "frequency", "total")
+
+
+def _nine(value: object) -> bool:
+    """Whether a value read from JSON is a parameter set."""
+    return isinstance(value, list) and len(value) == len(NAMES) and all(isinstance(x, int | float) for x in value)
+
+
+def _check_arms(path: Path, arms: object) -> None:
+    """Refuse arms without true parameters or estimates, by the field at fault."""
+    if not isinstance(arms, dict) or not arms:
+        raise InputError.at(f"{path}: arms", "no arm", "at least one")
+    for case, arm in arms.items():
+        if not isinstance(arm, dict) or not _nine(arm.get("true")):
+            raise InputError.at(f"{path}: arms.{case}.true", "no parameter set", "nine numbers")
+        methods = arm.get("methods")
+        if not isinstance(methods, dict) or not methods:
+            raise InputError.at(f"{path}: arms.{case}.methods", "no method", "at least one")
+        for method, estimate in methods.items():
+            if not isinstance(estimate, dict) or not _nine(estimate.get("beta")):
+                raise InputError.at(f"{path}: arms.{case}.methods.{method}.beta", "no parameter set", "nine numbers")
+
+
+def read_identifications(paths: Sequence[Path | str]) -> list[dict[str, Any]]:
+    """Results of `repro.pipeline.numeric.identify_arms`, checked for what later stages need."""
+    runs = []
+    for path in map(Path, paths):
+        run = read_json(path)
+        if not isinstance(run, dict) or not {"seed", "variant", "arms"} <= run.keys():
+            raise InputError.at(str(path), "no identification result", "fields seed, variant, arms")
+        _check_arms(path, run["arms"])
+        runs.append(run)
+    return runs
+
+
+def every_seed(runs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Runs with those that have no seed of their own (seed 0 of variant least-squares) repeated for each seed."""
+    seeds = sorted({run["seed"] for run in runs if run["variant"] != "least-squares"}) or [0]
+    spread = [{**run, "seed": seed} for run in runs if run["variant"] == "least-squares" for seed in seeds]
+    return [dict(run) for run in runs if run["variant"] != "least-squares"] + spread
+
+
+def read_scores(paths: Sequence[Path], columns: tuple[str, ...] = SCORE_COLUMNS) -> pd.DataFrame:
+    """Scores of one or more network variants in one table."""
+    frames = [read_csv(path, columns) for path in paths]
+    for path, frame in zip(paths, frames, strict=True):
+        for column in ("time", "frequency", "total"):
+            wrong = ~pd.to_numeric(frame[column], errors="coerce").between(0, 1)
+            if wrong.any():
+                line = int(wrong.to_numpy().argmax()) + 2
+                found = frame[column][wrong].iloc[0]
+                raise InputError.at(f"{path}: line {line}: {column}", found, "a number from 0 to 1")
+    return pd.concat(frames, ignore_index=True)

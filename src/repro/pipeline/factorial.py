@@ -1,110 +1,297 @@
-"""Networks of the factorial: training, and the search with each of them on every block.
+"""The factorial: factors, cells and blocks, methods without a network, and the effects of the factors.
 
-What decides how similar Algorithm 1's torques are? `repro.pipeline.factorial_design` has the factors and the blocks.
+Factors, each with two levels: the motion that f of the image is taken on (line 18), the motions a network is trained
+on, the unit of omega in the filter, the motors' back-EMF, the time factor of the metric (in search and scores), and
+the reader (the image CNN with Algorithm 1, or a plain network that reads the torque). Blocks are specimens of the arm.
 """
 
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.stats import t as student
 
-from repro.cnn.network import load_network
-from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
-from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, select
-from repro.model.parameters import FEASIBILITY, Array
-from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.factorial_design import CELLS, COLUMNS, METRICS, Scorers, configured, read_blocks
+from repro.config import merged
+from repro.errors import InputError
+from repro.files import read_tensors, write_tensors
+from repro.fpga.controller import simulate
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.plant import Plant
+from repro.identification.algorithm1.search import ImageMotion
+from repro.identification.least_squares import METHODS
+from repro.model.parameters import Array
+from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config
 from repro.pipeline.job import Config
-from repro.pipeline.stored_networks import configuration_digest
-from repro.pipeline.tracked import training_motion
-from repro.pipeline.training import train_and_keep
 from repro.progress import Progress
-from repro.settings import data_settings, network_settings, search_settings, signal_settings
-from repro.signals.metric import TorqueScorer
-from repro.streams import Stream, stream
+from repro.settings import signal_settings
+from repro.signals.metric import TIME_FORMULAS, MetricSettings, TorqueScorer
+from repro.signals.programs import PROGRAMS
+
+#: Name of the block that no effect is estimated from: an arm and a specimen frozen before, scored once.
+CONFIRMATION = "confirmation"
 
 
-def _plain_settings(config: Config) -> PlainSettings:
-    p = config["factorial"]["plain"]
-    return PlainSettings(p["width"], p["steps"], p["batch"], p["learning_rate"])
+@dataclass(frozen=True)
+class Cell:
+    """What one network of the factorial is trained for."""
 
+    reader: str  # "cnn" or "plain"
+    motions: str  # "ideal": Eq. 10; "tracked": closed-loop motions
+    omega: str  # unit of omega
+    image_motions: tuple[ImageMotion, ...]  # motions of line 18 that it is used with; of a plain network none
 
-def train_cell(name: str, seed: int, weights: Path, checkpoint: str, motions: str | None, config: Config) -> None:
-    """Train one network of the factorial."""
-    cell = CELLS[name]
-    c = configured(config, cell, seed)
-    if cell.reader == "plain":
-        progress = Progress(f"training, {name}")
-        network = train_plain(
-            training_motion(c, Path(motions) if motions else None), data_settings(c), _plain_settings(c), seed, progress
+    def change(self, seed: int, noise: float) -> dict[str, Any]:
+        """Sections of the configuration that differ from the default."""
+        data: dict[str, Any] = {"motions": self.motions}
+        if self.reader == "plain":
+            data["unmodelled"] = {"noise": noise}
+        changed = {"signals": {"frequency_reading": self.omega}, "data": data, "training": {"seed": seed}}
+        return (
+            changed
+            if len(self.image_motions) != 1
+            else changed | {"algorithm1": {"image_motion": self.image_motions[0]}}
         )
-        save_plain(weights, network)
-        return
-    train_and_keep(f"{name}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
-    Path(checkpoint).unlink(missing_ok=True)
 
 
-def search_under(
-    reader: ResidualReader, prepared: Prepared, settings: SearchSettings, rng: np.random.Generator
-) -> tuple[dict[str, tuple[Array, int]], Array]:
-    """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses.
+def _cells() -> dict[str, Cell]:
+    """Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there."""
+    both: tuple[ImageMotion, ...] = ("measured", "desired")
+    found = {}
+    for omega in ("rad_per_s", "index"):
+        found[f"cnn-ideal-{omega}"] = Cell("cnn", "ideal", omega, both)
+        for one in both:
+            found[f"cnn-tracked-{one}-{omega}"] = Cell("cnn", "tracked", omega, (one,))
+        for motions in ("ideal", "tracked"):
+            found[f"plain-{motions}-{omega}"] = Cell("plain", motions, omega, ())
+    return found
 
-    An execution's guesses do not depend on the metric, only where it ends, so that the rest is left out afterwards.
-    Returns for each metric the parameters and how many executions met the threshold, and each execution's first
-    estimate.
+
+CELLS = _cells()
+
+
+def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
+    """Configuration that a network of the factorial is trained with."""
+    return merged(config, cell.change(seed, config["factorial"]["plain"]["noise"]))
+
+
+@dataclass(frozen=True)
+class Block:
+    """One specimen with one back-EMF."""
+
+    name: str
+    arm: str
+    back_emf: float
+    true: Array
+    recordings: dict[str, Recording]
+
+
+def _specimens(config: Config) -> Iterator[tuple[str, str, int, Array]]:
+    """Block, arm, specimen and parameters without back-EMF; the blocks take the arms in turn."""
+    f = config["factorial"]
+    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"]}
+    for k, seed in enumerate(f["specimens"]):
+        arm = list(arms)[k % len(arms)]
+        yield str(seed), arm, seed, np.array(arms[arm], dtype=np.float64)
+    yield CONFIRMATION, CONFIRMATION, f["confirmation_specimen"], np.array(f["confirmation_arm"], dtype=np.float64)
+
+
+def simulate_blocks(config: Config, out: Path) -> None:
+    """Simulate every block with both back-EMFs on all motions, as one batch."""
+    control, h = control_constants(config), config["signals"]["sampling_period_s"]
+    beta, levels, phases, desired = [], [], [], []
+    for name in PROGRAMS:
+        for _, _, seed, parameters in _specimens(config):
+            effects, phase = disturbance(config, seed)
+            for back_emf in config["factorial"]["back_emf_nm_s_per_rad"]:
+                beta.append(parameters + back_emf * np.isin(np.arange(9), (5, 6)))
+                levels.append(effects)
+                phases.append(phase)
+                desired.append(program_from_config(config, name, seed).q)
+    longest = max(q.shape[-1] for q in desired)
+    held = np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired])
+    plant = Plant(np.stack(beta), h, levels, np.stack(phases))
+    position, pwm = simulate(plant, control, held, Progress(f"simulating {len(beta)} runs"))
+    kept: dict[str, NDArray[Any]] = {"parameters": np.stack(beta)[: len(beta) // len(PROGRAMS)]}
+    for k, name in enumerate(PROGRAMS):
+        own = slice(k * len(kept["parameters"]), (k + 1) * len(kept["parameters"]))
+        n = desired[own.start].shape[-1]
+        kept |= {f"{name}/position": position[own, :, :n], f"{name}/pwm": pwm[own, :, :n]}
+    write_tensors(out, kept)
+
+
+def read_blocks(path: Path, config: Config) -> list[Block]:
+    """Recordings of every block."""
+    kept, _ = read_tensors(path, "the recordings of the factorial")
+    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    specimens, back_emfs = list(_specimens(config)), config["factorial"]["back_emf_nm_s_per_rad"]
+    blocks = []
+    for k, (name, arm, seed, _) in enumerate(specimens):
+        programs = {motion: program_from_config(config, motion, seed) for motion in PROGRAMS}
+        for j, back_emf in enumerate(back_emfs):
+            index = k * len(back_emfs) + j
+            recordings = {}
+            for motion, program in programs.items():
+                expected = (len(specimens) * len(back_emfs), *program.q.shape)
+                signals = [kept.get(f"{motion}/{what}", np.empty(0)) for what in ("position", "pwm")]
+                if any(signal.shape != expected for signal in signals):
+                    raise InputError.at(f"{path}: {motion}", "another shape or nothing", f"arrays of shape {expected}")
+                position, pwm = (signal[index] for signal in signals)
+                sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
+                recordings[motion] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
+            blocks.append(Block(name, arm, back_emf, kept["parameters"][index], recordings))
+    return blocks
+
+
+METRICS: dict[str, MetricSettings] = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
+COLUMNS = (
+    "reader", "image_motion", "training", "omega", "back_emf", "metric", "block", "arm", "training_seed",
+    "search_seed", "id", "validation", "error", "met",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Scorers:
+    """Similarity of parameters on the motions of one block under both metrics."""
+
+    by_metric: Mapping[str, Sequence[TorqueScorer]]  # ID first
+
+    @classmethod
+    def of(cls, block: Block, config: Config) -> "Scorers":
+        """From the recordings of a block."""
+        signals = signal_settings(config)
+        regressions = [recording.regression(signals) for recording in block.recordings.values()]
+        return cls({name: [TorqueScorer(r.tau, r.y, m) for r in regressions] for name, m in METRICS.items()})
+
+    def row(self, metric: str, beta: Array) -> dict[str, float]:
+        """Mean total of both joints on ID, and over T1 to T4."""
+        totals = [float(score(beta).total.mean()) for score in self.by_metric[metric]]
+        return {"id": totals[0], "validation": float(np.mean(totals[1:]))}
+
+
+#: Methods without a network that every block is identified by, too.
+REFERENCES = ("ordinary", "bounded")
+
+
+def score_references(recordings: Path, config: Config) -> pd.DataFrame:
+    """Least squares, bounded least squares and the true parameters on every block, for both units of omega."""
+    rows = []
+    for omega in dict.fromkeys(cell.omega for cell in CELLS.values()):
+        c = merged(config, {"signals": {"frequency_reading": omega}})
+        for block in read_blocks(recordings, c):
+            scorers = Scorers.of(block, c)
+            regression = block.recordings["ID"].regression(signal_settings(c))
+            estimates = {name: METHODS[name].estimate(regression).beta for name in REFERENCES} | {"true": block.true}
+            for reader, beta in estimates.items():
+                for metric in METRICS:
+                    rows.append(
+                        {
+                            "reader": reader, "omega": omega, "back_emf": block.back_emf, "metric": metric,
+                            "block": block.name, "arm": block.arm, **scorers.row(metric, beta),
+                        }
+                    )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+#: Level of each factor that counts as high; an effect is high minus low.
+HIGH: Mapping[str, object] = {
+    "image_motion": "desired",
+    "training": "tracked",
+    "omega": "index",
+    "back_emf": "high",
+    "metric": "energy",
+    "reader": "plain",
+}
+#: Factors of the image CNN with Algorithm 1, and of both readers.
+OF_CNN = ("image_motion", "training", "omega", "back_emf", "metric")
+OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
+RESPONSES = ("id", "validation", "error")
+#: Share of the distribution that an interval leaves out.
+OUTSIDE = 0.05
+
+
+def with_levels(scores: pd.DataFrame) -> pd.DataFrame:
+    """Scores with the two back-EMFs called low and high, and blocks as text."""
+    low = scores["back_emf"].min()
+    return scores.assign(back_emf=np.where(scores["back_emf"] == low, "low", "high"), block=scores["block"].astype(str))
+
+
+def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
+    """Mean over the cells with a positive sign minus that over the others, of each block (row) and seed (column).
+
+    The sign of a cell is the product over the factors of `effect`, +1 for the high level of each: for two factors the
+    contrast is half the difference of their differences.
     """
-    count, limit = settings.executions, settings.inner_limit
-    guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
-    beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
-    possible = FEASIBILITY[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
-    results: dict[str, tuple[Array, int]] = {}
-    for name, metric in METRICS.items():
-        n_e = np.where(possible, TorqueScorer(prepared.alpha, prepared.y_sub, metric)(beta).total.mean(-1), 0.0)
-        met = n_e >= settings.threshold
-        before: NDArray[np.bool_] = (
-            np.cumsum(met, axis=1) - met == 0
-        )  # up to and with the first that meets the threshold
-        selected = select(beta[possible & before], prepared, replace(settings, metric=metric))
-        results[name] = (selected.beta, int(met.any(axis=1).sum()))
-    return results, beta[:, 0]
+    cells = scores.groupby(["block", "training_seed", *factors])[response].mean().rename("value").reset_index()
+    sign = np.prod([np.where(cells[name] == HIGH[name], 1.0, -1.0) for name in effect], axis=0)
+    signed = cells.assign(side=np.where(sign > 0, "plus", "minus"))
+    means = signed.groupby(["block", "training_seed", "side"])["value"].mean().unstack("side")
+    return (means["plus"] - means["minus"]).unstack("training_seed")
 
 
-def score_cell(
-    name: str, training_seed: int, search_seed: int, weights: Path, recordings: Path, tau_mean: Array, config: Config
-) -> pd.DataFrame:
-    """Similarities of one network and one seed of guesses on every block; of a plain network, which has no guesses."""
-    cell = CELLS[name]
-    c = configured(config, cell, training_seed)
-    signals, blocks = signal_settings(c), read_blocks(recordings, c)
-    settings = replace(search_settings(c), threshold=c["experiment"]["threshold"])
-    progress, rows = Progress(f"{name}, seed {training_seed}, guesses {search_seed}"), []
-    common = {"reader": cell.reader, "training": cell.motions, "omega": cell.omega, "training_seed": training_seed}
-    plain = load_plain(weights, signals.samples, _plain_settings(c)) if cell.reader == "plain" else None
-    network = None
-    if plain is None:
-        network = load_network(weights, network_settings(c), configuration_digest(c), c["training"]["precision"])
-    for k, block in enumerate(blocks):
-        scorers, right = Scorers.of(block, c), block.true
-        own = {**common, "block": block.name, "arm": block.arm, "back_emf": block.back_emf, "search_seed": search_seed}
-        for image_motion in cell.image_motions or ("measured",):
-            prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, image_motion)
-            if network is not None:
-                reader = ResidualReader(network, data_settings(c).image, prepared)
-                rng = stream(search_seed, Stream.FACTORIAL_SEARCH, k)
-                found, first = search_under(reader, prepared, settings, rng)
-            else:
-                assert plain is not None
-                first = read_torque(plain, prepared.alpha)[np.newaxis]
-                found = dict.fromkeys(METRICS, (prepared.largest * first[0], 0))
-            error = float(np.sqrt(np.mean((first - right / prepared.largest) ** 2)))
-            shown = image_motion if cell.image_motions else ""
-            rows += [
-                {**own, "image_motion": shown, "metric": m, **scorers.row(m, beta), "error": error, "met": met}
-                for m, (beta, met) in found.items()
-            ]
-        progress(k + 1, len(blocks))
-    return pd.DataFrame(rows)[list(COLUMNS)]
+def interval(values: Array) -> tuple[float, float, float]:
+    """Mean of blocks (rows) crossed with training seeds (columns), and its interval.
+
+    Blocks and seeds are both samples, so that the variance of the mean is that of the row means over their number plus
+    that of the column means over theirs; degrees of freedom by Welch and Satterthwaite.
+    """
+    parts = [values.mean(axis=axis).var(ddof=1) / n for axis, n in ((1, len(values)), (0, values.shape[1])) if n > 1]
+    freedom = [n - 1 for n in values.shape if n > 1]
+    mean, variance = float(values.mean()), float(sum(parts))
+    if not variance > 0:
+        return mean, mean, mean
+    degrees = variance**2 / sum(part**2 / f for part, f in zip(parts, freedom, strict=True))
+    half = float(student.ppf(1 - OUTSIDE / 2, degrees) * np.sqrt(variance))
+    return mean, mean - half, mean + half
+
+
+def effects(scores: pd.DataFrame) -> pd.DataFrame:
+    """Every main effect and every interaction of two factors, of the image CNN and of the reader.
+
+    From the columns of `repro.pipeline.factorial_networks.score_cell`. Columns ``of, effect, response, value, low,
+    high, blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the
+    plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its
+    better one.
+    """
+    leveled = with_levels(scores)
+    cnn = leveled[leveled["reader"] == "cnn"]
+    plain = leveled[leveled["reader"] == "plain"]
+    of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])
+    asked: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
+        ("cnn", cnn, OF_CNN, [*((name,) for name in OF_CNN), *combinations(OF_CNN, 2)]),
+        ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
+        ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
+    ]
+    rows: list[dict[str, Any]] = []
+    for of, frame, factors, chosen in asked:
+        for effect in chosen:
+            for response in RESPONSES:
+                if response == "error" and "metric" in effect:
+                    continue  # an estimate does not depend on the metric
+                values = contrast(frame, factors, effect, response)
+                held_out = values.index == CONFIRMATION
+                mean, low, high = interval(values[~held_out].to_numpy())
+                rows.append(
+                    {
+                        "of": of, "effect": " x ".join(effect), "response": response, "value": mean, "low": low,
+                        "high": high, "blocks": int((~held_out).sum()), "training_seeds": values.shape[1],
+                        "confirmation": float(values[held_out].to_numpy().mean()),
+                    }
+                )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
+    """Mean of each cell over blocks and seeds, with the methods that need no network beside them.
+
+    Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
+    """
+    names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
+    both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
+    both = both[both["block"].astype(str) != CONFIRMATION]
+    means = both.groupby(names, sort=False)[["id", "validation", "error", "met"]].mean()
+    return means.reset_index()

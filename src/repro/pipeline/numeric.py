@@ -12,7 +12,7 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.priors import sample_beta
 from repro.errors import InputError
 from repro.files import read_csv
-from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES, as_json
 from repro.identification.regression import Regression
@@ -89,7 +89,7 @@ def score_estimates(
 
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.run import Algorithm1
+    from repro.identification.algorithm1.refinement import Algorithm1
 
 _LOG = logging.getLogger(__name__)
 

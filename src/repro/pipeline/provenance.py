@@ -1,19 +1,30 @@
-"""A sidecar beside the results: which commit, when, with which programs, on a host that computes how."""
+"""The record of a run: commit, host and programs; its jobs; what each claim costs; all of it as an RO-Crate."""
 
+import base64
 import datetime
+import hashlib
 import importlib.metadata
 import json
+import math
 import os
 import platform
+import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import pandas as pd
 
 from repro import __version__
+from repro.comparison.tolerances import LEDGER
 from repro.contract import held
 from repro.documents import read_json
-from repro.files import write_json
+from repro.files import write_csv, write_json
 
 PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 
@@ -64,3 +75,232 @@ def recorded_fingerprint(results: Path) -> dict[str, str] | None:
             found = content.get("fingerprint") if isinstance(content, dict) else None
             return found if isinstance(found, dict) else None
     return None
+
+
+#: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
+UNITS = {"s": "s", "cpu_time": "s", "max_rss": "MiB"}
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job, with the name of its log; of its files those that are still there.
+
+    Attributes
+    ----------
+    started, ended : float
+        Seconds since 1970.
+    usage : mapping of str to float
+        What it took, in `UNITS`; a job of a blink has its wall time alone.
+    """
+
+    name: str
+    rule: str
+    inputs: tuple[Path, ...]
+    outputs: tuple[Path, ...]
+    started: float
+    ended: float
+    usage: Mapping[str, float]
+
+
+def recorded_jobs(results: Path, state: Path = Path(".snakemake")) -> dict[str, Job]:
+    """Jobs that wrote their logs into a folder of results and whose files are there, by name."""
+    records: dict[str, dict[Path, Any]] = defaultdict(dict)
+    kept = state / "metadata"
+    for file in filter(Path.is_file, kept.rglob("*")):
+        record: Any = read_json(file)
+        # A record's name is its file's in base64; where that is long, folders that begin with @ hold the first parts.
+        coded = file.relative_to(kept).as_posix().replace("/", "").replace("@", "")
+        output = Path(base64.urlsafe_b64decode(coded).decode())
+        for log in map(Path, record.get("log") or ()):
+            if log.parent == results / "logs" and output.exists():
+                records[log.stem][output] = record
+    return {name: _job(name, made, results) for name, made in sorted(records.items())}
+
+
+def _job(name: str, made: Mapping[Path, Any], results: Path) -> Job:
+    inputs = sorted({Path(path) for record in made.values() for path in record["input"]})
+    started, ended = min(r["starttime"] for r in made.values()), max(r["endtime"] for r in made.values())
+    benchmark = results / f"benchmarks/{name}.tsv"
+    row: Any = pd.read_csv(benchmark, sep="\t", na_values="-").iloc[-1].dropna() if benchmark.exists() else {}
+    return Job(
+        name=name,
+        rule=next(iter(made.values()))["rule"],
+        inputs=tuple(path for path in inputs if path.exists()),
+        outputs=tuple(sorted(made)),
+        started=started,
+        ended=ended,
+        usage={"s": ended - started} | {column: float(row[column]) for column in UNITS if column in row},
+    )
+
+
+def needed(jobs: Mapping[str, Job], name: str) -> dict[str, Job]:
+    """A job and all whose files it hangs on, however far."""
+    makers = {path: job for job in jobs.values() for path in job.outputs}
+    found: dict[str, Job] = {}
+    ahead = [jobs[name]]
+    while ahead:
+        job = ahead.pop()
+        if job.name not in found:
+            found[job.name] = job
+            ahead += [makers[path] for path in job.inputs if path in makers]
+    return found
+
+
+COST_COLUMNS = ("jobs", "minutes", "cpu_minutes", "memory_mib", "disk_mb")
+
+
+def write_costs(results: Path, jobs: Mapping[str, Job]) -> None:
+    """Write one row for each claim, if the ledger is there, beside the provenance: times differ from run to run."""
+    claims = results / "claims.csv"
+    if LEDGER in jobs and claims in jobs[LEDGER].outputs:
+        ledger = pd.read_csv(claims, keep_default_na=False)[["id", "target"]]
+        costs = {target: cost(jobs, target) for target in ledger["target"].unique()}
+        rows = pd.DataFrame([costs[target] for target in ledger["target"]], columns=list(COST_COLUMNS))
+        write_csv(results / "logs/costs.csv", ledger.join(rows))
+
+
+def cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
+    """Number of jobs, their minutes one after another, the largest memory, and what their files fill on disk.
+
+    What no job of its own makes, a setting or arithmetic, costs the ledger's own job; what only hardware can tell, NaN.
+    """
+    if not target:
+        return (math.nan,) * len(COST_COLUMNS)
+    makers = [job for job in jobs.values() if target in {job.name, *(path.stem for path in job.outputs)}]
+    found = needed(jobs, makers[0].name) if makers and target != LEDGER else {LEDGER: jobs[LEDGER]}
+    wall, cpu, memory = ([job.usage.get(column, 0.0) for job in found.values()] for column in UNITS)
+    size = sum(path.stat().st_size for job in found.values() for path in job.outputs)
+    return len(found), sum(wall) / 60, sum(cpu) / 60, max(memory), size / 1e6
+
+
+RECORD = "ro-crate-metadata.json"
+PROJECT = "arcp://name,repro/"
+LICENCE = "https://creativecommons.org/licenses/by/4.0/"
+#: What the record says, in words of schema.org and a few of others.
+SCHEMA = (
+    *("ComputerLanguage", "CreateAction", "CreativeWork", "Dataset", "PropertyValue", "SoftwareApplication"),
+    *("SoftwareSourceCode", "about", "contentSize", "datePublished", "description", "endTime", "hasPart", "instrument"),
+    *("license", "mainEntity", "mentions", "name", "object", "programmingLanguage", "propertyID", "result"),
+    *("softwareRequirements", "startTime", "unitText", "value", "version"),
+)
+CONTEXT = {name: f"http://schema.org/{name}" for name in SCHEMA} | {
+    "ComputationalWorkflow": "https://bioschemas.org/ComputationalWorkflow",
+    "File": "http://schema.org/MediaObject",
+    "conformsTo": "http://purl.org/dc/terms/conformsTo",
+    "resourceUsage": "https://w3id.org/ro/terms/workflow-run#resourceUsage",
+    "sha256": "https://w3id.org/ro/terms/workflow-run#sha256",
+}
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
+}
+
+Entity = dict[str, Any]
+
+
+def write_crate(results: Path, workflow: Path, configs: Iterable[Path], jobs: Mapping[str, Job]) -> None:
+    """Write the record beside the results, after their provenance; nothing if no job is known."""
+    if jobs:
+        copy = results / "workflow"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(workflow, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        graph = _graph(results, copy / "Snakefile", set(configs), list(jobs.values()))
+        write_json(results / RECORD, {"@context": CONTEXT, "@graph": graph})
+
+
+def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) -> list[Entity]:
+    sidecar = results / "logs/provenance.json"
+    provenance: Any = read_json(sidecar)
+    commit, packages = provenance["commit"], provenance["packages"]
+    made = {path for job in jobs for path in job.outputs}
+    given = {path for job in jobs for path in job.inputs} - made | configs
+    files = {path: _file(path, results) for path in sorted(made | given | {snakefile, sidecar})}
+    programs = [_entity(f"#package-{name}", "SoftwareApplication", name, version=v) for name, v in packages.items()]
+    rules = [_entity(f"#rule-{rule}", "SoftwareApplication", rule, version=commit) for rule in {j.rule for j in jobs}]
+    files[snakefile] |= {
+        "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"],
+        "programmingLanguage": {"@id": "#snakemake"},
+        "hasPart": _refs(rules),
+        "softwareRequirements": _refs(programs),
+        "version": commit,
+    }
+    usages = {job.name: _usage(job) for job in jobs}
+    actions = [
+        _entity(
+            f"#job-{job.name}",
+            "CreateAction",
+            job.name,
+            instrument={"@id": f"#rule-{job.rule}"},
+            object=_refs(files[path] for path in job.inputs),
+            result=_refs(files[path] for path in job.outputs),
+            startTime=_time(job.started),
+            endTime=_time(job.ended),
+            resourceUsage=_refs(usages[job.name]),
+        )
+        for job in jobs
+    ]
+    run = _entity(
+        "#run",
+        "CreateAction",
+        f"run of commit {commit}",
+        instrument={"@id": files[snakefile]["@id"]},
+        object=_refs(files[path] for path in given),
+        result=_refs(files[path] for path in made | {sidecar}),
+        startTime=_time(min(job.started for job in jobs)),
+        endTime=_time(max(job.ended for job in jobs)),
+    )
+    profiles = [_entity(key, "CreativeWork", name, version=key.split("/")[-1]) for key, name in PROFILES.items()]
+    root = _entity(
+        "./",
+        "Dataset",
+        "Results of a reproduction",
+        description="Tables, figures and numbers, with the jobs that made them and what these took.",
+        datePublished=provenance["finished"],
+        license={"@id": LICENCE},
+        conformsTo=_refs(profiles),
+        mainEntity={"@id": files[snakefile]["@id"]},
+        hasPart=_refs(files.values()),
+        mentions=_refs([run, *actions]),
+    )
+    conforms = {"@id": "https://w3id.org/ro/crate/1.1"}
+    graph = [
+        _entity(RECORD, "CreativeWork", "Record of the run", about={"@id": "./"}, conformsTo=conforms),
+        _entity(LICENCE, "CreativeWork", "CC BY 4.0", description="Creative Commons Attribution 4.0 International"),
+        _entity("#snakemake", "ComputerLanguage", "Snakemake", version=packages["snakemake"]),
+        *(root, run, *actions, *profiles, *programs, *rules, *files.values()),
+        *(entity for each in usages.values() for entity in each),
+    ]
+    return sorted(graph, key=lambda entity: str(entity["@id"]))
+
+
+def _entity(key: str, kind: str, name: str, **fields: object) -> Entity:
+    return {"@id": key, "@type": kind, "name": name, **fields}
+
+
+def _refs(entities: Iterable[Entity]) -> list[dict[str, str]]:
+    return [{"@id": key} for key in sorted(entity["@id"] for entity in entities)]
+
+
+def _file(path: Path, results: Path) -> Entity:
+    """A file by the name that the project knows it by."""
+    absolute, crate, project = (Path(os.path.abspath(p)) for p in (path, results, ""))  # noqa: PTH100 - links stay
+    name = absolute.relative_to(project).as_posix() if absolute.is_relative_to(project) else None
+    key = absolute.as_uri() if name is None else PROJECT + quote(name)
+    if absolute.is_relative_to(crate):
+        key = quote(absolute.relative_to(crate).as_posix())
+    with path.open("rb") as content:
+        digest = hashlib.file_digest(content, "sha256").hexdigest()
+    return _entity(key, "File", name or str(path), contentSize=str(path.stat().st_size), sha256=digest)
+
+
+def _usage(job: Job) -> list[Entity]:
+    return [
+        _entity(f"#job-{job.name}-{name}", "PropertyValue", name, propertyID=name, value=value, unitText=UNITS[name])
+        for name, value in job.usage.items()
+    ]
+
+
+def _time(seconds: float) -> str:
+    return datetime.datetime.fromtimestamp(seconds, datetime.UTC).isoformat(timespec="seconds")

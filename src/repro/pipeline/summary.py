@@ -1,4 +1,4 @@
-"""Tables 4 to 7, 9 and 10 from the runs over all seeds: the median seed with the spread over the seeds."""
+"""Tables over all seeds: the median seed with the spread over the seeds, and both time factors of the metric."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,6 +8,12 @@ import pandas as pd
 from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
+from repro.pipeline.experiment import Recording
+from repro.pipeline.experiment_runs import CASE, every_seed, score_runs
+from repro.pipeline.job import Config
+from repro.pipeline.numeric import score_estimates
+from repro.settings import numeric_settings, signal_settings
+from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 #: Columns of the scores of the experiment on the arm.
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
@@ -111,3 +117,48 @@ def parameter_table(
                 rows.append((case, method, name, unit, shown["true"][k], estimate, sd[name]))
     columns = ["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"]
     return _ordered(pd.DataFrame(rows, columns=columns))
+
+
+BOTH_METRICS = (
+    "method", "formula", "numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id",
+    "frequency_validation",
+)  # fmt: skip
+
+
+def both_metrics(
+    numeric: Sequence[Mapping[str, Any]],
+    arm: Sequence[Mapping[str, Any]],
+    recordings: Sequence[Recording],
+    config: Config,
+) -> pd.DataFrame:
+    """Means of the median cells under each formula; the estimates were searched for with the configured one.
+
+    Columns `BOTH_METRICS`: totals of N1 to N4 on both motions, of the arm on ID (each joint) and over T1 to T4, and
+    the frequency factor of the arm, which both formulas share.
+    """
+    signals, settings = signal_settings(config), numeric_settings(config)
+    rows = []
+    for formula in TIME_FORMULAS:
+        metric = MetricSettings(formula, config["metric"]["exponent"])
+        cells = ["method", "case", "joint"]
+        of_arm = score_runs(every_seed(arm), recordings, signals, metric)
+        of_arm = of_arm.groupby(cells)[["frequency", "total"]].median().reset_index()
+        of_numbers = score_estimates(every_seed(numeric), signals, settings, metric)
+        of_numbers = of_numbers.groupby(["trajectory", *cells])["total"].median().reset_index()
+        means = of_numbers.groupby(["method", "trajectory"])["total"].mean()
+        for method, own in of_arm.groupby("method"):
+            on_id, others = own[own["case"] == CASE].set_index("joint"), own[own["case"] != CASE]
+            rows.append(
+                {
+                    "method": method,
+                    "formula": formula,
+                    "numeric_id": means.get((method, "ID")),
+                    "numeric_validation": means.get((method, "validation")),
+                    "id1": on_id.loc[1, "total"],
+                    "id2": on_id.loc[2, "total"],
+                    "validation": others["total"].mean(),
+                    "frequency_id": on_id["frequency"].mean(),
+                    "frequency_validation": others["frequency"].mean(),
+                }
+            )
+    return pd.DataFrame(rows, columns=list(BOTH_METRICS)).sort_values(["method", "formula"], ignore_index=True)

@@ -18,7 +18,7 @@ from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant, Unmodelled
-from repro.identification.algorithm1.listing import derivatives
+from repro.identification.algorithm1.preprocessing import derivatives
 from repro.model.parameters import Array, Links, inertial_from_links
 from repro.pipeline.experiment import control_constants
 from repro.pipeline.job import Config

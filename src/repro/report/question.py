@@ -7,7 +7,7 @@ from typing import Any
 from repro.errors import InputError
 from repro.exhibits.style import METHODS
 from repro.files import read_csv
-from repro.pipeline.paired import ALL, BETTER, COLUMNS, OPEN, SAME, WORSE
+from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.report.inputs import ReportInputs
 from repro.signals.programs import SPAN
 
@@ -40,7 +40,7 @@ def answer(inputs: ReportInputs) -> Answer | None:
     path = inputs.results / "tables" / "verdict.csv"
     if inputs.partial and not path.exists():
         return None
-    table = read_csv(path, COLUMNS)
+    table = read_csv(path, COMPARISON_COLUMNS)
     table = table[table["set"] == ALL]
     asked = table[(table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)]
     if asked.empty:

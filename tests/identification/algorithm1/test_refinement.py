@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from strategies import seeds
 
 from repro.cnn.image import ImageSettings
-from repro.identification.algorithm1.listing import filtered, prepare
+from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, select
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import FEASIBILITY
 from repro.signals.metric import TorqueScorer
@@ -23,7 +22,7 @@ SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
 MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
 TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS["N4"])
 PREPARED = prepare(filtered(MOTION.q, TAU, SIGNALS), np.ones_like(TAU), SIGNALS)
-TRUTH = literal.ARMS["N4"] / PREPARED.largest
+TRUTH = literal.ARMS["N4"] / PREPARED.torque_scale
 SEARCH = SearchSettings()
 
 
@@ -53,7 +52,7 @@ def refined(reader, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=10
 
 
 def similarity(beta):
-    return TorqueScorer(PREPARED.regression.tau / PREPARED.largest, PREPARED.regression.y)(beta).total.mean(-1)
+    return TorqueScorer(PREPARED.regression.tau / PREPARED.torque_scale, PREPARED.regression.y)(beta).total.mean(-1)
 
 
 def near(n, seed=0, size=0.3):
@@ -110,7 +109,7 @@ def test_selection_alone_finds_a_badly_conditioned_arm():
         after.append(select(found, prepared, SEARCH).similarity)
     assert max(before) < 0.9
     # The filter rounds the torque's steps, so the arm itself does not reach 1.
-    assert np.median(after) > select(arm[None] / prepared.largest, prepared, SEARCH).similarity - 1e-3
+    assert np.median(after) > select(arm[None] / prepared.torque_scale, prepared, SEARCH).similarity - 1e-3
 
 
 def test_uniform_guesses_fill_the_range_of_line_17_as_often_as_algorithm_1_guesses_at_most():
@@ -270,7 +269,7 @@ def test_no_candidates_to_start_from():
 def test_real_network_is_read_through_and_the_generator_alone_decides():
     network = literal.untrained(gain=2.0)
     first, again, other = (
-        refined(ResidualReader(network, ImageSettings(), PREPARED), start(), seed=seed) for seed in (0, 0, 1)
+        refined(ResidualEstimator(network, ImageSettings(), PREPARED), start(), seed=seed) for seed in (0, 0, 1)
     )
     np.testing.assert_array_equal(first, again)
     assert first.shape != other.shape or not np.array_equal(first, other)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from repro.cnn.image import SCALES, ImageSettings
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.residual import ResidualReader
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -21,7 +21,7 @@ GUESSES = np.random.default_rng(0).uniform(1e-3, 3.0, (20, 9))
 
 
 def reader(scale="shared-max", prepared=PREPARED, batch=100):
-    return ResidualReader(literal.untrained(), ImageSettings(scale), prepared, batch)
+    return ResidualEstimator(literal.untrained(), ImageSettings(scale), prepared, batch)
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from repro.cnn.image import ImageSettings
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.refinement import RefinementSettings
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
 from repro.signals.sampling import SignalSettings
@@ -51,7 +50,7 @@ def test_the_control_without_a_network_finds_the_arm_and_reads_no_image():
     control = estimates(1, 0, 7, passes=150, limit=200, keep=100)["differential-evolution"]
     assert control.details["images"] == 0
     # The filter rounds the torque's steps, so the arm itself does not reach 1.
-    truth = select(literal.ARMS["N4"][None] / PREPARED.largest, PREPARED, SearchSettings()).similarity
+    truth = select(literal.ARMS["N4"][None] / PREPARED.torque_scale, PREPARED, SearchSettings()).similarity
     assert control.details["similarity"] > truth - 1e-3
     torque = rebuild_torque(PREPARED.regression.y, control.beta)
     assert np.linalg.norm(torque - PREPARED.regression.tau) < 0.1 * np.linalg.norm(PREPARED.regression.tau)

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from repro.cnn.image import ImageSettings
-from repro.identification.algorithm1.listing import filtered, prepare
-from repro.identification.algorithm1.residual import ResidualReader
-from repro.identification.algorithm1.search import SearchSettings, search, select
+from repro.identification.algorithm1.preprocessing import filtered, prepare
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.dct import dct2dev
 from repro.signals.metric import MetricSettings
@@ -35,7 +34,7 @@ def make(tau=TAU, tau_mean=MEAN, signals=SIGNALS):
 
 
 def run(prepared, settings=SEARCH, seed=3, network=NETWORK):
-    reader = ResidualReader(network, ImageSettings(), prepared)
+    reader = ResidualEstimator(network, ImageSettings(), prepared)
     return search(reader, prepared, settings, np.random.default_rng(seed))
 
 
@@ -111,7 +110,7 @@ def test_more_executions_leave_the_first_ones_as_they_were():
 def test_threshold_ends_an_execution():
     """The right answer in the second round ends those that got it; the others go on to the limit."""
     prepared = make()
-    right, poor = N1 / prepared.largest, np.full(9, 0.01)
+    right, poor = N1 / prepared.torque_scale, np.full(9, 0.01)
     rounds = iter([[poor] * 3, [poor, right, poor], [poor] * 2, [poor] * 2])
     reader = Stub(lambda guess: np.array(next(rounds)))
     settings = SearchSettings(executions=3, inner_limit=4)
@@ -132,7 +131,7 @@ def test_inner_limit_ends_an_execution(limit):
 
 def test_search_stops_when_every_execution_is_done():
     prepared = make()
-    reader = constant(N1 / prepared.largest)
+    reader = constant(N1 / prepared.torque_scale)
     found = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(0))
     assert found.images == reader.images == 7
     assert len(reader.guesses) == 1
@@ -160,7 +159,7 @@ def test_infeasible_estimates_are_never_kept(feasibility):
     else:
         beta[0] = 0.5 * beta[2]
     prepared = make(inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, beta))
-    best, allowed = beta / prepared.largest, N1 / prepared.largest
+    best, allowed = beta / prepared.torque_scale, N1 / prepared.torque_scale
     settings = SearchSettings(6, 5, feasibility=feasibility)
     found = search(constant(best, allowed), prepared, settings, np.random.default_rng(0))
     assert found.images >= 6
@@ -187,7 +186,7 @@ def test_perfect_network_recovers_the_parameters(arm, strength):
     signals, motion = exact_signals()
     truth = strength * literal.ARMS[arm]
     prepared = make(inverse_dynamics(*motion, truth), signals=signals)
-    found = search(constant(truth / prepared.largest), prepared, SearchSettings(5, 3), np.random.default_rng(0))
+    found = search(constant(truth / prepared.torque_scale), prepared, SearchSettings(5, 3), np.random.default_rng(0))
     chosen = select(found.beta, prepared, SearchSettings())
     np.testing.assert_allclose(chosen.beta, truth, rtol=1e-10)
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
@@ -197,7 +196,7 @@ def test_last_line_restores_the_level_of_an_estimate_of_the_right_shape():
     signals, motion = exact_signals()
     prepared = make(inverse_dynamics(*motion, N1), signals=signals)
     for factor in (0.2, 1.0, 5.0):
-        chosen = select(factor * N1[None] / prepared.largest, prepared, SearchSettings())
+        chosen = select(factor * N1[None] / prepared.torque_scale, prepared, SearchSettings())
         np.testing.assert_allclose(chosen.beta, N1, rtol=1e-10)
 
 
@@ -212,7 +211,7 @@ def test_torque_stronger_by_a_factor_gives_parameters_larger_by_it():
 
 def test_selection_takes_the_most_similar_on_the_full_rate_signals():
     prepared = make()
-    right = N1 / prepared.largest
+    right = N1 / prepared.torque_scale
     beta_m = np.stack([1.3 * right, right * ([1.2] + [1.0] * 8), right * 1.02, 0.5 * right])
     chosen = select(beta_m, prepared, SearchSettings())
     np.testing.assert_allclose(chosen.beta / chosen.beta[0], N1 / N1[0], rtol=1e-12)

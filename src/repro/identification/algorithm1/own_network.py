@@ -21,9 +21,8 @@ from repro.cnn.network import FactoredCNN, load_network, on_this_processor, save
 from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import fingerprint, train
 from repro.errors import InputError
-from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.refinement import RefinementSettings
-from repro.identification.algorithm1.run import Algorithm1
+from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
@@ -37,37 +36,20 @@ SAMPLES = 100
 
 @dataclass(frozen=True)
 class NetworkSearch:
-    """Budgets of training and search.
+    """Budgets of training and search."""
 
-    Attributes
-    ----------
-    cache : Path
-        Folder of trained networks, named by a hash of all that made them.
-    training : TrainingSettings
-        Recipe and budget.
-    data : DataSettings
-        Distribution of the samples.
-    network : NetworkSettings
-        Sizes.
-    search : SearchSettings
-        Constants of Algorithm 1; what is physically possible is a positive-definite M(q) and positive parameters.
-    refinement : RefinementSettings
-        Budget of the refinement; no passes where it is not asked for.
-    seed : int
-        Of guesses and moves.
-    """
-
-    cache: Path
+    cache: Path  # folder of trained networks, named by a hash of everything that decides them
     training: TrainingSettings
     data: DataSettings = field(default_factory=DataSettings)
     network: NetworkSettings = field(default_factory=NetworkSettings)
+    #: What is physically possible is a positive-definite M(q) and positive parameters.
     search: SearchSettings = field(
         default_factory=lambda: SearchSettings(
             threshold=0.9237, feasibility="positive-definite", metric=UNIT_FREE_METRIC
         )
     )
     refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
-    seed: int = 1
+    seed: int = 1  # of guesses and moves
 
 
 Report = Callable[[int, int, str], None]
@@ -75,19 +57,9 @@ Run = Callable[[Regression], tuple[dict[str, Estimate], int]]
 
 
 def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
-    """Algorithm 1 as published, and with the refinement.
+    """Make Algorithm 1 as published and with the refinement, which share one run.
 
-    Parameters
-    ----------
-    settings : NetworkSearch
-        Budgets.
-    report : callable
-        Called with steps of training done and in all, and a note.
-
-    Returns
-    -------
-    tuple of 2 Method
-        They share one run.
+    `report` is called with steps of training done and in all, and a note.
     """
     run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))  # once for both
     estimates = {
@@ -102,80 +74,66 @@ def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
 
 
 def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Report) -> FactoredCNN:
-    """The network of a motion: from the cache if it is there, else trained and put there.
-
-    Parameters
-    ----------
-    motion : SampledMotion
-        Subsampled regressors.
-    settings : NetworkSearch
-        Budgets; training continues from its checkpoint if it was stopped.
-    report : callable
-        Progress.
-
-    Returns
-    -------
-    FactoredCNN
-        Trained.
-    """
+    """Load the network of a motion from the cache, or train it, from its checkpoint if there is one, and store it."""
     s = replace(settings, training=replace(settings.training, precision=on_this_processor(settings.training.precision)))
     torch.set_num_threads(1)  # sums of several threads are added in another order, and the seed gives another network
     key = _key(fingerprint(motion, s.data, s.network, s.training))
-    kept, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
-    if kept.exists():
+    weights, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
+    if weights.exists():
         try:
-            return load_network(kept, s.network, precision=s.training.precision)
+            return load_network(weights, s.network, precision=s.training.precision)
         except InputError:
-            kept.unlink()  # a damaged file of our own cache: it is made again
+            weights.unlink()  # a damaged file of our own cache
     s.cache.mkdir(parents=True, exist_ok=True)
     trained = train(
         motion, s.data, s.network, s.training, checkpoint, lambda d, n, loss: report(d, n, f"loss {loss:.2e}")
     )
-    save_network(kept, trained.network, {"motion": key})
+    save_network(weights, trained.network, {"motion": key})
     checkpoint.unlink(missing_ok=True)
     return trained.network
 
 
 def _key(run: str) -> str:
-    """Name of a network in the cache: its training, and what computes it."""
+    """Name of a network in the cache, by its training and the arithmetic."""
     arithmetic = (torch.__version__, torch.backends.cpu.get_cpu_capability())
     return hashlib.sha256(repr((run, arithmetic)).encode()).hexdigest()[:24]
 
 
-def _subsampled(regression: Regression) -> tuple[SampledMotion, Prepared]:
-    """What the network sees and what candidates are compared on."""
+def _subsampled(regression: Regression) -> tuple[SampledMotion, PreparedSignals]:
+    """Subsample a regression for the network and for the comparison of candidates."""
     if regression.t.size < SAMPLES:
         raise NoSolutionError(f"{regression.t.size} samples after filtering, fewer than the {SAMPLES} of an image")
     columns = dct2sub(np.moveaxis(regression.y, -1, 0), SAMPLES)  # (9, 2, M)
     y_sub = np.ascontiguousarray(np.moveaxis(columns, 0, -1))
     tau_sub = dct2sub(regression.tau, SAMPLES)
-    largest = float(np.abs(tau_sub).max())
-    return SampledMotion(y_sub, y_sub), Prepared(regression, 1.0, largest, tau_sub / largest, y_sub, y_sub)
+    torque_scale = float(np.abs(tau_sub).max())
+    signals = PreparedSignals(regression, 1.0, torque_scale, tau_sub / torque_scale, y_sub, y_sub)
+    return SampledMotion(y_sub, y_sub), signals
 
 
 def _run(regression: Regression, settings: NetworkSearch, report: Report) -> tuple[dict[str, Estimate], int]:
-    """Algorithm 1 with the network of the regression's motion."""
-    motion, prepared = _subsampled(regression)
+    """Run Algorithm 1 with the network of the regression's motion."""
+    motion, signals = _subsampled(regression)
     network = trained_network(motion, settings, report)
     algorithm1 = Algorithm1("published", network, settings.data.image, settings.search, settings.refinement)
     streams = (stream(settings.seed, kind) for kind in (Stream.OWN_SEARCH, Stream.OWN_REFINE))
-    return algorithm1.run(prepared, *streams)
+    return algorithm1.run(signals, *streams)
 
 
 def _literal(regression: Regression, run: Run, search: SearchSettings) -> Estimate:
-    found, met = run(regression)
-    estimate = found["algorithm1"]
-    said = (
+    estimates, met = run(regression)
+    estimate = estimates["algorithm1"]
+    notes = (
         f"similarity {100.0 * estimate.details['similarity']:.4g} %",
         f"{met} of {search.executions} executions met the threshold of {100.0 * search.threshold:.4g} %",
     )
-    return replace(estimate, notes=said)
+    return replace(estimate, notes=notes)
 
 
 def _refined(regression: Regression, run: Run) -> Estimate:
-    found, _ = run(regression)
+    estimates, _ = run(regression)
     refined, control = (
-        100.0 * found[f"algorithm1+{step}"].details["similarity"] for step in ("refinement", "local-search")
+        100.0 * estimates[f"algorithm1+{step}"].details["similarity"] for step in ("refinement", "local-search")
     )
-    said = f"similarity {refined:.4g} %; the same moves unread by the network reach {control:.4g} %"
-    return replace(found["algorithm1+refinement"], notes=(said,))
+    note = f"similarity {refined:.4g} %; the same moves unread by the network reach {control:.4g} %"
+    return replace(estimates["algorithm1+refinement"], notes=(note,))

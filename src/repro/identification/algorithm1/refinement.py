@@ -1,4 +1,4 @@
-"""Refinement, an extension of ours and not the paper's: guesses drawn from the best estimates, read by the network.
+"""Algorithm 1 with its refinement, an extension of ours: the network evaluates guesses drawn from the best estimates.
 
 The moves are those of differential evolution [1]_: each of the best candidates is moved along the difference of two
 others. Such differences are large and correlated in what the similarity leaves open, small in what it has settled,
@@ -6,94 +6,75 @@ and shrink as the set closes in, so the moves need no scale of their own even wh
 conditioned. Each difference has a random length, no parameters are crossed over, and the best of old and new
 together survive; [1]_ does otherwise on all three.
 
-The network reads the moved guesses of the first passes, and both they and its readings become candidates. Two controls
-measure the network's share. One makes the same moves from the same candidates and reads no further image. The other
-starts from uniform guesses and reads no image at all.
+The network evaluates the moved guesses of the first passes, and both they and its estimates become candidates. Two
+controls measure the contribution of the network. One makes the same moves from the same candidates without further
+images. The other starts from uniform guesses without any image.
 
 .. [1] R. Storn and K. Price, "Differential Evolution - A Simple and Efficient Heuristic for Global Optimization over
    Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
 """
 
+from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from repro.identification.algorithm1.listing import Prepared
-from repro.identification.algorithm1.search import SearchSettings
+from repro.cnn.image import ImageSettings
+from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.search import (
+    ResidualEstimator,
+    SearchSettings,
+    Selected,
+    search,
+    select,
+)
+from repro.identification.method import Estimate
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import TorqueScorer
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.residual import ResidualReader
+    from repro.cnn.network import FactoredCNN
+
+#: Control of the refinement without a network.
+WITHOUT_NETWORK = "differential-evolution"
 
 
 @dataclass(frozen=True)
 class RefinementSettings:
-    """Budget and moves of the refinement.
+    """Budget and moves of the refinement."""
 
-    Attributes
-    ----------
-    restarts : int
-        Fresh guesses beside the candidates of Algorithm 1.
-    keep : int
-        Most similar candidates that survive a pass and are moved in the next.
-    passes : int
-        Number of passes; with none there is no refinement.
-    read_passes : int
-        Passes whose guesses the network reads. In those after, moves and selection go on without it: by then the set
-        closes in on what the similarity prefers, and a reading costs a hundred times a comparison.
-    reach : float
-        Largest multiple of a difference that a candidate is moved by.
-    jitter : float
-        Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they
-        reach where the differences do not, such as when a single candidate is left.
-    starts : int
-        Refinements of the same candidates along other moves, all of whose results are candidates. On a short log of
-        a real arm three of ten end in a local optimum.
-    """
-
-    restarts: int = 500
-    keep: int = 200
-    passes: int = 200
+    restarts: int = 500  # fresh guesses in addition to the candidates of Algorithm 1
+    keep: int = 200  # most similar candidates that survive a pass and are moved in the next
+    passes: int = 200  # with none there is no refinement
+    #: Passes whose guesses the network evaluates. Later moves and selection go on without it: by then the set closes in
+    #: on what the similarity prefers, and an image costs a hundred times a comparison.
     read_passes: int = 4
-    reach: float = 1.2
+    reach: float = 1.2  # largest multiple of a difference that a candidate is moved by
+    #: Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they reach
+    #: where the differences do not, such as when a single candidate remains.
     jitter: float = 1e-4
+    #: Independent refinement runs from the same candidates; all their results are pooled. On a short log of a real arm
+    #: three of ten end in a local optimum.
     starts: int = 1
 
 
 def restart(
-    reader: "ResidualReader",
+    estimator: ResidualEstimator,
     beta_m: Array,
     search: SearchSettings,
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Candidates that the refinement and its control start from.
+    """Collect the candidates (m, 9) that the refinement and its control start from, in units of the largest torque.
 
-    Parameters
-    ----------
-    reader : ResidualReader
-        Network and torque.
-    beta_m : array of shape (n, 9)
-        Candidates of Algorithm 1, in units of the largest torque.
-    search : SearchSettings
-        Range of guesses and the check of line 22.
-    settings : RefinementSettings
-        Number of fresh guesses.
-    rng : numpy.random.Generator
-        Source of the fresh guesses.
-
-    Returns
-    -------
-    array of shape (m, 9)
-        `beta_m` and what the network makes of fresh guesses, as far as physically possible. Where none is, the
-        fresh ones raised to the lowest guess: a network can read every guess a little below zero, and from nothing
-        no move starts.
+    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses. If there
+    is none, the fresh ones are raised to the lowest guess: a network can estimate every guess a little below zero, and
+    without candidates there are no moves.
     """
     possible = FEASIBILITY[search.feasibility]
-    fresh = reader.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
+    fresh = estimator.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
     candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
     if len(candidates):
         return candidates
@@ -102,19 +83,9 @@ def restart(
 
 
 def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
-    """Draw the candidates of the control without a network.
+    """Draw the candidates (n, 9) of the control without a network, in units of the largest torque.
 
-    Parameters
-    ----------
-    search : SearchSettings
-        Range of guesses, their number and the check of line 22.
-    rng : numpy.random.Generator
-        Source of the guesses.
-
-    Returns
-    -------
-    array of shape (n, 9)
-        The physically possible ones of as many guesses as Algorithm 1 reads at most, in units of the largest torque.
+    They are the physically possible ones of as many guesses as Algorithm 1 evaluates at most.
     """
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
     possible: Array = guesses[FEASIBILITY[search.feasibility](guesses)]
@@ -122,9 +93,9 @@ def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
 
 
 def refine(
-    reader: "ResidualReader | None",
+    estimator: ResidualEstimator | None,
     candidates: Array,
-    prepared: Prepared,
+    signals: PreparedSignals,
     search: SearchSettings,
     settings: RefinementSettings,
     rng: np.random.Generator,
@@ -133,36 +104,36 @@ def refine(
 
     Parameters
     ----------
-    reader : ResidualReader or None
-        Network and torque. None: a control, whose moved guesses are candidates that no network reads.
+    estimator : ResidualEstimator or None
+        Network and torque. None: a control, whose moved guesses are candidates without the network.
     candidates : array of shape (m, 9)
         From `restart` or `uniform_guesses`, in units of the largest torque.
-    prepared : Prepared
+    signals : PreparedSignals
         Signals that candidates are compared on.
     search : SearchSettings
         Range of guesses, the check of line 22 and the metric.
     settings : RefinementSettings
         Budget and moves.
     rng : numpy.random.Generator
-        Source of the moves, left as it was: refinement and control make the same ones.
+        Source of the moves, left unchanged: refinement and control make the same ones.
 
     Returns
     -------
     array of shape (k, 9)
         The ``settings.keep`` most similar of `candidates` and of every physically possible one of every pass, best
-        first; fewer if there are not as many, none if there was no candidate to start from.
+        first; none if there was no candidate to start from.
     """
     if not len(candidates):
         return candidates
     rng = deepcopy(rng)
     possible = FEASIBILITY[search.feasibility]
-    score = TorqueScorer(prepared.regression.tau / prepared.largest, prepared.regression.y, search.metric)
+    score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
     best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
     for done in range(settings.passes):
         guess = _move(best, settings, search.low, rng)
         beta = guess
-        if reader is not None and done < settings.read_passes:
-            beta = np.concatenate([guess, reader.estimate(guess)])
+        if estimator is not None and done < settings.read_passes:
+            beta = np.concatenate([guess, estimator.estimate(guess)])
         beta = beta[possible(beta)]
         candidates = np.concatenate([best, beta])
         similarity = np.concatenate([similarity, score(beta).total.mean(-1)])
@@ -171,15 +142,94 @@ def refine(
 
 
 def _most_similar(beta: Array, similarity: Array, keep: int) -> tuple[Array, Array]:
-    """The candidates that survive, best first: a pass moves these and line 30 takes one, so no other is needed."""
+    """Select the candidates that survive, best first: a pass moves these and line 30 selects one of them."""
     order = np.argsort(-similarity, kind="stable")[:keep]
     return beta[order], similarity[order]
 
 
 def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.Generator) -> Array:
-    """A guess from each candidate: best_i + U(0, reach) (best_a - best_b) + jitter N(0, 1), shape (n, 9)."""
+    """Draw a guess from each candidate: best_i + U(0, reach) (best_a - best_b) + jitter N(0, 1), shape (n, 9)."""
     a, b = rng.integers(len(best), size=(2, len(best)))
     reach = rng.uniform(0.0, settings.reach, (len(best), 1))
     move = reach * (best[a] - best[b]) + settings.jitter * rng.standard_normal(best.shape)
     guess: Array = np.maximum(best + move, low)  # a guess below the published range was never seen in training
     return guess
+
+
+@dataclass(frozen=True)
+class Algorithm1:
+    """A trained network with its settings."""
+
+    variant: str  # network's name, which is appended to those of the methods unless it is the published one
+    network: "FactoredCNN"
+    image: ImageSettings  # divisors of Eq. 9 that the network was trained with
+    search: SearchSettings
+    refinement: RefinementSettings  # with no passes there is none
+
+    @property
+    def literal(self) -> "Algorithm1":
+        """The same without refinement."""
+        return replace(self, refinement=replace(self.refinement, passes=0))
+
+    def run(
+        self,
+        signals: PreparedSignals,
+        search_rng: np.random.Generator,
+        refine_rng: np.random.Generator,
+        uniform_rng: np.random.Generator | None = None,
+    ) -> tuple[dict[str, Estimate], int]:
+        """Run the search, and with passes the refinement and its controls.
+
+        Parameters
+        ----------
+        signals : PreparedSignals
+            Signals after line 12.
+        search_rng, refine_rng : numpy.random.Generator
+            Sources of the guesses of line 17 and of the refinement.
+        uniform_rng : numpy.random.Generator, optional
+            Source of guesses and moves of the control without a network. The control runs with the published network
+            alone, because it would be the same with every other one.
+
+        Returns
+        -------
+        dict of Estimate
+            By method; details are the similarity of line 30 and the images evaluated so far.
+        int
+            Executions that met the threshold.
+        """
+        estimator = ResidualEstimator(self.network, self.image, signals)
+        candidates = search(estimator, signals, self.search, search_rng)
+        suffix = "" if self.variant == "published" else f"+{self.variant}"
+        results = {f"algorithm1{suffix}": _estimate(select(candidates.beta, signals, self.search), estimator.images)}
+        met = int((candidates.similarity >= self.search.threshold).sum())
+        if not self.refinement.passes:
+            return results, met
+        starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
+        moves = self._moves(refine_rng)
+        # The control runs first, so that the number of images is its own.
+        for method, feedback in (("local-search", None), ("refinement", estimator)):
+            chosen = self._refined(feedback, starts, signals, moves)
+            results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, estimator.images)
+        if uniform_rng is not None and not suffix:
+            guesses = uniform_guesses(self.search, uniform_rng)
+            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, self._moves(uniform_rng)), 0)
+        return results, met
+
+    def _moves(self, rng: np.random.Generator) -> list[np.random.Generator]:
+        """Sources of the moves of each run of a refinement."""
+        return [rng, *rng.spawn(self.refinement.starts - 1)]
+
+    def _refined(
+        self,
+        estimator: ResidualEstimator | None,
+        candidates: Array,
+        signals: PreparedSignals,
+        moves: Sequence[np.random.Generator],
+    ) -> Selected:
+        """Select the most similar set of all runs of a refinement."""
+        best = [refine(estimator, candidates, signals, self.search, self.refinement, rng) for rng in moves]
+        return select(np.concatenate(best), signals, self.search)
+
+
+def _estimate(selected: Selected, images: int) -> Estimate:
+    return Estimate(selected.beta, details={"similarity": selected.similarity, "images": images})

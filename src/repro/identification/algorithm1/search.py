@@ -1,106 +1,104 @@
-"""Algorithm 1: parametric identification, lines 8 to 32; `listing` beside it holds lines 1 to 12."""
+"""Algorithm 1: parametric identification, lines 8 to 32; `preprocessing` has lines 1 to 12."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from repro.identification.algorithm1.listing import Prepared
+from repro.cnn.image import ImageSettings, image_factors
+from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import MetricSettings, TorqueScorer
 
 if TYPE_CHECKING:
-    from repro.identification.algorithm1.residual import ResidualReader
-
+    from repro.cnn.network import FactoredCNN
 
 ImageMotion = Literal["measured", "desired"]
 
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """Constants of Algorithm 1.
+    """Constants of Algorithm 1."""
 
-    Attributes
-    ----------
-    executions : int
-        N_exe = 100 (Section VI).
-    inner_limit : int
-        L_exe, guesses within one execution; the paper does not give it.
-    threshold : float
-        d_u: 0.9282 for numeric, 0.9237 for experimental data (Section VI).
-    low, high : float
-        Range of the guesses of line 17.
-    feasibility : str
-        What line 22 calls physically possible, see `repro.model.parameters`.
-    metric : MetricSettings
-        Formulas of **metr2ev**.
-    image_motion : {"measured", "desired"}
-        Motion that f of the image is taken on, line 18: the measured one as listed, or the one that was sent.
-    """
-
-    executions: int = 100
-    inner_limit: int = 100
-    threshold: float = 0.9282
-    low: float = 1e-3
+    executions: int = 100  # N_exe (Section VI)
+    inner_limit: int = 100  # L_exe, guesses within one execution; the paper does not give it
+    threshold: float = 0.9282  # d_u: 0.9282 for numeric, 0.9237 for experimental data (Section VI)
+    low: float = 1e-3  # range of the guesses of line 17
     high: float = 3.0
-    feasibility: str = "positive"
+    feasibility: str = "positive"  # what line 22 calls physically possible, see `repro.model.parameters`
     metric: MetricSettings = field(default_factory=MetricSettings)
+    #: Motion that f of the image is taken on, line 18: the measured one as listed, or the one that was sent.
     image_motion: ImageMotion = "measured"
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """The set beta_m of line 29.
+    """The set beta_m of line 29."""
 
-    Attributes
-    ----------
-    beta : array of shape (n, 9)
-        Physically possible estimates, in units of the largest torque.
-    execution : array of shape (n,)
-        Execution each came from.
-    similarity : array of shape (n,)
-        n_e of line 27.
-    images : int
-        Images read by the network, rejected estimates included.
-    """
-
-    beta: Array
-    execution: np.ndarray[tuple[int], np.dtype[np.int64]]
-    similarity: Array
-    images: int
+    beta: Array  # physically possible estimates (n, 9), in units of the largest torque
+    execution: NDArray[np.int64]  # execution that each came from (n,)
+    similarity: Array  # n_e of line 27, (n,)
+    images: int  # images that the network evaluated, rejected estimates included
 
 
 @dataclass(frozen=True)
 class Selected:
-    """Output of Algorithm 1.
+    """Output of Algorithm 1."""
 
-    Attributes
-    ----------
-    beta : array of shape (9,)
-        beta_o, SI units.
-    similarity : float
-        Mean total of both joints on the full-rate signals (line 30).
+    beta: Array  # beta_o (9,), SI units
+    similarity: float  # mean total of both joints on the full-rate signals (line 30)
+
+
+class ResidualEstimator:
+    """Lines 17 to 21 for many guesses at once: guess -> image -> CNN -> residual -> estimate, of one torque.
+
+    `image` must have the divisors of Eq. 9 that the network was trained with; `batch` images are evaluated at a time.
     """
 
-    beta: Array
-    similarity: float
+    def __init__(
+        self, network: "FactoredCNN", image: ImageSettings, signals: PreparedSignals, batch: int = 100
+    ) -> None:
+        self._network = network
+        self._image = image
+        self._alpha = signals.alpha.astype(np.float32)
+        self._model = signals.model.reshape(-1, 9).T
+        self._batch = batch
+        #: Images evaluated so far.
+        self.images = 0
+
+    def estimate(self, guess: Array) -> Array:
+        """Compute estimates beta = r + beta_n (lines 18 to 21) from guesses, (n, 9) in units of the largest torque."""
+        parts = [self._residual(guess[k : k + self._batch]) for k in range(0, len(guess), self._batch)]
+        self.images += len(guess)
+        return guess + np.concatenate(parts) if parts else guess
+
+    def _residual(self, guess: Array) -> Array:
+        import torch  # noqa: PLC0415  (settings and scores need no network)
+
+        psi = 2 * self._alpha - (guess @ self._model).reshape(-1, *self._alpha.shape).astype(np.float32)
+        u, v = image_factors(np.broadcast_to(self._alpha, psi.shape), psi, self._image)
+        with torch.no_grad():
+            # Lines 19 and 20: the sigmoid of the output layer and its inverse cancel.
+            residual: torch.Tensor = self._network(torch.from_numpy(u), torch.from_numpy(v[:1].copy()))
+        return residual.numpy().astype(np.float64)
 
 
 def search(
-    reader: "ResidualReader", prepared: Prepared, settings: SearchSettings, rng: np.random.Generator
+    estimator: ResidualEstimator, signals: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation.
 
-    All executions advance together, one guess each a round, so that the network reads them as one batch.
+    All executions advance together, one guess each a round, so that the network evaluates them as one batch.
     Each execution has its own random stream, so the guesses are those of the listing run one by one.
 
     Parameters
     ----------
-    reader : ResidualReader
+    estimator : ResidualEstimator
         Network and torque.
-    prepared : Prepared
-        Signals.
+    signals : PreparedSignals
+        Signals after line 12.
     settings : SearchSettings
         Constants.
     rng : numpy.random.Generator
@@ -112,16 +110,16 @@ def search(
         Every physically possible estimate.
     """
     possible = FEASIBILITY[settings.feasibility]
-    score = TorqueScorer(prepared.alpha, prepared.y_sub, settings.metric)
+    score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
     streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
     running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0
     beta_m, origin, similarity = [np.empty((0, 9))], [np.empty(0, np.int64)], [np.empty(0)]  # line 11
-    images_before = reader.images
+    images_before = estimator.images
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
         beta_n = np.stack([streams[k].uniform(settings.low, settings.high, 9) for k in running])  # line 17
-        beta = reader.estimate(beta_n)  # lines 18 to 21
+        beta = estimator.estimate(beta_n)  # lines 18 to 21
         ok = possible(beta)  # line 22; what fails is beta = 0 with n_e = 0 (lines 23, 24)
         n_e = np.zeros(len(beta))
         n_e[ok] = score(beta[ok]).total.mean(-1)  # lines 26, 27
@@ -129,35 +127,24 @@ def search(
         origin.append(running[ok])
         similarity.append(n_e[ok])
         running = running[n_e < settings.threshold]  # line 28 is the loop's own count
-    images = reader.images - images_before
+    images = estimator.images - images_before
     return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity), images)
 
 
-def select(beta_m: Array, prepared: Prepared, settings: SearchSettings) -> Selected:
+def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
     """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque.
 
-    Parameters
-    ----------
-    beta_m : array of shape (n, 9)
-        Estimates in units of the largest torque.
-    prepared : Prepared
-        Signals.
-    settings : SearchSettings
-        Metric.
-
-    Returns
-    -------
-    Selected
-        The most similar set; all zeros with similarity 0, where line 11 starts, if no estimate was possible.
+    The candidates (n, 9) are in units of the largest torque. Without any, the result is zeros with similarity 0, where
+    line 11 starts.
     """
     if not len(beta_m):
         return Selected(np.zeros(9), 0.0)
-    r = prepared.regression
-    similarity = TorqueScorer(r.tau / prepared.largest, r.y, settings.metric)(beta_m).total.mean(-1)
+    r = signals.regression
+    similarity = TorqueScorer(r.tau / signals.torque_scale, r.y, settings.metric)(beta_m).total.mean(-1)
     best = int(similarity.argmax())
     beta_o = beta_m[best]  # line 30
     tau_r = rebuild_torque(r.y, beta_o)  # line 31
     # Line 32, beta_o max(tau_c) / (c_p max(tau_r)), with tau_c = c_p tau after line 6.
-    tau_c = prepared.c_p * r.tau
-    beta_o = beta_o * np.abs(tau_c).max() / (prepared.c_p * np.abs(tau_r).max())
-    return Selected(prepared.recorded(beta_o), float(similarity[best]))
+    tau_c = signals.c_p * r.tau
+    beta_o = beta_o * np.abs(tau_c).max() / (signals.c_p * np.abs(tau_r).max())
+    return Selected(signals.to_recorded_time(beta_o), float(similarity[best]))

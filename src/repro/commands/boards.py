@@ -1,0 +1,239 @@
+"""Commands for a board: simulate one, record from it, decode what was recorded."""
+
+import argparse
+import sys
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from repro.commands.options import add_config, integer, number, seconds, seed
+from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from repro.fpga.capture import Capture
+    from repro.fpga.channel_errors import ErrorRates
+    from repro.signals.programs import Program
+
+
+def simulate_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro simulate``."""
+    parser.add_argument("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
+    parser.add_argument("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
+    parser.add_argument("--host", default="127.0.0.1", help="with socket: address to listen on (default: 127.0.0.1)")
+    parser.add_argument(
+        "--port-number", type=integer(0, 65535), default=0, help="with socket: 0 takes a free one (default)"
+    )
+    parser.add_argument("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
+    parser.add_argument("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
+    parser.add_argument("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
+    parser.add_argument("--once", action="store_true", help="end after the first motion, when its host has gone")
+    add_config(parser)
+
+
+def simulate(arguments: argparse.Namespace) -> int:
+    """Run a simulated board that serial programs can connect to."""
+    import numpy as np
+
+    from repro.config import load_config
+    from repro.fpga.channel_errors import ErrorInjector
+    from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
+    from repro.pipeline.experiment import board_from_config
+
+    if arguments.link is not None and arguments.listen != "pty":
+        raise InputError.at("--link", f"--listen {arguments.listen}", "--listen pty")
+    settings = parse_faults(arguments.faults)
+    config = load_config(arguments.config)
+    seed = config["experiment"]["seed"] if arguments.seed is None else arguments.seed
+    board = board_from_config(config, seed)
+    rng = np.random.default_rng(seed)
+    endpoint = (
+        PtyEndpoint(arguments.link)
+        if arguments.listen == "pty"
+        else SocketEndpoint(arguments.host, arguments.port_number)
+    )
+    serve(
+        board,
+        endpoint,
+        real_time=not arguments.as_fast_as_possible,
+        injector=(lambda: ErrorInjector(settings, rng)) if arguments.faults else None,
+        once=arguments.once,
+        ready=lambda port: print(port, flush=True),
+    )
+    return 0
+
+
+def parse_faults(text: str) -> "ErrorRates":
+    """Read error rates such as ``drop=1e-4,flip=1e-4``."""
+    from repro.fpga.channel_errors import ErrorRates
+
+    names = [field.name for field in fields(ErrorRates)]
+    values: dict[str, float] = {}
+    for part in text.split(",") if text else ():
+        name, _, value = part.partition("=")
+        if name not in names or name in values:
+            raise InputError.at("--faults", repr(part), f"each once: {', '.join(names)}, as in drop=1e-4,flip=1e-4")
+        try:
+            values[name] = (
+                integer(0, 10**9)(value)
+                if name in ("stall_bytes", "disconnect_after")
+                else number(0.0, 1e6, "a number")(value)
+            )
+        except argparse.ArgumentTypeError as error:
+            raise InputError.at(f"--faults: {name}", repr(value), "a number") from error
+    try:
+        return ErrorRates(**values)  # type: ignore[arg-type]
+    except ValueError as error:
+        raise InputError.at("--faults", text, str(error).rstrip(".")) from error
+
+
+#: URLs of pyserial behind which a board can be.
+_URLS = ("socket://", "rfc2217://")
+
+
+def record_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro record``."""
+    parser.add_argument("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
+    parser.add_argument(
+        "--trajectory",
+        required=True,
+        help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad",
+    )
+    parser.add_argument(
+        "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written next to it"
+    )
+    parser.add_argument("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
+    parser.add_argument(
+        "--timeout", type=seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace a capture that is there")
+    add_config(parser)
+
+
+def record(arguments: argparse.Namespace) -> int:
+    """Record a motion from a board, real or simulated, into a capture file."""
+    from repro.config import load_config
+    from repro.fpga import link
+    from repro.fpga.capture import check_target, write_capture
+    from repro.pipeline.experiment import metadata_for
+
+    check_target(arguments.out, arguments.overwrite)
+    config = load_config(arguments.config)
+    program = program_of(config, arguments.trajectory)
+    metadata = metadata_for(program, config)
+    defaults = config["experiment"]
+    port = defaults["port"] if arguments.port is None else arguments.port
+    baud = defaults["baud"] if arguments.baud is None else arguments.baud
+    if "://" in port and not _is_address(port):
+        raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
+    with link.raw_file(arguments.out, metadata, arguments.overwrite) as raw:
+        data, metadata = link.record(port, metadata, baud, arguments.timeout, raw.add)
+        raw.close()
+        capture = write_capture(arguments.out, data, metadata, arguments.overwrite)
+    print(summarise_capture(capture))
+    if capture.complete:
+        return 0
+    print(f"{arguments.out}: incomplete ({capture.metadata.end_reason}); what arrived is kept", file=sys.stderr)
+    return 1
+
+
+def _is_address(url: str) -> bool:
+    """Whether a URL names a host and a port that pyserial can connect to."""
+    try:
+        parts = urlsplit(url)
+        return url.startswith(_URLS) and bool(parts.hostname) and bool(parts.port)
+    except ValueError:  # no number, or above 65535
+        return False
+
+
+def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
+    """Give the motion of a name or of a table ``FILE.csv``, within the limits of the arm."""
+    from repro.pipeline.experiment import check_program, program_from_config
+    from repro.signals.programs import PROGRAMS
+
+    if trajectory in PROGRAMS:
+        return program_from_config(config, trajectory)
+    if not trajectory.endswith(".csv"):
+        raise InputError.at("--trajectory", repr(trajectory), f"one of {', '.join(PROGRAMS)} or FILE.csv")
+    program = read_program(Path(trajectory))
+    try:
+        check_program(config, program)
+    except InputError as error:
+        raise InputError(f"{trajectory}: {error}") from error
+    return program
+
+
+def read_program(path: Path) -> "Program":
+    """Read the motion of a table."""
+    import numpy as np
+    import pandas as pd
+
+    from repro.documents import read_bytes
+    from repro.files import read_csv
+    from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
+    from repro.signals.programs import MEMORY_SAMPLES, Program
+
+    largest, columns = 2**15 * RADIANS_PER_COUNT, []
+    read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
+    table = read_csv(path, ("q1_rad", "q2_rad"))
+    for name in ("q1_rad", "q2_rad"):
+        column = np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
+        for row in np.flatnonzero(~np.isfinite(column)):
+            cell = table[name].iloc[row]
+            found = repr(cell[:40]) if isinstance(cell, str) else str(cell)
+            raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
+        for row in np.flatnonzero(np.abs(column) > largest):
+            expected = f"at most {largest:.4g} rad, which the encoder counts up to"
+            raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.4g} rad", expected)
+        columns.append(column)
+    if not 2 <= len(table) <= MEMORY_SAMPLES:
+        expected = f"a motion of 2 to {MEMORY_SAMPLES}, as many as the board's memory has"
+        raise InputError.at(str(path), f"{len(table) or 'no'} rows", expected)
+    return Program(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)
+
+
+def decode_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro decode``."""
+    parser.add_argument("file", type=Path, help="capture NAME.bin, with NAME.json next to it")
+    parser.add_argument("-o", "--out", help="table to write, FILE.csv, or - for standard output")
+    parser.add_argument("--overwrite", action="store_true", help="replace a table that is there")
+
+
+def decode(arguments: argparse.Namespace) -> int:
+    """Decode a capture file: what is in it, and its samples as a table."""
+    from repro.files import CSV_FLOAT_FORMAT, write_csv, writing
+    from repro.fpga.capture import files_of, read_capture
+    from repro.fpga.recording import to_table
+
+    out = arguments.out
+    if out not in (None, "-") and Path(out).exists():
+        if not arguments.overwrite:
+            raise InputError.at(out, "a file", "a new name, or --overwrite")
+        if any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
+            raise InputError.at(out, "a file of the capture itself", "another name")
+    if out not in (None, "-") and not out.endswith(".csv"):
+        raise InputError.at("--out", repr(out), "FILE.csv, or -")
+    capture = read_capture(arguments.file)
+    if out == "-":
+        print(summarise_capture(capture), file=sys.stderr)
+        to_table(capture).to_csv(sys.stdout, index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+        return 0
+    if out is not None:
+        with writing(out):
+            write_csv(Path(out), to_table(capture))
+    print(summarise_capture(capture))
+    return 0
+
+
+def summarise_capture(capture: "Capture") -> str:
+    """Summarise a capture in three lines."""
+    metadata, counts = capture.metadata, capture.counts
+    state = "complete" if capture.complete else f"incomplete ({metadata.end_reason})"
+    return "\n".join(
+        (
+            f"{capture.place}: {metadata.motion}, source {metadata.source}, {state}",
+            f"frames: {counts.good} good of {metadata.samples} expected ({metadata.samples * metadata.h:g} s)",
+            f"gaps: {counts.gaps}, about {counts.lost} frames lost, {counts.skipped} bytes skipped",
+        )
+    )

@@ -1,0 +1,76 @@
+"""Commands for runs of the workflow: check a configuration, verify the results, compare two runs."""
+
+import argparse
+from pathlib import Path
+
+from repro.commands.options import DEFAULT_CONFIG, add_config
+
+
+def check_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro check``."""
+    parser.add_argument("overlays", nargs="*", type=Path, metavar="OVERLAY", help="files for snakemake --configfile")
+    add_config(parser)
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Check a configuration of the workflow, as a run does before any work."""
+    from repro.config import load_config
+
+    load_config(arguments.config, *arguments.overlays)
+    print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
+    return 0
+
+
+def verify_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro verify``."""
+    parser.add_argument("--results", type=Path, help="results folder (default: that of the configuration)")
+    parser.add_argument(
+        "--config",
+        type=Path,
+        nargs="+",
+        default=[DEFAULT_CONFIG],
+        help=f"configuration file, and overlays as snakemake had them (default: {DEFAULT_CONFIG})",
+    )
+
+
+def verify(arguments: argparse.Namespace) -> int:
+    """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
+    from repro.config import load_config
+    from repro.fingerprint import told
+    from repro.paper.claims import broken
+    from repro.paper.ledger import verify_ledger
+    from repro.paper.ledger_page import summary
+    from repro.pipeline.provenance import recorded_fingerprint
+
+    config = load_config(*arguments.config)
+    # Names in the list of sources start from the project's folder.
+    folder = arguments.config[0].absolute().parent.parent
+    root = Path() if folder == Path.cwd() else folder
+    results = arguments.results or root / config["results"]
+    claims, problems = verify_ledger(results, config, root)
+    print(told(recorded_fingerprint(results)))
+    for line in summary(claims) if claims is not None else []:
+        print(line)
+    for problem in problems:
+        print(f"disagrees: {problem}")
+    if claims is None or problems:
+        print(f"{len(problems)} disagreements between {results} and its sources")
+        return 1
+    return 1 if len(broken(claims)) else 0
+
+
+def compare_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``repro compare``."""
+    parser.add_argument("first", type=Path, help="results folder, for example docs/reference")
+    parser.add_argument("second", type=Path, help="another one, for example results")
+
+
+def compare(arguments: argparse.Namespace) -> int:
+    """Compare two runs table by table: the largest difference of each class of number, and where it is."""
+    from repro.comparison.runs import compare_runs, report
+    from repro.exhibits.catalogue import tolerances
+
+    compared, alone = compare_runs(arguments.first, arguments.second, tolerances())
+    for line in report(compared, alone):
+        print(line)
+    return int(any(each.broken for each in compared))

@@ -1,0 +1,88 @@
+"""Conformal error bars for the network's estimate, and a novelty check of the motion.
+
+Algorithm 1 gives no interval. The network estimates the same arm from many guesses. The spread of these estimates is
+too narrow, because they share their error. Split conformal calibration [1]_ stretches it by a factor found on arms of
+known parameters, which covers arms drawn like those for any network.
+
+.. [1] V. Vovk, A. Gammerman, G. Shafer, "Algorithmic Learning in a Random World", Springer, 2005.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from repro.model.parameters import Array
+
+#: Central fraction of the estimates whose half range is the width.
+CENTRAL_FRACTION = 0.68
+#: Least width, over the largest torque: an estimate's rounding to a digit.
+MIN_WIDTH = 1e-4
+#: Fraction of training motions that are as far from their nearest one as a motion that is called novel.
+NOVEL_FRACTION = 0.01
+
+
+@dataclass(frozen=True)
+class GuessSpread:
+    """Estimates of one arm or of many from many guesses, each array (..., 9) in units of the largest torque."""
+
+    centre: Array  # median over the guesses
+    width: Array  # half the range of the central `CENTRAL_FRACTION`
+
+
+def spread_of(estimates: Array) -> GuessSpread:
+    """Compute centre and width of estimates (..., guesses, 9); ValueError if there are fewer than 10 guesses."""
+    if estimates.ndim < 2 or estimates.shape[-2] < 10:
+        raise ValueError(f"estimates: at least 10 guesses are needed, got shape {estimates.shape}.")
+    low, middle, high = np.quantile(estimates, [0.5 - CENTRAL_FRACTION / 2, 0.5, 0.5 + CENTRAL_FRACTION / 2], axis=-2)
+    return GuessSpread(middle, np.maximum((high - low) / 2, MIN_WIDTH))
+
+
+def normalised_errors(spread: GuessSpread, truth: Array) -> Array:
+    """Compute |truth - centre| / width, each (..., 9)."""
+    errors: Array = np.abs(truth - spread.centre) / spread.width
+    return errors
+
+
+def stretch_factors(spread: GuessSpread, truth: Array, levels: Sequence[float]) -> Array:
+    """Compute the factors (levels, 9) on the width that cover arms of known parameters (n, 9).
+
+    They are the ceil((n + 1) level)-th smallest of |truth - centre| / width: an arm drawn like these is covered with at
+    least that probability. ValueError is raised if there are too few arms for a level, which must be below n / (n + 1).
+    """
+    scores = np.sort(normalised_errors(spread, truth), axis=0)
+    n = len(scores)
+    ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
+    if (ranks > n).any() or (ranks < 1).any():
+        raise ValueError(f"levels: {n} arms can calibrate shares of 0 to {n / (n + 1):.4g}, got {tuple(levels)}.")
+    factors: Array = scores[ranks - 1]
+    return factors
+
+
+def covered(spread: GuessSpread, truth: Array, factors: Array) -> Array:
+    """Compute the fraction (levels, 9) of arms whose parameter lies within centre +- factor x width."""
+    return np.asarray((normalised_errors(spread, truth) <= factors[:, np.newaxis]).mean(axis=1))
+
+
+def distances(motions: Array, others: Array | None = None) -> Array:
+    """Compute the distance (n,) of each motion from the nearest other one, as a fraction of its own size.
+
+    Motions (n, 2, M, 9) are filtered and subsampled regressors, and so are the `others` (k, 2, M, 9), by default the
+    rest of the motions. The distance is the root of the mean over parameters of |Y - Y_k|^2 / |Y|^2 at the nearest k,
+    which does not depend on units.
+    """
+    own = np.moveaxis(motions, -1, 1).reshape(len(motions), 9, -1)
+    size = np.sum(own**2, axis=-1)  # (n, 9)
+    nearest = np.empty(len(own))
+    pool = own if others is None else np.moveaxis(others, -1, 1).reshape(len(others), 9, -1)
+    for k, motion in enumerate(own):
+        gap = np.sqrt(np.mean(np.sum((pool - motion) ** 2, axis=-1) / size[k], axis=-1))
+        if others is None:
+            gap[k] = np.inf
+        nearest[k] = gap.min()
+    return nearest
+
+
+def novelty_limit(training: Array) -> float:
+    """Compute the distance beyond which a motion is unlike the training motions (K, 2, M, 9)."""
+    return float(np.quantile(distances(training), 1.0 - NOVEL_FRACTION))

@@ -1,0 +1,144 @@
+"""Algorithm 1, lines 1 to 12: from a position and a torque to the signals that the search works on."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from repro.identification.regression import Regression
+from repro.model.dynamics import LAMBDA, check_motion, regressor
+from repro.model.parameters import Array
+from repro.signals.dct import dct2dev, dct2low, dct2sub
+from repro.signals.sampling import SignalSettings, image_regressor
+
+
+@dataclass(frozen=True)
+class PreparedSignals:
+    """Signals after line 12."""
+
+    #: The cut signals in canonical time, in which the trajectory lasts as long as in training; the torque as it is
+    #: before line 6. Lines 30 and 31 compare on it.
+    regression: Regression
+    c_p: float  # factor of **fit2trt** (Eq. 15)
+    torque_scale: float  # largest magnitude of the subsampled torque, N m, before line 6: unit of the parameters
+    alpha: Array  # subsampled torque over `torque_scale` (tau_n), (2, M)
+    model: Array  # regressor f uses in the image (line 18), (2, M, 9)
+    y_sub: Array  # regressor of the subsampled motion (line 26), (2, M, 9)
+    time_scale: float = 1.0  # canonical time over recorded time
+
+    def to_recorded_time(self, beta: Array) -> Array:
+        """Convert parameters (..., 9) from canonical to recorded time.
+
+        With t' = p t, Eq. 1 keeps its form when inertias are multiplied by p^2 and viscous friction by p; gravity and
+        Coulomb friction stay.
+        """
+        p = self.time_scale
+        recorded: Array = beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0])
+        return recorded
+
+
+def fit2trt(tau: Array, tau_mean: Array) -> float:
+    """Compute the factor that brings a torque to the level of the mean training torque (Eq. 15, Fig. 9), both (2, N).
+
+    It is the mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the torque is
+    zero to rounding carry no level and are left out. ValueError is raised if it is zero throughout.
+    """
+    if tau.shape != tau_mean.shape:
+        raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
+    norm = np.linalg.norm(tau, axis=0)
+    level = norm > 1e-9 * norm.max()
+    if not level.any():
+        raise ValueError("tau: the torque is zero throughout.")
+    return float(np.mean(np.linalg.norm(tau_mean, axis=0)[level] / norm[level]))
+
+
+def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array]:
+    """Differentiate a position (2, N) twice (lines 1 and 2)."""
+    dq = dct2dev(q, settings.h, settings.c_f, settings.reading)
+    return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.reading)
+
+
+def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: SignalSettings) -> Regression:
+    """Make a regression of a motion and its torque (2, N), both filtered already; every sample counts."""
+    t: Array = settings.h * np.arange(tau.shape[-1], dtype=np.float64)
+    moving = np.ones(tau.shape, dtype=np.bool_)
+    return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
+
+
+def filtered(q: Array, tau: Array, settings: SignalSettings, n1: int = 0, n2: int | None = None) -> Regression:
+    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples n1 to n2 - 1.
+
+    Parameters
+    ----------
+    q, tau : arrays of shape (2, N)
+        Measured position, rad, and torque, N m.
+    settings : SignalSettings
+        Sampling period and filter.
+    n1, n2 : int
+        First sample kept and the one after the last; all by default.
+
+    Returns
+    -------
+    Regression
+        In recorded time.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ, values are not finite, or the cut is empty.
+    """
+    q, tau = check_motion(q, tau)
+    n2 = q.shape[-1] if n2 is None else n2
+    if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
+        raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
+    tau = dct2low(tau, settings.h, settings.c_f, settings.reading)  # line 3
+    position, velocity, acceleration = (x[:, n1:n2] for x in derivatives(q, settings))
+    return regression_of((position, velocity, acceleration), tau[:, n1:n2], settings)  # line 4
+
+
+def prepare(
+    recorded: Regression,
+    tau_mean: Array,
+    settings: SignalSettings,
+    time_scale: float = 1.0,
+    image_motion: tuple[Array, Array, Array] | None = None,
+) -> PreparedSignals:
+    """Apply lines 5 to 12 of Algorithm 1.
+
+    Parameters
+    ----------
+    recorded : Regression
+        Cut and filtered signals in recorded time.
+    tau_mean : array of shape (2, N)
+        Mean torque of the training data at the same samples.
+    settings : SignalSettings
+        Length of the subsampled signals.
+    time_scale : float
+        Canonical time over recorded time, for a trajectory that was run slower or faster than in training.
+    image_motion : tuple of three arrays of shape (2, N), optional
+        Motion in recorded time that f of the image is taken on, an extension of ours; the measured one by default.
+
+    Returns
+    -------
+    PreparedSignals
+        Signals for the search.
+    """
+    steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
+    c_p = fit2trt(recorded.tau, tau_mean)  # line 5
+    # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
+    # alone, where it cancels; it is left out of the signals here and carried as a number.
+    r = recorded
+    motion = (r.q, r.dq / time_scale, r.ddq / time_scale**2)
+    shown = motion
+    if image_motion is not None:
+        shown = (image_motion[0], image_motion[1] / time_scale, image_motion[2] / time_scale**2)
+    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (*motion, r.tau))  # line 7
+    torque_scale = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
+    return PreparedSignals(
+        replace(r, q=motion[0], dq=motion[1], ddq=motion[2], y=regressor(*motion, steepness)),
+        c_p,
+        torque_scale,
+        tau_s / torque_scale,
+        model=image_regressor(*shown, settings, steepness),
+        y_sub=regressor(q_s, dq_s, ddq_s, steepness),
+        time_scale=time_scale,
+    )

@@ -1,0 +1,239 @@
+"""A motion to identify an arm by: a finite Fourier series within the arm's limits that is most informative.
+
+Each joint moves by whole multiples of one frequency and begins and ends at rest. The coefficients maximise the
+determinant of the information Y'Y / sigma^2 of the nine parameters (D-optimal): the volume of their common confidence
+region is smallest, whatever units they are in.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import null_space
+from scipy.optimize import minimize
+
+from repro.errors import InputError
+from repro.identification.excitation import MIN_SINGULAR_RATIO
+from repro.identification.filtering import Moved
+from repro.identification.solve import unit_columns
+from repro.logs.armfile import Arm
+from repro.model.dynamics import LAMBDA, regressor
+from repro.model.parameters import Array
+from repro.signals.kinematics import ArmGeometry, forward_kinematics
+from repro.signals.trajectories import Motion, identification_trajectory, sample_times
+
+#: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
+_COARSE, _FINE = 14, 200
+#: Starts that are drawn, starts of the search, weights of exceeded limits one after the other, iterations of each.
+_DRAWS, _BEST, _PENALTIES, _ITERATIONS = 32, 3, (10.0, 1000.0), 60
+_STEP = 1e-7
+#: Log-determinant, with columns of unit length, of a motion without information.
+_NOTHING = -300.0
+#: Paces at which Eq. 10 is tried.
+_PACES = 16
+#: 95 % of a normal distribution lie within so many standard deviations.
+_NORMAL_95 = 1.959964
+#: Fraction of each limit that is used, so that nothing between two samples exceeds it.
+MAX_UTILISATION = 0.999
+_HALVINGS = 30
+#: Fraction of the way from the middle of a range to its end within which a motion may begin.
+_MAX_START = 0.9
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Limits of an arm; InputError if a key that is needed is missing, or the arm at rest is outside of a limit."""
+
+    arm: Arm  # with position and speed limits; a workspace counts with link lengths
+    beta: Array | None = None  # guess of the parameters (9,), with which the torque limit counts
+
+    def __post_init__(self) -> None:
+        """Refuse an arm that lacks a key, or that cannot be at rest within its limits."""
+        arm, required = self.arm, {"position_limit": "two ranges, rad", "speed_limit": "two numbers above 0, rad/s"}
+        if self.beta is not None:
+            required["torque_limit"] = "two numbers above 0, N m, because there is a guess"
+        if arm.workspace is not None:
+            required["link_lengths"] = "two numbers above 0, m, because there is a workspace"
+        for key, expected in required.items():
+            if getattr(arm, key) is None:
+                raise InputError.at(f"{arm.file}: {key}", "nothing", expected)
+        still = self.rest[:, None]
+        exceeded = np.abs(self.utilisation((still, 0.0 * still, 0.0 * still)))[4:, 0] >= MAX_UTILISATION
+        if exceeded.any():
+            key = "torque_limit" if self.beta is not None and exceeded[:2].any() else "workspace"
+            at = ", ".join(f"{angle:.4g}" for angle in self.rest)
+            raise InputError.at(f"{arm.file}: {key}", getattr(arm, key), f"room for the arm at rest at {at} rad")
+
+    @property
+    def rest(self) -> Array:
+        """Where a motion begins and ends, rad: hanging, or in the middle of the range of a joint that cannot."""
+        low, high = self.position
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        return np.where(np.abs(middle) < _MAX_START * half, 0.0, middle)
+
+    @property
+    def position(self) -> Array:
+        """Lowest and highest position, shape (2, joint), rad."""
+        return np.array(self.arm.position_limit, dtype=np.float64).T
+
+    @property
+    def steepness(self) -> float:
+        """Steepness of Coulomb friction, s/rad."""
+        return self.arm.friction_steepness or LAMBDA
+
+    def utilisation(self, moved: Moved, y: Array | None = None) -> Array:
+        """Compute the fraction (..., L, N) of each limit that a motion uses at each sample, -1 to 1 within the limit.
+
+        The limits are positions, speeds, torques, x and y of elbow and tip. `y` is the motion's regressor, if known.
+        """
+        arm, (q, dq, _) = self.arm, moved
+        used = [_within(q, *self.position), dq / np.array(arm.speed_limit)[:, None]]
+        if self.beta is not None:
+            y = regressor(*moved, self.steepness) if y is None else y
+            used.append(y @ self.beta / np.array(arm.torque_limit)[:, None])
+        if arm.workspace is not None and arm.link_lengths is not None:
+            points = forward_kinematics(q, ArmGeometry(*arm.link_lengths))
+            used += [_within(point, *np.array(arm.workspace).T) for point in points]
+        return np.concatenate(used, axis=-2)
+
+    def largest_factor(self, shape: Moved, centre: Array) -> Array:
+        """Find the factors (..., 1, 1) by which motions about a centre (2,) reach a limit; 0 if the centre exceeds one.
+
+        The shape is the distance from the centre, with its derivatives.
+        """
+        high = 1.0 / np.abs(shape[1] / np.array(self.arm.speed_limit)[:, None]).max(axis=(-2, -1), keepdims=True)
+        low = np.zeros_like(high)
+        for _ in range(_HALVINGS):
+            factor = 0.5 * (low + high)
+            q, dq, ddq = (factor * x for x in shape)
+            used = np.abs(self.utilisation((centre[:, None] + q, dq, ddq))).max(axis=(-2, -1), keepdims=True)
+            low, high = np.where(used <= MAX_UTILISATION, factor, low), np.where(used <= MAX_UTILISATION, high, factor)
+        return np.asarray(low)
+
+
+def _within(value: Array, low: Array, high: Array) -> Array:
+    """Distance from the middle of bounds over that of a bound from it."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    return np.asarray((value - middle[:, None]) / half[:, None])
+
+
+def expected_accuracy(moved: Moved, noise: Array, friction_steepness: float) -> tuple[Array, float, float]:
+    """Compute what least squares on a motion (2, N) would determine, if Eq. 1 were exact and torque noise white.
+
+    `noise` (2,) is the standard deviation of a sample of each torque, N m. Returns the half-widths (9,) of the 95 %
+    intervals, infinite where the motion cannot separate the parameters; the condition number of the regressor in units
+    of the noise with columns of unit length; and the logarithm of the determinant of the information matrix.
+    """
+    a, scale = unit_columns(regressor(*moved, friction_steepness) / noise[:, None, None])
+    singular, right = np.linalg.svd(a, full_matrices=False)[1:]
+    if not singular[-1] > MIN_SINGULAR_RATIO * singular[0]:
+        return np.full(scale.shape, np.inf), np.inf, -np.inf
+    half = _NORMAL_95 * np.linalg.norm(right / singular[:, None], axis=0) / scale
+    return half, float(singular[0] / singular[-1]), 2.0 * float(np.log(singular * scale).sum())
+
+
+def design(
+    limits: Envelope,
+    times: tuple[int, float],
+    harmonics: int,
+    noise: Array,
+    rng: np.random.Generator,
+    report: Callable[[int, int], None],
+) -> Motion:
+    """Find the motion with the largest information from random starts, by L-BFGS with penalties.
+
+    It is at `limits.rest` without speed and acceleration at both ends, and has one sample more than periods.
+
+    Parameters
+    ----------
+    limits : Envelope
+        Satisfied everywhere, also between samples.
+    times : tuple of int and float
+        Sampling periods that the motion lasts, and the period, s.
+    harmonics : int
+        Highest multiple of the lowest frequency, at least 3.
+    noise : array of shape (2,)
+        Standard deviation of each torque, N m.
+    rng : numpy.random.Generator
+        Source of the starts.
+    report : callable
+        Called with the searches done and in all.
+    """
+    (steps, h), rest = times, limits.rest
+    # Series that are zero at time 0 with both derivatives are the null space of their values there.
+    free = null_space(np.concatenate(_waves(harmonics, 1.0, np.zeros(1)))).T
+    free = free[None] * 0.5 * np.ptp(limits.position, axis=0)[:, None, None]
+
+    def basis(t: Array) -> list[Array]:
+        return [free @ w.T for w in _waves(harmonics, steps * h, t)]
+
+    def shape(x: Array, on: list[Array]) -> Moved:
+        q, dq, ddq = ((x.reshape(*x.shape[:-1], 2, 1, -1) @ b)[..., 0, :] for b in on)
+        return q, dq, ddq
+
+    coarse, fine = (basis(steps * h * np.linspace(0.0, 1.0, n * harmonics, False)) for n in (_COARSE, _FINE))
+
+    def enlarged(x: Array) -> Array:
+        """Enlarge until a limit is reached."""
+        return x * limits.largest_factor(shape(x, fine), rest)[..., 0]
+
+    def objective(x: Array, penalty: float = 0.0) -> Array:
+        """Minus the log-determinant per parameter, and the penalty."""
+        q, dq, ddq = shape(x, coarse)
+        y = regressor(rest[:, None] + q, dq, ddq, limits.steepness)
+        excess = np.maximum(np.abs(limits.utilisation((rest[:, None] + q, dq, ddq), y)) - 1.0, 0.0)
+        rows = (y / noise[:, None, None]).reshape(*x.shape[:-1], -1, y.shape[-1])
+        length = np.linalg.norm(rows, axis=-2, keepdims=True)
+        a = rows / length
+        apart = np.maximum(np.linalg.slogdet(np.swapaxes(a, -1, -2) @ a)[1], _NOTHING)
+        volume = apart + 2.0 * np.log(length).sum(axis=(-2, -1))
+        return np.asarray(penalty * (excess**2).mean(axis=-1).sum(axis=-1) - volume / y.shape[-1])
+
+    def gradient(x: Array, penalty: float) -> tuple[float, Array]:
+        """Objective and its derivatives, by differences of one batch."""
+        value = objective(np.concatenate([x[None], x + _STEP * np.eye(x.size)]), penalty)
+        return float(value[0]), (value[1:] - value[0]) / _STEP
+
+    starts = enlarged(rng.normal(size=(_DRAWS, 2 * free.shape[1])))
+    best = starts[np.argsort(objective(starts))[:_BEST]]
+    for k, start in enumerate(best):
+        report(k, _BEST)
+        end = start
+        for penalty in _PENALTIES:
+            end = minimize(gradient, end, (penalty,), "L-BFGS-B", jac=True, options={"maxiter": _ITERATIONS}).x
+        both = np.stack([start, enlarged(end)])
+        best[k] = both[np.argmin(objective(both))]
+    report(_BEST, _BEST)
+    t = np.arange(steps + 1, dtype=np.float64) * h
+    q, dq, ddq = shape(best[np.argmin(objective(best))], basis(t))
+    return Motion(t, rest[:, None] + q, dq, ddq)
+
+
+def published(limits: Envelope, times: tuple[int, float], highest: float, noise: Array) -> Motion:
+    """Find the pace and amplitude of Eq. 10's motion within the limits that are most informative.
+
+    It has n samples `h` apart (`times`), frequencies up to `highest` (Hz), and is about the middle of the positions or
+    about the rest, each joint with an amplitude in proportion to its range. `noise` is as for `design`.
+    """
+    n, h = times
+    once = 3.0 * np.pi / (n * h)  # phase per second of one pass; the faster of its two sines has 2.5 times the phase
+    best, most = Motion(sample_times(n * h, h), *np.zeros((3, 2, n))), -np.inf
+    for pace in np.geomspace(once, max(once, 2.0 * np.pi * highest / 2.5), _PACES):
+        whole = 3.0 * np.pi / pace
+        played = identification_trajectory(whole, h, max(0, -(-(n - round(whole / h)) // 2)))
+        size = np.ptp(limits.position, axis=0)[:, None] / np.ptp(played.q[:, :n], axis=1, keepdims=True)
+        shape = size * played.q[:, :n], size * played.dq[:, :n], size * played.ddq[:, :n]
+        for centre in (limits.position.mean(axis=0), limits.rest):
+            factor = limits.largest_factor(shape, centre)
+            moved = centre[:, None] + factor * shape[0], factor * shape[1], factor * shape[2]
+            if (log_det := expected_accuracy(moved, noise, limits.steepness)[2]) > most:
+                best, most = Motion(best.time, *moved), log_det
+    return best
+
+
+def _waves(harmonics: int, duration: float, t: Array) -> tuple[Array, Array, Array]:
+    """Constant, cosines and sines at times t and their two derivatives, each of shape (N, 2 K + 1)."""
+    w = 2.0 * np.pi / duration * np.arange(1, harmonics + 1)
+    c, s = np.cos(np.outer(t, w)), np.sin(np.outer(t, w))
+    one, none = np.ones((len(t), 1)), np.zeros((len(t), 1))
+    return np.hstack([one, c, s]), np.hstack([none, -w * s, w * c]), np.hstack([none, -w * w * c, -w * w * s])

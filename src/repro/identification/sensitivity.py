@@ -1,0 +1,181 @@
+"""Sensitivity of an estimate to choices of the analysis: the shift is an uncertainty of type B [1]_.
+
+Filters and delay could have been chosen slightly differently. Zero positions, torque offsets, load-dependent friction,
+Stribeck friction and torque that depends on the position are effects beyond Eq. 1. Each adds columns to the regressor.
+With these projected out of torque and regressor, any method gives the parameters that it would give with the columns
+in its model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor
+1 - c / F [2]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than
+chance add nothing. Errors of the motion are simulated a second time (SIMEX [3]_).
+
+.. [1] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement" (GUM).
+.. [2] A. J. Baranchik, "A Family of Minimax Estimators of the Mean of a Multivariate Normal Distribution", Annals of
+   Mathematical Statistics 41, 642-645, 1970. doi:10.1214/aoms/1177697104
+.. [3] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
+   Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy.linalg import hadamard
+from scipy.stats import f as fisher
+
+from repro.identification.extra_terms import (
+    STRIBECK_SPEEDS,
+    Columns,
+    filtered_columns,
+    load_friction,
+    offset,
+    one_joint,
+    stribeck,
+    zero_position,
+)
+from repro.identification.filtering import FilterSettings, Moved, prepare
+from repro.identification.regression import Regression, correlation_time, drop_standstill
+from repro.identification.solve import solve
+from repro.logs.log import Log
+from repro.model.parameters import Array
+
+#: Factors on cut-off and width of the filters.
+FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
+#: Inertia and gravity: the first parameters, whose terms SIMEX perturbs.
+N_SIMEX_TERMS = 5
+#: Name of `simex` among the perturbations.
+SIMEX = "errors of the motion"
+#: Level of the F-test of further columns.
+F_TEST_LEVEL = 0.05
+
+
+@dataclass(frozen=True)
+class Perturbation:
+    """A choice of the analysis made differently."""
+
+    regressions: tuple[Regression, ...]  # one for each way to make it
+    weight: float = 1.0  # factor on the squared shift of an estimate, 0 to 1
+
+
+def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+    """Compute torque of period one turn of a joint (eccentric gear), shape (2, N, 3).
+
+    sin q1 at joint 1 is left out: no log can distinguish it from g1.
+    """
+    return np.concatenate([one_joint(np.cos(moved[0])), one_joint(np.sin(moved[0]))[..., 1:]], axis=-1)
+
+
+def twice_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+    """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
+    return np.concatenate([one_joint(wave(2.0 * moved[0])) for wave in (np.cos, np.sin)], axis=-1)
+
+
+#: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts.
+UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
+    "zero positions": (zero_position,),
+    "torque offsets": (offset,),
+    "load-dependent friction": (load_friction,),
+    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
+    "torque of period one turn": (once_a_turn,),
+    "torque of period half a turn": (twice_a_turn,),
+}
+
+
+def simex(regression: Regression) -> Regression:
+    """Add an error to each inertial and gravity term, as large as would explain the residual.
+
+    Errors of the regressor attenuate least squares, most where large terms add up to a small torque. SIMEX: the shift
+    that a second error of the same size causes estimates the bias (linear extrapolant). Errors are not drawn: their
+    signs are columns of a Hadamard matrix, which are orthogonal from term to term.
+    """
+    beta = solve(regression.y, regression.tau)
+    residual = (regression.tau - regression.y @ beta) * regression.mask
+    terms = regression.y[..., :N_SIMEX_TERMS] * beta[:N_SIMEX_TERMS] * regression.mask[..., np.newaxis]
+    whole = np.linalg.norm(terms, axis=(1, 2))
+    fraction = np.linalg.norm(residual, axis=-1) / np.where(whole > 0.0, whole, np.inf)  # of each joint
+    n = regression.t.size
+    signs = np.resize(hadamard(16)[:, 1 : 2 * N_SIMEX_TERMS : 2], (n, N_SIMEX_TERMS))
+    factors = np.ones((2, n, regression.y.shape[-1]))
+    factors[..., :N_SIMEX_TERMS] += fraction[:, np.newaxis, np.newaxis] * signs
+    halves = regression.even_odd
+    return replace(regression, y=regression.y * factors, even_odd=None if halves is None else halves * factors)
+
+
+def project_out(regression: Regression, columns: Array) -> Regression:
+    """Project columns (2, n, k) out of torque and regressor.
+
+    Least squares then gives the parameters that it gives with those columns in the model.
+    """
+    x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
+    size = np.linalg.norm(x, axis=0)
+    basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
+
+    def remainder(part: Array) -> Array:
+        flat = part.reshape(basis.shape[0], -1)
+        rest: Array = (flat - basis @ (basis.T @ flat)).reshape(part.shape)
+        return rest
+
+    halves = regression.even_odd
+    return replace(
+        regression,
+        y=remainder(regression.y),
+        tau=remainder(regression.tau),
+        even_odd=None if halves is None else np.stack([remainder(half) for half in halves]),
+    )
+
+
+def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
+    """Compute the positive-part shrinkage factor max(0, 1 - c / F) of the shift that k projected columns cause.
+
+    F is that of the F-test, with the length of the log in correlation times as number of samples of a joint; c is its
+    critical value at the level `F_TEST_LEVEL`.
+    """
+    errors = [r.tau - r.y @ solve(r.y, r.tau) for r in (plain, projected)]
+    weight = 1.0 / np.maximum(np.sum(errors[0] ** 2, axis=-1, keepdims=True), np.finfo(np.float64).tiny)
+    before, after = (float(np.sum(weight * error**2)) for error in errors)
+    freedom: float = errors[0].size * plain.h / correlation_time(errors[0], plain.h) - plain.y.shape[-1] - k
+    if not 0.0 < after < before or freedom <= 0.0:
+        return 0.0
+    ratio = (before - after) / after * freedom / k
+    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
+
+
+def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
+    """Prepare a uniformly sampled log with other choices, by what is different, without standstill.
+
+    Parameters
+    ----------
+    log : Log
+        Uniformly sampled.
+    settings : FilterSettings
+        What was chosen.
+    delay_error : float
+        Standard error of the delay, s; 0 where it is known.
+
+    Returns
+    -------
+    dict of Perturbation
+        Other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
+    """
+    s = settings
+
+    def prepared(changed: FilterSettings) -> Regression:
+        return drop_standstill(prepare(log, changed))
+
+    filters = tuple(
+        prepared(replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut)) for cut, width in FILTER_FACTORS
+    )
+    plain = prepared(s)
+    beta = solve(plain.y, plain.tau)
+    results = {"filters": Perturbation(filters)}
+    if delay_error > 0.0:
+        delays = (s.delay + by for by in (-delay_error, delay_error))
+        results["delay"] = Perturbation(tuple(prepared(replace(s, delay=delay)) for delay in delays))
+    forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
+    columns_of_forms = iter(filtered_columns(forms, log, s, beta))
+    for name, each in UNMODELLED_EFFECTS.items():
+        columns = [next(columns_of_forms) for _ in each]
+        projected = [project_out(plain, one) for one in columns]
+        weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
+        best = int(np.argmax(weights))
+        results[name] = Perturbation((projected[best],), weights[best])
+    results[SIMEX] = Perturbation((simex(plain),))
+    return results

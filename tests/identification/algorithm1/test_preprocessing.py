@@ -1,0 +1,251 @@
+"""Lines 1 to 12 of Algorithm 1 against the same lines written out, and Eq. 15 by hand."""
+
+from dataclasses import replace
+
+import literal
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import seeds
+
+from repro.identification.algorithm1.preprocessing import derivatives, filtered, fit2trt, prepare
+from repro.identification.algorithm1.search import SearchSettings, select
+from repro.model.dynamics import inverse_dynamics
+from repro.pipeline.experiment import Recording
+from repro.pipeline.experiment_runs import prepare_recording
+from repro.signals.dct import dct2dev
+from repro.signals.programs import identification_program
+from repro.signals.sampling import SignalSettings
+from repro.signals.trajectories import identification_trajectory
+
+SIGNALS = SignalSettings(h=0.02, samples=60)
+MARGIN = 25
+MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h, MARGIN)
+TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS["N1"])
+N = MOTION.q.shape[1]  # 521
+CUT = (MARGIN, N - MARGIN)
+PEAK = TAU.max()
+MEAN = np.random.default_rng(0).normal(size=(2, CUT[1] - CUT[0])) + 2.0
+
+
+def prepared(q=MOTION.q, tau=TAU, tau_mean=MEAN, signals=SIGNALS, cut=CUT, **further):
+    return prepare(filtered(q, tau, signals, *cut), tau_mean, signals, **further)
+
+
+def signal(found, name):
+    """A signal of line 12, or of the regression that lines 30 and 31 compare on."""
+    return getattr(found.regression if name in ("q", "dq", "ddq", "tau", "y") else found, name)
+
+
+def test_fit2trt_by_hand():
+    tau = np.array([[3.0, 0.0], [4.0, 2.0]])  # norms 5 and 2
+    tau_mean = np.array([[6.0, 0.6], [8.0, -0.8]])  # norms 10 and 1
+    assert fit2trt(tau, tau_mean) == pytest.approx((10 / 5 + 1 / 2) / 2, rel=1e-15)
+
+
+def test_fit2trt_leaves_out_samples_without_a_level():
+    tau = np.array([[3.0, 0.0, 1e-12], [4.0, 0.0, 0.0]])
+    tau_mean = np.array([[6.0, 7.0, 7.0], [8.0, 7.0, 7.0]])
+    assert fit2trt(tau, tau_mean) == pytest.approx(2.0, rel=1e-15)
+
+
+@given(seeds, st.floats(0.01, 100.0))
+def test_fit2trt_brings_a_torque_to_the_level_of_the_mean(seed, factor):
+    tau = np.random.default_rng(seed).normal(size=(2, 30))
+    assert fit2trt(tau, factor * tau) == pytest.approx(factor, rel=1e-12)
+    assert fit2trt(factor * tau, tau) == pytest.approx(1 / factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("tau", "mean", "rule"),
+    [(np.zeros((2, 5)), np.ones((2, 5)), "zero throughout"), (np.ones((2, 5)), np.ones((2, 4)), "differ")],
+)
+def test_fit2trt_refuses(tau, mean, rule):
+    with pytest.raises(ValueError, match=rule):
+        fit2trt(tau, mean)
+
+
+@pytest.mark.parametrize("normalise", [False, True])
+def test_lines_1_to_12(normalise):
+    found = prepared(signals=replace(SIGNALS, normalise_motion=normalise))
+    dq = literal.derivative(MOTION.q, SIGNALS.h, SIGNALS.c_f)  # 1
+    ddq = literal.derivative(dq, SIGNALS.h, SIGNALS.c_f)  # 2
+    tau = literal.low_pass(TAU, SIGNALS.h, SIGNALS.c_f)  # 3
+    q_c, dq_c, ddq_c, tau_c = (x[:, CUT[0] : CUT[1]] for x in (MOTION.q, dq, ddq, tau))  # 4
+    c_p = np.mean(np.sqrt((MEAN**2).sum(0)) / np.sqrt((tau_c**2).sum(0)))  # 5
+    scaled = tau_c * c_p  # 6
+    q_s, dq_s, ddq_s, tau_s = (literal.subsample(x, SIGNALS.samples) for x in (q_c, dq_c, ddq_c, scaled))  # 7
+    tau_n = tau_s / np.abs(tau_s).max()  # 12
+
+    def same(a, b):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-10 * np.abs(b).max())
+
+    for name, expected in (("q", q_c), ("dq", dq_c), ("ddq", ddq_c), ("tau", tau_c)):
+        same(signal(found, name), expected)
+    same(found.alpha, tau_n)
+    assert found.c_p == pytest.approx(c_p, rel=1e-10)
+    assert found.torque_scale * found.c_p == pytest.approx(np.abs(tau_s).max(), rel=1e-10)
+    assert np.abs(found.alpha).max() == 1.0
+    image_motion = [q_s, dq_s, ddq_s]
+    if normalise:
+        image_motion = [x / np.abs(x).max(1, keepdims=True) for x in image_motion]
+    for arm in literal.ARMS.values():
+        same(found.model @ arm, inverse_dynamics(*image_motion, arm))
+        same(found.y_sub @ arm, inverse_dynamics(q_s, dq_s, ddq_s, arm))
+        same(found.regression.y @ arm, inverse_dynamics(q_c, dq_c, ddq_c, arm))
+
+
+def test_the_image_may_show_the_motion_that_was_sent():
+    """f of the image is on it, and nothing else: torque, comparison and selection stay with the measured motion."""
+    sent = MOTION.q + 0.01 * np.sin(np.arange(N) / 50.0)
+    ours = prepared()
+    other = prepared(image_motion=[x[:, slice(*CUT)] for x in derivatives(sent, SIGNALS)])
+    for name in ("q", "dq", "ddq", "tau", "alpha", "y_sub", "y"):
+        np.testing.assert_array_equal(signal(ours, name), signal(other, name))
+    expected = prepared(q=sent)
+    np.testing.assert_array_equal(other.model, expected.model)
+    assert np.abs(other.model - ours.model).max() > 1e-3
+    same = prepared(image_motion=[x[:, slice(*CUT)] for x in derivatives(MOTION.q, SIGNALS)])
+    np.testing.assert_array_equal(same.model, ours.model)
+
+
+def test_filtered_derivatives_are_those_of_the_trajectory():
+    """At the published sampling the filter costs little and the backward difference lags half a sample."""
+    fine = identification_trajectory(h=2.5e-3, margin=200)
+    tau = inverse_dynamics(fine.q, fine.dq, fine.ddq, literal.ARMS["N1"])
+    n = fine.q.shape[1]
+    found = filtered(fine.q, tau, SignalSettings(), 200, n - 200)
+    for ours, exact in ((found.dq, fine.dq), (found.ddq, fine.ddq)):
+        assert np.abs(ours - exact[:, 200:-200]).max() < 0.01 * np.abs(exact).max()
+
+
+@settings(max_examples=20)
+@given(st.floats(0.01, 100.0))
+def test_level_of_the_training_torque_cancels(factor):
+    """c_p enters in line 6 and leaves in line 32, so it changes neither the signals nor the parameters."""
+    ours, other = prepared(), prepared(tau_mean=factor * MEAN)
+    assert other.c_p == pytest.approx(factor * ours.c_p, rel=1e-12)
+    for name in ("tau", "alpha", "torque_scale", "model", "y_sub", "y"):
+        np.testing.assert_array_equal(signal(ours, name), signal(other, name))
+    beta_m = np.stack(list(literal.ARMS.values()))
+    first, second = (select(beta_m, p, SearchSettings()) for p in (ours, other))
+    np.testing.assert_allclose(first.beta, second.beta, rtol=1e-12)
+    assert first.similarity == second.similarity
+
+
+@settings(max_examples=20)
+@given(st.floats(1e-3, 1e3))
+def test_stronger_torque_is_a_larger_unit_and_nothing_else(factor):
+    ours, other = prepared(), prepared(tau=factor * TAU)
+    assert other.torque_scale == pytest.approx(factor * ours.torque_scale, rel=1e-12)
+    np.testing.assert_allclose(other.alpha, ours.alpha, rtol=0, atol=1e-12)
+
+
+def test_whole_signal_is_kept_by_default():
+    found = prepared(tau_mean=np.ones((2, N)), cut=())
+    np.testing.assert_array_equal(found.regression.q, MOTION.q)
+    assert found.regression.y.shape == (2, N, 9)
+    assert found.y_sub.shape == found.model.shape == (2, 60, 9)
+
+
+def slowed(times, beta, margin=MARGIN):
+    """The trajectory run so many times slower, torques exact for the derivatives that lines 1 and 2 take."""
+    motion = identification_trajectory(times * SIGNALS.duration, SIGNALS.h, margin)
+    dq = dct2dev(motion.q, SIGNALS.h, 0.0)
+    return motion.q, inverse_dynamics(motion.q, dq, dct2dev(dq, SIGNALS.h, 0.0), beta)
+
+
+def in_canonical_time(beta, pace):
+    """Eq. 1 in t' = pace t: inertias times pace^2, viscous friction times pace, the rest as it is."""
+    i, g, b, k = beta[:3], beta[3:5], beta[5:7], beta[7:]
+    return np.concatenate([pace**2 * i, g, pace * b, k])
+
+
+@settings(max_examples=20)
+@given(st.floats(0.4, 3.0), st.sampled_from(sorted(literal.ARMS)))
+def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
+    truth = literal.ARMS[arm]
+    q, tau = slowed(times, truth)
+    n, exact = q.shape[1] - 2 * MARGIN, replace(SIGNALS, c_f=0.0)
+    pace = MEAN.shape[1] / n
+    found = prepared(q, tau, np.ones((2, n)), exact, (MARGIN, MARGIN + n), time_scale=pace)
+    canonical = in_canonical_time(truth, pace)
+    r = found.regression
+    np.testing.assert_allclose(r.y @ canonical, r.tau, rtol=0, atol=1e-10 * np.abs(r.tau).max())
+    np.testing.assert_allclose(found.to_recorded_time(canonical), truth, rtol=1e-12)
+    np.testing.assert_allclose(found.to_recorded_time(np.stack([canonical] * 3)), np.stack([truth] * 3), rtol=1e-12)
+    chosen = select(np.stack([0.7 * canonical[::-1], canonical / found.torque_scale]), found, SearchSettings())
+    np.testing.assert_allclose(chosen.beta, truth, rtol=1e-9)
+    assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
+
+
+def test_in_canonical_time_the_motion_is_that_of_training():
+    """Twice as slow: half the recorded speed, a quarter of the acceleration, and the same after line 4."""
+    fine = replace(SIGNALS, h=2.5e-3)
+    once, twice = (identification_trajectory(k * fine.duration, fine.h, 200) for k in (1, 2))
+    n = [motion.q.shape[1] - 400 for motion in (once, twice)]
+    at_pace, slow = (
+        prepared(motion.q, np.ones_like(motion.q), np.ones((2, m)), fine, (200, 200 + m), time_scale=n[0] / m)
+        for motion, m in zip((once, twice), n, strict=True)
+    )
+    for name in ("dq", "ddq"):
+        usual, late = signal(at_pace, name), signal(slow, name)[:, ::2]
+        assert np.abs(late[:, : usual.shape[1]] - usual[:, : late.shape[1]]).max() < 0.01 * np.abs(usual).max()
+    beta = in_canonical_time(literal.ARMS["N1"], slow.time_scale)
+    for name in ("model", "y_sub"):
+        usual, late = getattr(at_pace, name) @ beta, getattr(slow, name) @ beta
+        # tanh(20 dq) of the recorded speed is less steep, so friction near standstill may differ.
+        assert np.linalg.norm(late - usual) < 0.1 * np.linalg.norm(usual)
+    assert slow.time_scale == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("duration", [3.0, 9.42477796076938, 15.0])
+def test_a_recording_of_any_length_is_prepared_in_the_time_of_training(duration):
+    """The mean torque is stretched to the recording, whose truth in canonical time is found again."""
+    signals = SignalSettings(c_f=0.0)
+    program = identification_program(duration)
+    dq = dct2dev(program.q, program.h, 0.0)
+    tau = inverse_dynamics(program.q, dq, dct2dev(dq, program.h, 0.0), literal.ARMS["N1"])
+    mean = np.stack([np.linspace(1.0, 2.0, 3770), np.linspace(3.0, 1.0, 3770)])
+    found = prepare_recording(Recording(program, program.q, tau), mean, signals)
+    n = program.n2 - program.n1
+    assert found.time_scale == pytest.approx(3770 / n)
+    assert found.regression.tau.shape == (2, n)
+    canonical = in_canonical_time(literal.ARMS["N1"], found.time_scale)
+    chosen = select(canonical[None] / found.torque_scale, found, SearchSettings())
+    np.testing.assert_allclose(chosen.beta, literal.ARMS["N1"], rtol=1e-9)
+    stretched = np.stack([np.linspace(1.0, 2.0, n), np.linspace(3.0, 1.0, n)])
+    assert found.c_p == pytest.approx(fit2trt(found.regression.tau, stretched), rel=1e-3)
+
+
+@pytest.mark.parametrize("cut", [(-1, 400), (0, 60), (400, 460), (300, 200), (N, None), (0, N + 200)])
+def test_cuts_that_do_not_fit_are_refused(cut):
+    with pytest.raises(ValueError, match="n1, n2"):
+        prepared(cut=cut)
+
+
+def test_cut_that_ends_just_after_the_signal_is_refused():
+    with pytest.raises(ValueError, match="n1, n2"):
+        prepared(tau_mean=np.ones((2, N)), cut=(0, N + 10))
+
+
+def test_shortest_cut_is_accepted_and_a_shorter_one_is_not():
+    n = SIGNALS.samples
+    assert prepared(tau_mean=MEAN[:, : n + 1], cut=(50, 51 + n)).alpha.shape == (2, n)
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        ({"tau": TAU[:, :-1]}, "differ"),
+        ({"q": MOTION.q[0], "tau": TAU[0]}, "last two axes"),
+        ({"tau": np.where(PEAK > TAU, TAU, np.nan)}, "finite"),
+        ({"q": np.where(MOTION.q == MOTION.q.max(), np.inf, MOTION.q)}, "finite"),
+        ({"tau": np.zeros_like(TAU)}, "zero throughout"),
+        ({"tau_mean": MEAN[:, :-1]}, "differ"),
+    ],
+)
+def test_wrong_signals_are_refused(change, rule):
+    with pytest.raises(ValueError, match=rule):
+        prepared(**change)

@@ -1,0 +1,219 @@
+"""Designed motions: within limits, at rest at the ends, and telling what they are said to tell."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
+
+from repro.errors import InputError
+from repro.identification.exciting_motion import Envelope, design, expected_accuracy, published
+from repro.logs.armfile import Arm
+from repro.model.dynamics import inverse_dynamics, regressor
+from repro.signals.kinematics import ArmGeometry, forward_kinematics
+
+BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])
+NOISE = np.array([0.05, 0.03])
+STEPS, H, HARMONICS = 1000, 0.01, 5
+ARM = Arm(
+    position_limit=((-1.5, 1.2), (-1.4, 2.0)),
+    speed_limit=(5.0, 6.0),
+    torque_limit=(1.7, 0.8),
+    workspace=((-0.28, 0.26), (-0.4, 0.02)),
+    link_lengths=(0.165, 0.150),
+)
+
+
+def designed(limits, seed=1, steps=STEPS, harmonics=HARMONICS, reports=None):
+    def report(done, total):
+        if reports is not None:
+            reports.append((done, total))
+
+    return design(limits, (steps, H), harmonics, NOISE, np.random.default_rng(seed), report)
+
+
+def moved(motion):
+    return motion.q, motion.dq, motion.ddq
+
+
+def tells(motion):
+    """Log-determinant of the information matrix, written out."""
+    y = regressor(*moved(motion)) / NOISE[:, None, None]
+    rows = y.reshape(-1, 9)
+    return np.linalg.slogdet(rows.T @ rows)[1]
+
+
+def check_kept(motion, arm, beta=None):
+    """Every limit as the arm file states it."""
+    low, high = np.array(arm.position_limit).T[..., None]
+    assert (motion.q >= low).all()
+    assert (motion.q <= high).all()
+    assert (np.abs(motion.dq).max(axis=1) <= arm.speed_limit).all()
+    if beta is not None:
+        assert (np.abs(inverse_dynamics(*moved(motion), beta)).max(axis=1) <= arm.torque_limit).all()
+    if arm.workspace is not None:
+        low, high = np.array(arm.workspace).T[..., None]
+        for point in forward_kinematics(motion.q, ArmGeometry(*arm.link_lengths)):
+            assert (point >= low).all()
+            assert (point <= high).all()
+
+
+@pytest.fixture(scope="module")
+def limits():
+    return Envelope(ARM, BETA)
+
+
+@pytest.fixture(scope="module")
+def motion(limits):
+    return designed(limits)
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    low=st.tuples(st.floats(-3.0, 0.5), st.floats(-3.0, 0.5)),
+    width=st.tuples(st.floats(0.4, 3.0), st.floats(0.4, 3.0)),
+    speed=st.tuples(st.floats(0.5, 9.0), st.floats(0.5, 9.0)),
+    torque=st.floats(1.2, 4.0),
+    with_guess=st.booleans(),
+)
+def test_a_motion_keeps_all_limits_rests_at_its_ends_and_tells_more_than_eq_10(
+    seed, low, width, speed, torque, with_guess
+):
+    position = tuple((a, a + w) for a, w in zip(low, width, strict=True))
+    arm, beta = Arm(position_limit=position, speed_limit=speed, torque_limit=(torque,) * 2), BETA * with_guess
+    limits = Envelope(arm, beta if with_guess else None)
+    motion = designed(limits, seed)
+    theirs = published(limits, (STEPS, H), HARMONICS / (STEPS * H), NOISE)
+    for one in (motion, theirs):
+        check_kept(one, arm, beta if with_guess else None)
+    assert motion.q[:, [0, -1]] == pytest.approx(np.stack([limits.rest] * 2, axis=1), abs=1e-12)
+    assert np.abs(motion.dq[:, [0, -1]]).max() < 1e-12
+    assert np.abs(motion.ddq[:, [0, -1]]).max() < 1e-10
+    assert tells(motion) > tells(theirs)
+
+
+def test_a_motion_within_torque_and_workspace_uses_a_limit_up(motion, limits):
+    check_kept(motion, ARM, BETA)
+    assert np.abs(limits.utilisation(moved(motion))).max() > 0.99
+    free = Arm(position_limit=ARM.position_limit, speed_limit=ARM.speed_limit)
+    theirs = published(Envelope(free), (STEPS, H), 0.5, NOISE)
+    with pytest.raises(AssertionError):  # these limits do bind
+        check_kept(theirs, ARM, BETA)
+
+
+def test_limits_hold_between_the_samples_too(limits):
+    fine = design(limits, (20 * STEPS, H / 20), HARMONICS, NOISE, np.random.default_rng(1), lambda *_: None)
+    check_kept(fine, ARM, BETA)
+
+
+def test_derivatives_are_those_of_the_position(limits):
+    fine = design(limits, (8 * STEPS, H / 8), HARMONICS, NOISE, np.random.default_rng(1), lambda *_: None)
+    for x, dx in ((fine.q, fine.dq), (fine.dq, fine.ddq)):
+        numeric = np.gradient(x, fine.time, axis=1, edge_order=2)
+        assert numeric == pytest.approx(dx, abs=2e-4 * np.abs(dx).max())
+
+
+def test_a_motion_holds_whole_multiples_of_one_frequency_up_to_the_highest(motion):
+    size = np.abs(np.fft.rfft(motion.q[:, :-1])) / STEPS
+    assert size[:, HARMONICS + 1 :].max() < 1e-12
+    assert size[:, HARMONICS].max() > 1e-3
+
+
+def test_searching_brings_more_than_the_best_start(limits, monkeypatch):
+    found = tells(designed(limits))
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 0)
+    start = designed(limits)
+    check_kept(start, ARM, BETA)
+    assert found > tells(start) + 4.0
+
+
+def test_a_search_that_goes_astray_leaves_the_start(limits, monkeypatch):
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 0)
+    start = designed(limits)
+    monkeypatch.setattr("repro.identification.exciting_motion._PENALTIES", (-1e6,))  # drives it out of all limits
+    monkeypatch.setattr("repro.identification.exciting_motion._ITERATIONS", 20)
+    assert tells(designed(limits)) >= tells(start) - 1e-9
+
+
+def test_the_same_seed_gives_the_same_motion_and_another_one_another(limits, motion):
+    reports = []
+    assert np.array_equal(designed(limits, reports=reports).q, motion.q)
+    assert not np.array_equal(designed(limits, seed=2).q, motion.q)
+    assert reports == [(k, 3) for k in range(4)]
+
+
+def test_expected_intervals_are_those_of_repeated_least_squares(motion):
+    """White noise of each joint's size, weighted least squares by NumPy: 95 % of the estimates lie within."""
+    half, condition, log_det = expected_accuracy(moved(motion), NOISE, 20.0)
+    rng, weight = np.random.default_rng(5), 1.0 / np.repeat(NOISE, motion.time.size)
+    a = regressor(*moved(motion)).reshape(-1, 9) * weight[:, None]
+    clean = inverse_dynamics(*moved(motion), BETA).ravel() * weight
+    errors = np.linalg.lstsq(a, clean[:, None] + rng.normal(size=(clean.size, 4000)), rcond=None)[0] - BETA[:, None]
+    assert errors.std(axis=1) * 1.96 == pytest.approx(half, rel=0.05)
+    assert (np.abs(errors) < half[:, None]).mean(axis=1) == pytest.approx(np.full(9, 0.95), abs=0.015)
+    assert condition == pytest.approx(np.linalg.cond(a / np.linalg.norm(a, axis=0)), rel=1e-9)
+    assert log_det == pytest.approx(tells(motion), rel=1e-12)
+
+
+def test_a_motion_of_one_joint_has_no_intervals(motion):
+    still = motion.q * [[1.0], [0.0]], motion.dq * [[1.0], [0.0]], motion.ddq * [[1.0], [0.0]]
+    half, condition, log_det = expected_accuracy(still, NOISE, 20.0)
+    assert np.isinf(half).all()
+    assert (condition, log_det) == (np.inf, -np.inf)
+
+
+def test_eq_10_keeps_its_shape():
+    """Each joint is two sines, the second at 2.5 times the frequency with a tenth of the amplitude."""
+    theirs = published(Envelope(Arm(position_limit=((-2, 2), (-1, 1)), speed_limit=(9.0, 9.0))), (STEPS, H), 0.5, NOISE)
+    assert theirs.time.size == STEPS
+    reach = np.ptp(theirs.q, axis=1)
+    assert reach[0] / reach[1] == pytest.approx(2.0, rel=1e-3)  # as their ranges
+
+    def fit(pace):
+        waves = [f(k * pace * theirs.time) for k in (1.0, 2.5) for f in (np.cos, np.sin)]
+        a = np.stack([np.ones(STEPS), *waves], axis=1)
+        coefficients = np.linalg.lstsq(a, theirs.q.T, rcond=None)[0]
+        return np.hypot(coefficients[1::2], coefficients[2::2]), np.abs(a @ coefficients - theirs.q.T).max()
+
+    top = 2.0 * np.pi * 0.5 / 2.5
+    coarse = min(np.linspace(0.5 * top, top, 100), key=lambda pace: fit(pace)[1])
+    pace = minimize_scalar(lambda p: fit(p)[1], bounds=(coarse - 0.01, coarse + 0.01), method="bounded").x
+    sizes, left = fit(pace)
+    assert left < 1e-4
+    assert sizes[1] / sizes[0] == pytest.approx([0.1, 0.1], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arm", "guess", "words"),
+    [
+        (Arm(speed_limit=(1, 1)), None, "position_limit: found nothing, expected two ranges, rad"),
+        (Arm(position_limit=((-1, 1), (-1, 1))), None, "speed_limit: found nothing, expected two numbers above 0"),
+        (Arm(position_limit=((-1, 1), (-1, 1)), speed_limit=(1, 1)), BETA, "torque_limit: found nothing"),
+        (
+            Arm(position_limit=((-1, 1), (-1, 1)), speed_limit=(1, 1), workspace=((-1, 1), (-1, 1))),
+            None,
+            "link_lengths: found nothing, expected two numbers above 0, m, because there is a workspace",
+        ),
+        (
+            Arm(
+                position_limit=((-1, 1), (-1, 1)),
+                speed_limit=(1, 1),
+                workspace=((0, 1), (0, 1)),
+                link_lengths=(0.2, 0.2),
+            ),
+            None,
+            "workspace: found ((0, 1), (0, 1)), expected room for the arm at rest at 0, 0 rad",
+        ),
+        (
+            Arm(position_limit=((1, 2), (-1, 1)), speed_limit=(1, 1), torque_limit=(0.5, 1.0)),
+            BETA,
+            "torque_limit: found (0.5, 1.0), expected room for the arm at rest at 1.5, 0 rad",
+        ),
+    ],
+)
+def test_limits_that_are_missing_or_leave_no_room_are_refused(arm, guess, words):
+    with pytest.raises(InputError, match="arm file: ") as caught:
+        Envelope(arm, guess)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,252 @@
+"""How well parameters predict: torque errors by hand, motions against SciPy's integrator and the simulated board."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from log_example import BETA, log_of, motion, recording
+from ownarm_log import exciting, regression_of
+from scipy.integrate import solve_ivp
+
+from repro.fpga.controller import ControlConstants, simulate
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.fpga.plant import Plant
+from repro.identification.filtering import FilterSettings
+from repro.identification.scores import WINDOW, position_errors, relative_rms, similarity
+from repro.logs.log import Log
+from repro.model.dynamics import forward_dynamics, inverse_dynamics
+from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.programs import identification_program
+
+RATE = 200.0
+#: A drive that holds each sample acts half a period late.
+HELD = FilterSettings(delay=0.5 / RATE)
+BOARD_PERIOD = 2.5e-3
+BOARD_ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
+CONSTANTS = ControlConstants((180.4817, 30.6819), (1270.7266, 102.2730), (1000.0, 1000.0), (2.7192, 2.7314))
+
+
+def changed(name, factor, beta=BETA):
+    """The parameters with one multiplied."""
+    other = beta.copy()
+    other[("I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2").index(name)] *= factor
+    return other
+
+
+@pytest.fixture(scope="module")
+def held():
+    """Four seconds of the known arm under a controller whose torque is held over each sample, by SciPy."""
+    t = np.arange(round(4.0 * RATE)) / RATE
+    wanted = motion(t)
+    forward = inverse_dynamics(*wanted, BETA)
+    x = np.concatenate([wanted[0][:, 0], wanted[1][:, 0]])
+    q, tau = np.empty((2, t.size)), np.empty((2, t.size))
+    for k in range(t.size):
+        q[:, k] = x[:2]
+        tau[:, k] = u = forward[:, k] + 5.0 * (wanted[0][:, k] - x[:2]) + 0.3 * (wanted[1][:, k] - x[2:])
+
+        def derivative(_, state, u=u):
+            return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], u, BETA)])
+
+        x = solve_ivp(derivative, (0.0, 1.0 / RATE), x, rtol=1e-8, atol=1e-10).y[:, -1]
+    return Log("held.csv", t, q, tau)
+
+
+@pytest.fixture(scope="module")
+def board():
+    """The identification motion on the simulated board: encoder counts and PWM."""
+    position, pwm = simulate(Plant(BOARD_ARM, BOARD_PERIOD), CONSTANTS, identification_program().q[:, :2400])
+    t = BOARD_PERIOD * np.arange(position.shape[-1])
+    tau = pwm[0] * np.asarray(CONSTANTS.torque_per_count)[:, np.newaxis]
+    return Log("board.bin", t, position[0] * RADIANS_PER_COUNT, tau, simulated=True)
+
+
+def error(log, beta, settings=HELD):
+    (found,) = position_errors(log, settings, beta[np.newaxis])
+    return found
+
+
+# Torque
+
+
+def test_relative_rms_by_hand():
+    y, tau = np.zeros((2, 4, 9)), np.array([[3.0, -3.0, 3.0, -3.0], [0.0, 0.0, 8.0, 6.0]])
+    y[0, :, 0] = 1.0, -1.0, 1.0, -1.0  # rebuilt +-2 of +-3 N m
+    y[1, :, 4] = 3.0, 4.0, 8.0, 6.0  # rebuilt to an error of 3 and 4 N m; both RMS have the same count
+    beta = np.array([2.0, 0, 0, 0, 1.0, 0, 0, 0, 0])
+    assert relative_rms(regression_of(y, tau), beta) == pytest.approx((1 / 3, 0.5))
+
+
+def test_a_joint_without_torque():
+    y = np.zeros((2, 5, 9))
+    y[0, :, 0] = 1.0
+    r = regression_of(y, np.zeros((2, 5)))
+    assert relative_rms(r, np.ones(9)) == (1.0, 0.0)
+    assert relative_rms(r, np.zeros(9)) == (0.0, 0.0)
+    assert similarity(r, np.ones(9)) == (0.0, 0.0)
+
+
+def test_the_error_of_a_free_fall_is_over_the_torques_that_add_up_to_nothing():
+    """Inertia and gravity of 3 N m that cancel but for 0.03: 1 % of them, not 100 % of what is left."""
+    y, beta = np.zeros((2, 4, 9)), np.array([1.0, 0, 0, 1.0, 0, 0, 0, 0, 0])
+    y[0, :, 0], y[0, :, 3] = 3.0, -2.97
+    expected = 0.03 / 5.97
+    assert relative_rms(regression_of(y, np.zeros((2, 4))), beta) == pytest.approx((expected, 0.0))
+
+
+@given(st.floats(-3.0, 3.0), st.floats(1e-3, 1e3))
+def test_relative_rms_of_scaled_parameters_is_what_is_missing(factor, unit):
+    r = exciting(100)
+    assert relative_rms(r, factor * BETA) == pytest.approx((abs(1 - factor),) * 2, abs=1e-9)
+    scaled = replace(r, tau=unit * r.tau)
+    assert relative_rms(scaled, unit * factor * BETA) == pytest.approx(relative_rms(r, factor * BETA), abs=1e-9)
+
+
+def test_similarity_is_that_of_metr2ev():
+    r = exciting(300)
+    r = replace(r, tau=r.tau + 0.3 * np.random.default_rng(2).normal(size=r.tau.shape))
+    beta = 0.9 * BETA
+    energy = MetricSettings("energy")
+    expected = [metr2ev(tau, rebuilt, energy).total for tau, rebuilt in zip(r.tau, r.y @ beta, strict=True)]
+    assert similarity(r, beta) == pytest.approx(expected)
+    assert 0.5 < min(expected) < max(expected) < 0.99
+    assert similarity(exciting(300), BETA) == pytest.approx((1.0, 1.0))
+
+
+# Motion
+
+
+@pytest.mark.slow
+def test_true_parameters_follow_a_motion_made_by_scipy(held):
+    assert max(error(held, BETA)) < 5e-4
+    assert np.ptp(held.q, axis=1).min() > 1.0
+
+
+def test_true_parameters_follow_an_ideal_recording():
+    assert max(error(log_of(recording()), BETA, FilterSettings())) < 5e-4
+
+
+@pytest.mark.slow
+def test_true_parameters_follow_the_simulated_board_within_its_encoder(board):
+    settings = FilterSettings(cutoff=3.0, delay=0.5 * BOARD_PERIOD)
+    true = error(board, BOARD_ARM, settings)
+    assert max(true) < 3e-3
+    assert np.ptp(board.q, axis=1).min() > 0.5
+    wrong = error(board, changed("g1", 1.2, BOARD_ARM), settings)
+    assert min(wrong) > 10 * max(true)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["I1", "I3", "g1", "g2", "k1"])
+def test_wrong_parameters_err_more_the_more_they_are_wrong(held, name):
+    errors = np.array([error(held, changed(name, factor)) for factor in (1.0, 1.05, 1.2, 1.5)])
+    assert (np.diff(errors, axis=0) > 0.0).all()
+    assert (errors[2] > 10.0 * errors[0]).all()
+
+
+def test_a_gravity_a_fifth_too_large_errs_far_more_than_the_truth(held):
+    assert min(error(held, changed("g1", 1.2))) > 0.05
+    assert min(error(held, changed("g1", 0.8))) > 0.05
+
+
+def test_the_delay_of_the_torque_counts(held):
+    errors = [max(error(held, BETA, replace(HELD, delay=HELD.delay + late))) for late in (-0.01, -0.005, 0.0, 0.005)]
+    assert errors[0] > 1.5 * errors[1] > 10.0 * errors[2]
+    assert errors[3] > 10.0 * errors[2]
+
+
+def test_the_steepness_of_friction_counts(held):
+    assert max(error(held, BETA, replace(HELD, friction_steepness=5.0))) > 10 * max(error(held, BETA))
+
+
+def test_windows_begin_from_the_recorded_state(held):
+    # An error that grows for as long as the log lasts would be far above one that half a second makes.
+    long = log_of(recording(np.arange(round(30 * RATE)) / RATE))
+    beta = changed("b1", 1.3)
+    assert max(error(long, beta, FilterSettings())) < 2.0 * max(error(held, beta)) + 1e-3
+
+
+def test_where_time_begins_is_no_matter(held):
+    late = replace(held, t=held.t + 1000.0)
+    assert error(late, changed("g1", 1.1)) == pytest.approx(error(held, changed("g1", 1.1)), rel=1e-6)
+
+
+def test_inertia_that_is_not_positive_definite_has_no_motion(held):
+    edge = 2.0 * np.sqrt(BETA[2] * (BETA[0] - BETA[2]))
+    for wrong in ({1: 1.01 * edge}, {1: -1.01 * edge}, {2: -0.01}, {2: 0.0}, {0: 0.02}):
+        beta = BETA.copy()
+        for k, value in wrong.items():
+            beta[k] = value
+        assert error(held, beta) is None
+    inside = BETA.copy()
+    inside[1] = 0.9 * edge
+    assert error(held, inside) is not None
+
+
+def test_negative_friction_is_simulated_as_it_is():
+    driven = BETA.copy()
+    driven[5:] = -0.03, 0.04, 0.2, -0.05
+    log = log_of(recording(beta=driven))
+    true = error(log, driven, FilterSettings())
+    assert max(true) < 3e-3
+    for name in ("b1", "k2"):
+        assert max(error(log, changed(name, 0.0, driven), FilterSettings())) > 5 * max(true)
+
+
+#: Friction so negative that the speed overflows within a window, more or less stiff.
+RUN_AWAY = [changed("b1", -500.0), changed("b2", -400.0), changed("b2", -1000.0)]
+#: M(q) positive definite by a hair only.
+EDGE = 2.0 * np.sqrt(BETA[2] * (BETA[0] - BETA[2]))
+NEARLY_SINGULAR = [np.array([BETA[0], sign * (1.0 - by) * EDGE, *BETA[2:]]) for sign, by in ((1, 1e-9), (-1, 1e-13))]
+NEARLY_SINGULAR += [changed("I3", 1e-9, changed("I2", 0.0)), 1e-9 * BETA]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("beta", [*RUN_AWAY, *NEARLY_SINGULAR])
+def test_a_model_that_runs_away_or_is_nearly_singular_has_no_motion(held, beta):
+    begin = time.perf_counter()
+    assert error(held, beta) is None
+    assert time.perf_counter() - begin < 5.0  # with steps short enough for it, minutes
+
+
+@pytest.mark.parametrize("beta", [np.zeros(9), -BETA, 1e9 * BETA, np.full(9, 1e-30)])
+def test_numbers_that_are_no_arm_raise_nothing(held, beta):
+    found = position_errors(held, HELD, np.stack([beta, BETA]))
+    assert found[0] is None or np.isfinite(found[0]).all()
+    assert found[1] == error(held, BETA)
+
+
+def test_a_bad_set_neither_spoils_nor_slows_the_others(held):
+    good = [BETA, changed("g1", 1.2)]
+    alone = position_errors(held, HELD, np.stack(good))
+    begin = time.perf_counter()
+    together = position_errors(held, HELD, np.stack([NEARLY_SINGULAR[0], good[0], NEARLY_SINGULAR[3], good[1]]))
+    assert time.perf_counter() - begin < 5.0
+    assert together == [None, alone[0], None, alone[1]]
+    beside = position_errors(held, HELD, np.stack([*RUN_AWAY, *good]))
+    assert beside[: len(RUN_AWAY)] == [None] * len(RUN_AWAY)
+    for found, expected in zip(beside[len(RUN_AWAY) :], alone, strict=True):
+        assert found == pytest.approx(expected, rel=1e-3, abs=5e-6)  # steps are shorter
+
+
+def test_several_at_once_are_each_alone(held):
+    wrong = BETA.copy()
+    wrong[2] = -0.01
+    betas = np.stack([BETA, wrong, changed("g1", 1.2), changed("k2", 1.5)])
+    together = position_errors(held, HELD, betas)
+    assert together[1] is None
+    for k in (0, 2, 3):
+        # The stiffest of a batch sets the steps of all.
+        assert together[k] == pytest.approx(error(held, betas[k]), rel=1e-3, abs=1e-6)
+    assert position_errors(held, HELD, betas[::-1])[::-1] == together
+    assert position_errors(held, HELD, betas[1:2]) == [None]
+
+
+def test_a_log_shorter_than_a_window_has_no_motion(held):
+    longest = round((2 * HELD.cut + WINDOW) * RATE)
+    for n, there in ((longest, False), (longest + 2, True)):
+        short = replace(held, t=held.t[:n], q=held.q[:, :n], tau=held.tau[:, :n])
+        assert (error(short, BETA) is not None) == there

@@ -1,0 +1,118 @@
+"""Verdicts on parameters, and calibration errors as lines of the arm file."""
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from repro.identification.extra_terms import CalibrationError, correct_calibration
+from repro.logs.armfile import Arm, read_arm
+from repro.logs.load import to_eq1
+from repro.logs.log import Log
+from repro.ownarm.text import (
+    COMBINED,
+    DIFFERENT_ERRORS,
+    NOT_EXCITED,
+    arm_lines,
+    calibration_lines,
+    calibration_warnings,
+    detection_limits,
+    verdict,
+)
+
+ERRORS = (
+    CalibrationError("zero1", 0.05, 0.002, 0.09, 0.05),
+    CalibrationError("zero2", -0.1, 0.002, 0.09, 0.05),
+    CalibrationError("offset1", 0.2, 0.01, 0.08, 0.05),
+    CalibrationError("scale2", 1.5, 0.01, 0.08, 0.05),
+)
+
+
+def within(share, estimate=2.0, excited=True):
+    """Verdict on an estimate whose interval reaches this share of it to either side."""
+    reach = share * abs(estimate)
+    return verdict(estimate, estimate - reach, estimate + reach, excited, at_bound=False)
+
+
+@pytest.mark.parametrize("estimate", [2.0, -2.0, 1e-6])
+def test_verdicts_at_their_limits(estimate):
+    known = {0.0: "0.1", 0.004: "0.4", 0.00401: "0.5", 0.00991: "1", 0.01: "1", 0.0101: "2", 0.12: "12", 0.4999: "50"}
+    assert [within(share, estimate) for share in known] == [f"known to {percent} %" for percent in known.values()]
+    assert within(0.51, estimate) == within(0.99, estimate) == "sign known, size only roughly"
+    assert within(1.01, estimate) == within(30.0, estimate) == "cannot be distinguished from zero"
+
+
+@pytest.mark.parametrize("excited", [False, True])
+def test_verdicts_depend_on_excitation_only_where_nothing_is_known(excited):
+    ends = {(None, None): "the method claims no interval", (-0.1, 4.1): "cannot be distinguished from zero"}
+    for (low, high), text in ends.items():
+        assert verdict(2.0, low, high, excited, at_bound=False) == (text if excited else NOT_EXCITED)
+    for low, high, at_bound in ((1.99, 2.01, False), (None, None, True), (-1.0, 5.0, False)):
+        combined = verdict(2.0, low, high, excited, at_bound, determined=False)
+        assert combined == (COMBINED if excited else NOT_EXCITED)
+    assert within(0.03, 1e-7, excited) == "known to 3 %"
+    assert verdict(0.0, None, None, excited, at_bound=True).startswith("held at zero")
+
+
+@given(st.floats(0.0, 0.4999), st.floats(1e-9, 1e9))
+def test_percents_are_never_optimistic_and_at_most_a_digit_too_large(share, estimate):
+    printed = float(re.fullmatch(r"known to ([0-9.]+) %", within(share, estimate))[1])
+    actual = 50.0 * ((estimate + share * estimate) - (estimate - share * estimate)) / estimate
+    assert printed >= actual - 1e-7
+    assert printed <= max(actual + (1.0 if printed > 1.0 else 0.1), 0.1) + 1e-7
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize("sign", [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
+def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
+    rng = np.random.default_rng(0)
+    raw = Log("log.csv", np.arange(50) / 100, 0.3 * rng.normal(size=(2, 50)), rng.normal(size=(2, 50)))
+    common = {"sign": list(sign), "torque_sign": [-1, 1], "second_joint_absolute": absolute, "zero": [0.1, -0.2]}
+    file = tmp_path / "arm.yaml"
+
+    def read(keys):
+        file.write_text(yaml.safe_dump(keys))
+        return to_eq1(raw, read_arm(file))
+
+    arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
+    lines = yaml.safe_load(arm_lines(ERRORS, arm).replace("; ", "\n"))
+    assert set(lines) == {"zero", "torque_offset", "torque_scale"}
+    expected = correct_calibration(read(common), {fault.name: fault.value for fault in ERRORS})
+    right = read(common | lines)
+    np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
+    np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
+
+
+def test_each_calibration_error_has_its_size_its_effect_and_what_else_it_may_be():
+    lines = calibration_lines((*ERRORS, replace(ERRORS[1], instead={"zero1": 0.05, "scale2": 1.4})), Arm())
+    assert "joint 1 is -2.9 +- 0.23 degrees" in lines[0]
+    assert "from 9.0 to 5.0 %" in lines[0]
+    assert "offset of 0.2 +- 0.02 N m" in lines[2]
+    assert "1.5 +- 0.02 times" in lines[3]
+    assert "zero of joint 1: -2.9 degrees, or the scale of the torque of joint 2: 1.4 times" in lines[4]
+    assert calibration_lines((), Arm()) == ()
+
+
+@pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
+def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apart):
+    def log(zero):
+        faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
+        return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
+
+    assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
+
+
+def test_detection_limits_have_units():
+    logs = [SimpleNamespace(name=name) for name in ("a.csv", "b.csv", "c.csv")]
+    hidden = ({"zero1": np.radians(2.5), "zero2": None, "offset1": 0.035, "scale2": 0.38}, {}, {"zero1": None})
+    first, third = detection_limits(SimpleNamespace(fitted_logs=logs, more_logs=logs[1:], hidden=hidden))
+    assert first.partition(": ")[2] == (
+        "zero of joint 1 up to 2.5 degrees, zero of joint 2 of any size, "
+        "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
+    )
+    assert third.startswith("c.csv")

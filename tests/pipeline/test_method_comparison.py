@@ -1,0 +1,125 @@
+"""Methods compared over arms: the interval against the test it belongs to, the correction, and the conclusions."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+from experiment_example import short_config, spread_table
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from repro.pipeline.monte_carlo import (
+    ALL,
+    COMPARISON_COLUMNS,
+    STEADY,
+    comparisons,
+    conclude,
+    holm,
+    walsh_averages,
+    walsh_interval,
+)
+
+
+def scores_of(differences, chatter=()):
+    """Totals of two joints on ID and T1 to T4: a method this much above its opponent on average over T1 to T4."""
+    rows = []
+    for arm, d in enumerate(differences):
+        for k, (case, joint) in enumerate(itertools.product(("ID", "T1", "T2", "T3", "T4"), (1, 2))):
+            uneven = d + 0.01 * (k - 5.5) if case != "ID" else -5.0  # the mean of k = 2 ... 9 is 5.5
+            base = 0.9 + 0.03 * arm + 0.001 * k
+            shared = (case, joint, 3.0, arm, int(arm in chatter))
+            rows += [(*shared, "algorithm1", base + uneven), (*shared, "least-squares", base)]
+    return pd.DataFrame(rows, columns=["case", "joint", "duration", "arm", "chatter", "method", "total"])
+
+
+def compared(differences, chatter=(), arms=ALL):
+    table = comparisons(
+        scores_of(differences, chatter).sample(frac=1.0, random_state=1), ["algorithm1"], ["least-squares"]
+    )
+    assert tuple(table.columns) == COMPARISON_COLUMNS
+    return table.set_index("set").loc[arms]
+
+
+@settings(max_examples=30)
+@given(st.lists(st.floats(-1, 1), min_size=6, max_size=15, unique=True), st.sampled_from([0.8, 0.95]))
+def test_the_interval_holds_the_centres_that_the_test_does_not_reject(values, level):
+    x = np.array(values)
+    low, high = walsh_interval(x, level)
+    averages = walsh_averages(x)
+    middles = 0.5 * (averages[1:] + averages[:-1])
+    for centre in middles[np.diff(averages) > 1e-9]:
+        rejected = stats.wilcoxon(x - centre, method="exact").pvalue <= 1.0 - level + 1e-12
+        assert rejected != (low < centre < high)
+
+
+def test_the_interval_of_ten_values_leaves_out_eight_averages_on_each_side():
+    """8 is the tabulated critical value of the signed-rank statistic for ten values at 5 %, two sides."""
+    x = np.array([0.3, -1.2, 2.5, 0.8, 1.9, -0.4, 3.3, 0.1, 1.1, -2.0])
+    averages = np.sort([(a + b) / 2 for a, b in itertools.combinations_with_replacement(x, 2)])
+    assert walsh_interval(x, 0.95) == (averages[8], averages[-9])
+
+
+def test_too_few_values_cannot_reach_the_level():
+    assert walsh_interval(np.array([0.1, 0.2, 0.3, 0.4, 0.5]), 0.95) == (-np.inf, np.inf)
+    assert np.isfinite(walsh_interval(np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]), 0.95)).all()
+
+
+def test_holm_by_hand():
+    np.testing.assert_allclose(holm(np.array([0.01, 0.04, 0.03, 0.005])), [0.03, 0.06, 0.06, 0.02])
+    np.testing.assert_allclose(holm(np.array([0.5, 0.9])), [1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("difference", "low", "high", "p", "conclusion"),
+    [
+        (0.02, 0.01, 0.03, 0.01, "better"),
+        (-0.02, -0.03, -0.01, 0.01, "worse"),
+        (0.02, -0.01, 0.03, 0.2, "open"),
+        (0.003, 0.001, 0.0049, 0.0001, "equivalent"),
+        (0.003, 0.001, 0.0051, 0.0001, "better"),
+        (0.0, -0.0051, 0.004, 0.9, "open"),
+    ],
+)
+def test_each_conclusion(difference, low, high, p, conclusion):
+    assert conclude(difference, low, high, p) == conclusion
+
+
+def test_arms_are_the_unit_and_id_does_not_count():
+    row = compared([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07])
+    assert (row["arms"], row["wins"]) == (7, 6)
+    assert row["difference"] == pytest.approx(
+        np.median(walsh_averages(np.array([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07])))
+    )
+    assert row["p"] == pytest.approx(stats.wilcoxon([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07]).pvalue)
+
+
+def test_arms_that_chatter_are_in_the_first_set_alone():
+    differences = [0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07]
+    assert compared(differences, chatter=(3, 5))["arms"] == 7
+    steady = compared(differences, chatter=(3, 5), arms=STEADY)
+    assert (steady["arms"], steady["wins"]) == (5, 5)
+
+
+def test_equal_methods_are_no_reason_to_reject():
+    row = compared([0.0] * 8)
+    assert row["p"] == 1.0 or row["p"] > 0.05
+    assert (row["wins"], row["conclusion"]) == (0, "equivalent")
+
+
+def test_every_pair_of_a_family_is_corrected_together():
+    config = short_config()
+    config["spread"] |= {"arms": 9, "seeds": list(range(1, 10))}
+    table = comparisons(
+        spread_table(config, 0.02), ["algorithm1", "algorithm1+refinement"], ["least-squares", "bounded"]
+    )
+    assert len(table) == 2 * 2 * 2 * 2
+    for row in table.itertuples():
+        amount = {"algorithm1": 0.02, "algorithm1+refinement": 0.04}[row.method] - 0.005 * (row.opponent == "bounded")
+        assert row.difference == pytest.approx(amount)
+        arms = 9 if row.set == ALL else 8
+        assert (row.arms, row.wins) == (arms, arms)
+        assert row.p == pytest.approx(2 / 2**arms)
+        assert row.p_holm == pytest.approx(4 * 2 / 2**arms)
+        assert row.conclusion == "better"

@@ -1,0 +1,168 @@
+"""The record of a run: every file that is there with its hash, by the job that made it, and what a claim costs."""
+
+import base64
+import hashlib
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from repro.pipeline.provenance import recorded_jobs, write_costs, write_crate
+
+RESULTS = Path("results")
+LONG = "results/data/" + "/".join(["long" * 20] * 4) + "/ä b.csv"  # more than a file name holds
+#: Name, files read, files made, benchmark.
+JOBS = (
+    ("acquire-ID", ["data/ID.bin"], ["results/experiment/ID.bin", LONG], "60.0\t200.5\t50"),
+    (
+        "table10",
+        ["results/experiment/ID.bin", LONG],
+        ["results/tables/table10.csv", "paper_figures/t.png"],
+        "30\t100\t25",
+    ),
+    ("claims", ["results/tables/table10.csv"], ["results/claims.csv"], "6\tNA\tNA"),
+)
+CLAIMS = "id,target,note\na,table10,\nb,config/config.yaml,\nc,,\nd,claims,\n"
+
+
+def write(path, text):
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    Path(path).write_text(text, encoding="utf-8")
+
+
+def note(name, inputs, outputs, results="results"):
+    """Say what Snakemake says of a job that it ran."""
+    said = {"rule": name.split("-")[0], "input": inputs, "log": [f"{results}/logs/{name}.log"]}
+    for output in outputs:
+        code = base64.urlsafe_b64encode(output.encode()).decode()
+        *first, last = (code[i : i + 254] for i in range(0, len(code), 254))
+        path = Path(".snakemake/metadata", *(f"@{part}" for part in first), last)
+        write(path, json.dumps({**said, "starttime": 1e9, "endtime": 1e9 + 61}))
+
+
+@pytest.fixture(autouse=True)
+def run(tmp_path, monkeypatch):
+    """A folder with a small run in it."""
+    monkeypatch.chdir(tmp_path)
+    for name, inputs, outputs, measured in JOBS:
+        note(name, inputs, outputs)
+        write(f"results/benchmarks/{name}.tsv", f"s\tmax_rss\tcpu_time\n{measured}\n")
+        for path in (*inputs, *outputs):
+            write(path, f"content of {path}")
+    write("results/claims.csv", CLAIMS)
+    provenance = {
+        "commit": "abc",
+        "finished": "2026-01-01T00:00:00+00:00",
+        "packages": {"snakemake": "9", "torch": "2"},
+    }
+    write("results/logs/provenance.json", json.dumps(provenance))
+    write("config/config.yaml", "results: results")
+    write("workflow/Snakefile", "include: 'rules/x.smk'")
+    write("workflow/rules/x.smk", "")
+
+
+def record(results=RESULTS):
+    write_crate(results, Path("workflow").absolute(), [Path("config/config.yaml")], recorded_jobs(results))
+    content = json.loads((results / "ro-crate-metadata.json").read_text(encoding="utf-8"))
+    return content["@context"], {entity["@id"]: entity for entity in content["@graph"]}
+
+
+def files(graph):
+    return {entity["name"]: entity for entity in graph.values() if "sha256" in entity}
+
+
+def ids(references):
+    return {reference["@id"] for reference in references}
+
+
+def test_every_file_is_there_with_its_hash_and_size():
+    found = files(record()[1])
+    expected = {path for _, inputs, outputs, _ in JOBS for path in (*inputs, *outputs)}
+    assert found.keys() == expected | {
+        "results/logs/provenance.json",
+        "results/workflow/Snakefile",
+        "config/config.yaml",
+    }
+    for name, entity in found.items():
+        assert entity["sha256"] == hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        assert int(entity["contentSize"]) == len(Path(name).read_bytes())
+
+
+def test_files_of_the_crate_have_their_paths_and_others_say_where_they_lie():
+    found = files(record()[1])
+    assert found["results/tables/table10.csv"]["@id"] == "tables/table10.csv"
+    assert found["paper_figures/t.png"]["@id"] == "arcp://name,repro/paper_figures/t.png"
+    assert found[LONG]["@id"].endswith("/%C3%A4%20b.csv")
+
+
+def test_a_job_says_what_it_read_and_made_and_what_that_took():
+    _, graph = record()
+    job = graph["#job-table10"]
+    found = files(graph)
+    assert ids(job["object"]) == {found[path]["@id"] for path in JOBS[1][1]}
+    assert ids(job["result"]) == {found[path]["@id"] for path in JOBS[1][2]}
+    assert graph[job["instrument"]["@id"]]["name"] == "table10"
+    assert (job["startTime"], job["endTime"]) == ("2001-09-09T01:46:40+00:00", "2001-09-09T01:47:41+00:00")
+    usage = {graph[key]["propertyID"]: graph[key]["value"] for key in ids(job["resourceUsage"])}
+    assert usage == {"s": 30.0, "max_rss": 100.0, "cpu_time": 25.0}
+    assert ids(graph["#job-claims"]["resourceUsage"]) == {"#job-claims-s"}  # too short for its memory to be seen
+
+
+def test_the_run_reads_what_no_job_made():
+    _, graph = record()
+    assert ids(graph["#run"]["object"]) == {f"arcp://name,repro/{p}" for p in ("data/ID.bin", "config/config.yaml")}
+    assert {"tables/table10.csv", "claims.csv", "experiment/ID.bin"} <= ids(graph["#run"]["result"])
+
+
+def test_the_record_defines_its_words_and_knows_whom_it_names():
+    context, graph = record()
+    words = {word for entity in graph.values() for word in entity if not word.startswith("@")}
+    values = [v if isinstance(v, list) else [v] for entity in graph.values() for v in entity.values()]
+    types = set(pd.Series([entity["@type"] for entity in graph.values()]).explode())
+    assert words | types == context.keys()
+    named = {part["@id"] for value in values for part in value if isinstance(part, dict)}
+    assert named - graph.keys() == {"https://w3id.org/ro/crate/1.1"}
+
+
+def test_a_file_that_is_gone_is_not_in_the_record():
+    Path("paper_figures/t.png").unlink()
+    Path("results/claims.csv").unlink()
+    _, graph = record()
+    assert files(graph).keys().isdisjoint({"paper_figures/t.png", "results/claims.csv"})
+    assert "#job-table10" in graph
+    assert "#job-claims" not in graph
+
+
+def test_another_run_in_the_folder_below_is_another_record():
+    note("fig01", [], ["results/smoke/fig01.csv"], "results/smoke")
+    write("results/smoke/fig01.csv", "1")
+    write("results/smoke/logs/provenance.json", Path("results/logs/provenance.json").read_text(encoding="utf-8"))
+    assert "#job-fig01" not in record()[1]
+    other = record(Path("results/smoke"))[1]
+    assert [key for key in other if key.startswith("#job")] == ["#job-fig01", "#job-fig01-s"]
+
+
+def test_nothing_is_written_where_no_job_is_known():
+    write_crate(Path("elsewhere"), Path("workflow"), [], recorded_jobs(Path("elsewhere")))
+    write_costs(Path("elsewhere"), recorded_jobs(Path("elsewhere")))
+    assert not Path("elsewhere").exists()
+
+
+def test_a_claim_costs_all_that_its_number_hangs_on():
+    write_costs(RESULTS, recorded_jobs(RESULTS))
+    costs = pd.read_csv("results/logs/costs.csv", index_col="id")
+    table = costs.loc["a"]
+    assert (table["target"], table["jobs"], table["memory_mib"]) == ("table10", 2, 200.5)
+    assert table["minutes"] == pytest.approx((60 + 30) / 60)
+    assert table["cpu_minutes"] == pytest.approx((50 + 25) / 60)
+    made = [Path(path) for job in JOBS[:2] for path in job[2]]
+    assert table["disk_mb"] == pytest.approx(sum(path.stat().st_size for path in made) / 1e6)
+    assert costs.loc["b", "minutes"] == costs.loc["d", "minutes"] == pytest.approx(6 / 60)  # the ledger's own job
+    assert costs.loc["c"].isna().all()
+
+
+def test_without_a_ledger_no_costs_are_written():
+    Path("results/claims.csv").unlink()
+    write_costs(RESULTS, recorded_jobs(RESULTS))
+    assert not Path("results/logs/costs.csv").exists()
