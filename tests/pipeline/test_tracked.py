@@ -9,7 +9,6 @@ import pytest
 from experiment_example import full_config
 from safetensors.numpy import load_file
 
-from repro.cnn.dataset import SampledMotion
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.model.parameters import is_positive_definite
@@ -86,16 +85,6 @@ def test_torques_are_of_each_motion_and_f_is_of_the_one_that_was_sent(motions):
     gap = np.abs(measured.model - desired.model).max((0, 1, 2)) / np.abs(desired.model).max((0, 1))
     assert gap[3] < 0.15
     assert gap[2] > 0.2
-
-
-def test_fewer_motions_are_the_first_ones(motions):
-    whole, part = training_motion(small(), motions), training_motion(small(4), motions)
-    np.testing.assert_array_equal(part.torque, whole.torque[:4])
-
-
-def test_the_ideal_motion_needs_no_file():
-    assert isinstance(training_motion(CONFIG), SampledMotion)
-    assert training_motion(CONFIG).torque.shape == (2, 100, 9)
 
 
 def test_a_file_of_fewer_motions_is_refused(motions):
