@@ -92,6 +92,8 @@ def fill_folder(
         for name in (*names, *optional, *later):
             if (out / name).resolve() in given:
                 raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
+            if (out / name).is_dir():
+                raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
         out.mkdir(parents=True, exist_ok=True)
         for name in set(optional) - set(names):  # of an earlier run, which this one contradicts
             (out / name).unlink(missing_ok=True)
@@ -141,6 +143,8 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
             str(path), f"text that is not a table ({' '.join(str(error).split())})", "a CSV table"
         ) from error
     _check_header(str(path), frame.columns, columns)
+    if twice := next((c for c in columns if f"{c}.1" in frame.columns), None):  # pandas renames the second one
+        raise InputError.at(f"{path}: header", f"the column {twice!r} twice", "names that differ")
     return frame
 
 
@@ -184,6 +188,8 @@ def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: 
 
 def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Read the arrays and the header of a safetensors file."""
+    if path.exists() and not path.is_file():
+        raise InputError.at(str(path), "a folder, a pipe or a device", expected)
     try:
         with safe_open(path, framework="np") as f:
             return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118
