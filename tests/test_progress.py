@@ -70,16 +70,6 @@ def test_a_line_says_how_much_is_done_and_how_long_the_rest_takes(clock, lines):
     assert seconds_left(line) == 30
 
 
-def test_the_estimate_follows_the_mean_speed(clock, lines):
-    progress = Progress("training", every=1.0, clock=clock)
-    progress(0, 100)
-    clock.now += 10.0
-    progress(10, 100)
-    clock.now += 30.0
-    progress(50, 100)  # 50 in 40 s
-    assert [seconds_left(line) for line in lines()] == [90, 40]
-
-
 def test_work_from_a_checkpoint_does_not_count_as_speed(clock, lines):
     clock.now += 500.0  # whatever happened before
     progress = Progress("training", every=3.0, clock=clock)
@@ -90,25 +80,3 @@ def test_work_from_a_checkpoint_does_not_count_as_speed(clock, lines):
     (line,) = lines()
     assert line.startswith("training: 9100 of 10000 (91 %)")
     assert seconds_left(line) == 90
-
-
-def test_no_estimate_is_made_from_nothing(clock, lines):
-    progress = Progress("identifying", every=3.0, clock=clock)
-    clock.now += 5.0
-    progress(1, 4)
-    assert lines() == ["identifying: 1 of 4 (25 %)"]
-
-
-def test_a_note_ends_the_line(clock, lines):
-    progress = Progress("training", every=0.0, clock=clock)
-    progress(1, 2, "loss 1.00e-03")
-    (line,) = lines()
-    assert line == "training: 1 of 2 (50 %), loss 1.00e-03"
-
-
-def test_two_pieces_of_work_do_not_share_a_clock(clock, lines):
-    first, second = (Progress(name, every=3.0, clock=clock) for name in ("one", "two"))
-    clock.now += 4.0
-    first(1, 9)
-    second(1, 9)
-    assert [line.split(":")[0] for line in lines()] == ["one", "two"]

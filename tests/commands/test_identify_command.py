@@ -18,7 +18,7 @@ import torch
 from log_example import BETA, columns, recording, text
 
 from repro.cli import main
-from repro.cnn import schedule
+from repro.cnn import architecture
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import NAMES, is_positive_definite
@@ -150,7 +150,8 @@ def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_fi
 def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""
     few = SearchSettings(executions=4, inner_limit=3, threshold=0.9237, feasibility="positive-definite")
-    monkeypatch.setattr(schedule, "TrainingSettings", partial(schedule.TrainingSettings, test_samples=64, batch=16))
+    small = partial(architecture.TrainingSettings, test_samples=64, batch=16)
+    monkeypatch.setattr(architecture, "TrainingSettings", small)
     monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few))
 
 

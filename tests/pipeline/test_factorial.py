@@ -27,7 +27,6 @@ from repro.pipeline.factorial import (
     CELLS,
     COLUMNS,
     CONFIRMATION,
-    METRICS,
     configured,
     read_blocks,
     score_references,
@@ -79,10 +78,6 @@ def test_a_network_differs_from_the_configuration_by_its_levels_alone(name):
     restored["training"]["seed"] = config["training"]["seed"]
     restored["algorithm1"]["image_motion"] = config["algorithm1"]["image_motion"]
     assert restored == config
-
-
-def test_both_time_factors_are_there():
-    assert {formula: MetricSettings(formula) for formula in TIME_FORMULAS} == METRICS
 
 
 # --- Search under both metrics ------------------------------------------------------------------------------------
@@ -355,10 +350,3 @@ def test_a_score_depends_on_its_seeds_alone(recorded, tau_mean, tmp_path):
     first, again, other = (score_cell(name, 1, seed, weights, recorded, tau_mean, CONFIG) for seed in (1, 1, 2))
     pd.testing.assert_frame_equal(first, again)
     assert (first["error"] != other["error"]).all()
-
-
-def test_weights_of_another_cell_are_refused(recorded, tau_mean, tmp_path):
-    weights = tmp_path / "weights.safetensors"
-    train_cell("cnn-ideal-index", 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
-    with pytest.raises(InputError, match="of the network asked for"):
-        score_cell("cnn-ideal-rad_per_s", 1, 1, weights, recorded, tau_mean, CONFIG)

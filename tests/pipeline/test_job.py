@@ -41,26 +41,6 @@ def test_bad_input_is_one_line_and_exit_code_2(log, capsys):
     assert "Traceback" not in text
 
 
-def test_bad_input_with_a_cause_is_one_line_too(log, capsys):
-    def read():
-        try:
-            int("x")
-        except ValueError as error:
-            raise InputError(MESSAGE) from error
-
-    with pytest.raises(SystemExit) as stop, job(str(log)):
-        read()
-    assert stop.value.code == 2
-    assert capsys.readouterr().err == MESSAGE + "\n"
-
-
-def test_bad_input_leaves_no_traceback_behind_it(log):
-    with pytest.raises(SystemExit) as stop, job(str(log)):
-        raise InputError(MESSAGE)
-    assert stop.value.__cause__ is None
-    assert stop.value.__suppress_context__
-
-
 @pytest.mark.parametrize("error", [RuntimeError("singular"), ValueError("shapes"), MemoryError(), KeyError("N1")])
 def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error):
     def fail():
@@ -79,13 +59,6 @@ def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error
     assert type(error).__name__ in text
 
 
-def test_being_stopped_is_a_failure(log, capsys):
-    with pytest.raises(SystemExit) as stop, job(str(log)):
-        raise KeyboardInterrupt
-    assert stop.value.code == 1
-    assert "Traceback" not in capsys.readouterr().err
-
-
 def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
     with job(str(log)):
         logging.getLogger("repro.anything").info("half done")
@@ -99,15 +72,6 @@ def test_progress_of_libraries_is_left_out_but_not_their_warnings(log, capsys):
         logging.getLogger("fontTools.subset").warning("no such glyph")
     assert capsys.readouterr().err == "no such glyph\n"
     assert "name pruned" not in log.read_text(encoding="utf-8")
-
-
-def test_the_log_of_an_earlier_run_is_replaced(log):
-    for text in ("first", "second"):
-        with job(str(log)):
-            logging.getLogger("repro").info(text)
-    lines = log.read_text(encoding="utf-8").splitlines()
-    assert len(lines) == 1
-    assert lines[0].endswith("second")
 
 
 @pytest.mark.parametrize("failure", [None, InputError(MESSAGE), RuntimeError("x")])

@@ -1,16 +1,106 @@
-"""The networks of the workflow, as the configuration asks for them."""
+"""Networks that come with the project: taken as they are, and refused if they are another configuration's."""
 
+import copy
+import hashlib
+import shutil
 from pathlib import Path
 
 import pytest
 import torch
 from experiment_example import full_config
 
+from repro.errors import InputError
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.stored_networks import configuration_digest
+from repro.pipeline.stored_networks import configuration_digest, stored_files, take_stored
 from repro.settings import of_network
 
-WEIGHTS = Path(__file__).resolve().parents[2] / "data/networks/cnn.safetensors"
+ROOT = Path(__file__).resolve().parents[2]
+CONFIG = full_config()
+NETWORKS = ("published", "tracked-measured", "tracked")
+
+
+def taken(folder, network="published", config=CONFIG):
+    suffix = "" if network == "published" else f"-{network}"
+    out = stored_files(folder, suffix)
+    take_stored(network, out, of_network(config, network))
+    return out
+
+
+def digest(config, network):
+    return configuration_digest(of_network(config, network))
+
+
+@pytest.fixture(autouse=True)
+def in_the_project(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+def test_the_networks_of_the_default_configuration_are_there(tmp_path, network):
+    out = taken(tmp_path, network)
+    suffix = "" if network == "published" else f"-{network}"
+    stored = stored_files(CONFIG["training"]["networks"], suffix)
+    assert out["weights"].read_bytes() == stored["weights"].read_bytes()
+    assert out["history"].read_bytes() == stored["history"].read_bytes()
+    card = out["card"].read_text()
+    assert card.startswith(stored["card"].read_text())
+    assert "This run did not train it" in card
+
+
+def test_the_reference_was_made_with_these_networks():
+    weights = hashlib.sha256((ROOT / "data/networks/cnn.safetensors").read_bytes()).hexdigest()
+    assert weights in (ROOT / "docs/reference/model/model-card.md").read_text()
+
+
+def other(**sections):
+    config = copy.deepcopy(CONFIG)
+    for section, values in sections.items():
+        config[section].update(values)
+    return config
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        other(training={"seed": 2}),
+        other(signals={"filter_coefficient": 2e-4}),
+        other(data={"prior": "uniform"}),
+        other(image={"scale": "channel-max"}),
+    ],
+)
+def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, config):
+    with pytest.raises(InputError, match=r"data/networks/cnn\.safetensors: found a network of another conf") as caught:
+        taken(tmp_path, config=config)
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_does_not_decide_a_network_does_not_refuse_it():
+    same = other(training={"source": "stored", "networks": "elsewhere"}, image={"constant": 5.0})
+    assert digest(same, "published") == digest(CONFIG, "published")
+    divided = other(image={"scale": "constant", "constant": 5.0})
+    assert digest(divided, "tracked") != digest(CONFIG, "tracked")
+    paper = other(training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
+    assert digest(paper, "published") == digest(CONFIG, "published")
+    assert digest(paper, "paper-recipe") != digest(CONFIG, "paper-recipe")
+
+
+@pytest.mark.parametrize("fault", ["missing", "swapped", "a changed byte"])
+def test_a_damaged_network_is_refused(tmp_path, fault):
+    folder = tmp_path / "networks"
+    shutil.copytree("data/networks", folder)
+    weights = folder / "cnn.safetensors"
+    if fault == "missing":
+        weights.unlink()
+    elif fault == "swapped":
+        shutil.copy(folder / "cnn-tracked.safetensors", weights)
+    else:
+        content = bytearray(weights.read_bytes())
+        content[-1] ^= 1
+        weights.write_bytes(content)
+    with pytest.raises(InputError, match=r"cnn\.safetensors"):
+        taken(tmp_path / "out", config=other(training={"networks": str(folder)}))
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("precision", ["float32", "bfloat16"])
@@ -18,4 +108,6 @@ def test_images_are_read_in_the_arithmetic_asked_for(precision):
     config = of_network(full_config(), "published")
     said = configuration_digest(config)
     asked = {**config, "training": {**config["training"], "precision": precision}}
-    assert algorithm1_of("published", str(WEIGHTS), asked, said).network.dtype == getattr(torch, precision)
+    assert algorithm1_of("published", "data/networks/cnn.safetensors", asked, said).network.dtype == getattr(
+        torch, precision
+    )

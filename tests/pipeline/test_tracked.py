@@ -2,6 +2,7 @@
 
 import copy
 import hashlib
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,6 @@ import pytest
 from experiment_example import full_config
 from safetensors.numpy import load_file
 
-from repro.cnn.dataset import SampledMotion
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.model.parameters import is_positive_definite
@@ -88,21 +88,14 @@ def test_torques_are_of_each_motion_and_f_is_of_the_one_that_was_sent(motions):
     assert gap[2] > 0.2
 
 
-def test_fewer_motions_are_the_first_ones(motions):
-    whole, part = training_motion(small(), motions), training_motion(small(4), motions)
-    np.testing.assert_array_equal(part.torque, whole.torque[:4])
-
-
-def test_the_ideal_motion_needs_no_file():
-    assert isinstance(training_motion(CONFIG), SampledMotion)
-    assert training_motion(CONFIG).torque.shape == (2, 100, 9)
-
-
 def test_a_file_of_fewer_motions_is_refused(motions):
     with pytest.raises(InputError, match="position: found another shape"):
         training_motion(small(7), motions)
     with pytest.raises(InputError, match="no readable safetensors file"):
         training_motion(small(), motions.with_name("none"))
+    os.mkfifo(pipe := motions.with_name("pipe"))
+    with pytest.raises(InputError, match="a pipe or a device"):
+        training_motion(small(), pipe)
 
 
 def test_arms_that_do_not_track_end_in_one_line(tmp_path):

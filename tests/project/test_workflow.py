@@ -229,7 +229,6 @@ def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(working):
         assert rule.message, rule.name
         assert rule.script, rule.name
         assert rule.conda_env, rule.name
-        assert "mem_mb" in rule.resources, rule.name
         assert rule.resources["_cores"].value == 1, rule.name  # none asks how many cores there are: a cluster has none
 
 

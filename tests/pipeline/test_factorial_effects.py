@@ -3,13 +3,11 @@
 import itertools
 
 import numpy as np
-import pandas as pd
 import pytest
 from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, factorial_references, factorial_scores
 from scipy import stats
 
-from repro.files import read_csv, write_csv
-from repro.pipeline.factorial import COLUMNS, CONFIRMATION, cell_means, effects, interval
+from repro.pipeline.factorial import CONFIRMATION, cell_means, effects, interval
 
 NAMES = tuple(MAIN)
 
@@ -63,13 +61,6 @@ def test_no_effect_is_estimated_from_the_confirmation_block(found):
     again = effects(scores).set_index(["of", "effect", "response"])
     np.testing.assert_array_equal(again[["value", "low", "high"]], found[["value", "low", "high"]])
     assert (again["confirmation"] - found["confirmation"]).abs().min() > 1e-6
-
-
-def test_effects_are_the_same_from_files_and_in_any_order(found, tmp_path):
-    scores = factorial_scores().sample(frac=1.0, random_state=1)
-    write_csv(tmp_path / "scores.csv", scores)
-    again = effects(read_csv(tmp_path / "scores.csv", COLUMNS)).set_index(["of", "effect", "response"])
-    pd.testing.assert_frame_equal(again, found, atol=1e-12)
 
 
 def test_a_level_that_differs_between_blocks_widens_the_interval():
