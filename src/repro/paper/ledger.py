@@ -2,7 +2,6 @@
 
 import errno
 import hashlib
-import io
 import logging
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -241,7 +240,7 @@ def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
 
 def _page(text: str, numbers: Published) -> str:
     """Format the page from the text of the table, so that both show the same ten digits."""
-    claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
+    claims = pd.DataFrame(parse_rows(text, CLAIMS))
     for column in ("ours", "difference", "tolerance"):
         claims[column] = pd.to_numeric(claims[column])
     return markdown(claims, specificity(claims, numbers))
