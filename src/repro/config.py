@@ -171,10 +171,10 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
 
 
 def _missing_inputs(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """Find folders of stored captures and networks that do not contain them."""
-    for section, key, first in (("experiment", "captures", "ID.bin"), ("training", "networks", "cnn.safetensors")):
-        if config[section]["source"] == "stored" and not (Path(config[section][key]) / first).is_file():
-            yield ((section, key), (section, "source")), f"a folder with the stored {key} ({first})"
+    """Find a folder of stored networks without them; a run that only trains needs no captures."""
+    training = config["training"]
+    if training["source"] == "stored" and not (Path(training["networks"]) / "cnn.safetensors").is_file():
+        yield (("training", "networks"), ("training", "source")), "a folder with the stored networks (cnn.safetensors)"
 
 
 def check_config(config: Mapping[str, Any], files: Iterable[Path] = (), inputs: bool = False) -> None:
