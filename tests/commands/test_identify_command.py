@@ -90,9 +90,7 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     for name in NAMES:
         assert f"  {name} = " in told
     assert "known to" in told
-    unseen = re.search(
-        "this log could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told
-    )
+    unseen = re.search("could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told)
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
 
@@ -111,14 +109,14 @@ def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys
     assert is_positive_definite(found(out, "consistent"))
     # Eq. 10 is too slow to determine I2: its estimate is negative here, and no two links have such an I2.
     assert not (out / "arm.urdf").exists()
-    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF: no two links have these parameters. I2 = -")
+    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. No two links have these parameters. I2 = -")
 
 
 def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path, no_figures):
     assert identify(CAPTURES / "T4.bin", "--method", "weighted", "-o", tmp_path / "out") == 0
     assert not (tmp_path / "out" / "arm.urdf").exists()
     reason = (tmp_path / "out" / "no-links.txt").read_text()
-    assert reason.startswith("No URDF or MJCF. I2: not determined by this motion")
+    assert reason.startswith("No URDF or MJCF. The motion does not determine")
 
 
 def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):

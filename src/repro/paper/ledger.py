@@ -12,8 +12,9 @@ from typing import Any
 import pandas as pd
 
 from repro.comparison.tolerances import Tolerances, differences
+from repro.documents import read_bytes
 from repro.errors import InputError
-from repro.files import csv_text, parse_rows, write_text
+from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
 from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, broken, judge_all, specificity
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
@@ -247,9 +248,7 @@ def _page(text: str, numbers: Published) -> str:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_bytes().decode()  # line ends as they are
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a ledger (target claims)") from error
+        return read_bytes(path, LARGEST_TABLE, "a ledger (target claims)").decode()  # line ends as they are
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), "bytes that are not UTF-8", "a ledger (target claims)") from error
 
