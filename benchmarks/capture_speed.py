@@ -11,15 +11,16 @@ contract.hold(os.environ)
 
 import numpy as np
 
+from repro.config import load_config
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
+from repro.fpga.messages import encode_start
 from repro.fpga.plant import Plant
 from repro.pipeline.experiment import (
     board_from_config,
     control_constants,
     disturbance,
-    download,
-    load_config,
+    metadata_for,
     program_from_config,
     true_parameters,
 )
@@ -29,8 +30,8 @@ from repro.signals.programs import Program
 def capture(config, program: Program, seed: int) -> bytes:
     """Frames of one specimen's board, from the download to the last sample."""
     board = board_from_config(config, seed)
-    for message in download(program, control_constants(config)):
-        board.receive(message)
+    metadata = metadata_for(program, config)
+    board.receive(metadata.program + encode_start(metadata.samples))
     frames = bytearray()
     while board.running:
         frames += board.tick()

@@ -23,9 +23,8 @@ def train(steps, threads):
     """Milliseconds a step of this process."""
     import torch  # noqa: PLC0415
 
-    from repro.cnn.architecture import NetworkSettings  # noqa: PLC0415
+    from repro.cnn.architecture import NetworkSettings, TrainingSettings  # noqa: PLC0415
     from repro.cnn.dataset import DataSettings, sample_motion  # noqa: PLC0415
-    from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
     from repro.cnn.train import train as run  # noqa: PLC0415
     from repro.signals.sampling import SignalSettings  # noqa: PLC0415
     from repro.signals.trajectories import identification_trajectory  # noqa: PLC0415

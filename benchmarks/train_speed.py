@@ -18,11 +18,10 @@ if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a
 import numpy as np
 import torch
 
-from repro.cnn.architecture import NetworkSettings
+from repro.cnn.architecture import NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
-from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import streamed_recipe
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
+from exhibit_examples import coverage_frame, intervals_frame, ranks_frame
 from factorial_example import factorial_scores
-from render_examples import coverage_frame, intervals_frame, ranks_frame
 
 from repro.files import write_csv, write_json
 from repro.fpga.capture import write_capture

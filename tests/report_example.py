@@ -6,14 +6,14 @@ import io
 import json
 from functools import cache
 
-import render_examples
+import exhibit_examples
 from PIL import Image, ImageDraw
 
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import write_csv
 from repro.paper.claims import VERDICTS, Basis
 from repro.paper.ledger_page import CAUSES
-from repro.report.inputs import ReportInputs
+from repro.report.page import ReportInputs
 
 #: What must be escaped wherever it is shown.
 TRICKY = "a < b & \"c\" > 'd' <script>alert(1)</script>"
@@ -107,7 +107,7 @@ def make_example(folder, **changes):
     for exhibit in TABLES:
         if not exhibit.optional:
             path = results / "tables" / exhibit.name
-            write_csv(path.with_suffix(".csv"), render_examples.TABLES[exhibit.name]())
+            write_csv(path.with_suffix(".csv"), exhibit_examples.TABLES[exhibit.name]())
             path.with_suffix(".tex").write_text("\\begin{table}\\end{table}\n", encoding="utf-8")
     write_rows(results / "tables" / "verdict.csv", verdict_rows())
     finding = {"id": "ls-t2", "place": "Table 10", "what": TRICKY, "arithmetic": "0.9 x 0.98", "found": "88.48"}

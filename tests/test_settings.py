@@ -7,11 +7,10 @@ import pytest
 import yaml
 
 from repro import settings
-from repro.cnn.architecture import NetworkSettings
+from repro.cnn.architecture import NetworkSettings, PaperSchedule, TrainingSettings
 from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
-from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.experiment import program_settings

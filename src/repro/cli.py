@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import NoReturn
 
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
@@ -29,9 +30,17 @@ COMMANDS = {
 }
 
 
+class OneLineParser(argparse.ArgumentParser):
+    """A parser that reports a bad option in one line, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the line and exit with code 2."""
+        self.exit(2, f"{self.prog}: {message} (all options: {self.prog} --help)\n")
+
+
 def parser() -> argparse.ArgumentParser:
     """Parser of the command line."""
-    top = argparse.ArgumentParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
+    top = OneLineParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
     top.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (add_arguments, run) in COMMANDS.items():
@@ -54,6 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     contract.hold(os.environ)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
+    logging.getLogger("matplotlib").setLevel(logging.WARNING)  # its first run on a machine reports its font cache
     try:
         code: int = COMMANDS[arguments.command][1](arguments)
         sys.stdout.flush()

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -169,8 +170,15 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
         yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
 
 
-def check_config(config: Mapping[str, Any], files: Iterable[Path] = ()) -> None:
-    """Check a configuration, merged from these files, and that of each of its networks."""
+def _missing_inputs(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+    """Find a folder of stored networks without them; a run that only trains needs no captures."""
+    training = config["training"]
+    if training["source"] == "stored" and not (Path(training["networks"]) / "cnn.safetensors").is_file():
+        yield (("training", "networks"), ("training", "source")), "a folder with the stored networks (cnn.safetensors)"
+
+
+def check_config(config: Mapping[str, Any], files: Iterable[Path] = (), inputs: bool = False) -> None:
+    """Check a configuration, merged from these files, that of each of its networks and, on request, its input files."""
     contents = {str(file): read_yaml(Path(file), CONFIGURATION) for file in files}
 
     def file_of(place: Place) -> str:
@@ -194,26 +202,26 @@ def check_config(config: Mapping[str, Any], files: Iterable[Path] = ()) -> None:
     for network, whole in ({(): config} | networks).items():
         if wrong := _violation(whole, Configuration):
             refuse((*network, *wrong[0]), *wrong[1:])
-        for places, expected in _contradictions(whole):
+        for places, expected in chain(_contradictions(whole), _missing_inputs(whole) if inputs else ()):
             own = [place for place in places if _at(config, (*network, *place)) is not _ABSENT]
             names = ["command line", *reversed(contents)]
             place = min(own, key=lambda place: names.index(file_of((*network, *place))))  # the one that was set last
             refuse((*network, *place), _at(whole, place), expected)
 
 
-def load_config(path: Path, *overlays: Path) -> dict[str, Any]:
+def load_config(path: Path, *overlays: Path, inputs: bool = False) -> dict[str, Any]:
     """Read and check a configuration outside the workflow."""
     config: dict[str, Any] = {}
     for file in (path, *overlays):
         config = merged(config, read_yaml(file, CONFIGURATION))
-    check_config(config, [path, *overlays])
+    check_config(config, [path, *overlays], inputs)
     return config
 
 
 def accept_config(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
     """Check the configuration of a run; on a fault print its one line and leave with exit code 2."""
     try:
-        check_config(config, [Path(file) for file in files])
+        check_config(config, [Path(file) for file in files], inputs=True)
     except InputError as error:
         print(error, file=sys.stderr)
         raise SystemExit(2) from None

@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from repro.cnn.architecture import Precision, Recipe
 from repro.cnn.dataset import Label
 from repro.cnn.image import Scale
 from repro.cnn.priors import Prior
-from repro.cnn.schedule import Precision, Recipe
 from repro.identification.algorithm1.search import ImageMotion
 from repro.signals.dct import FrequencyReading
 from repro.signals.metric import TimeFormula

@@ -92,6 +92,8 @@ def fill_folder(
         for name in (*names, *optional, *later):
             if (out / name).resolve() in given:
                 raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
+            if (out / name).is_dir():
+                raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
         out.mkdir(parents=True, exist_ok=True)
         for name in set(optional) - set(names):  # of an earlier run, which this one contradicts
             (out / name).unlink(missing_ok=True)
@@ -140,14 +142,20 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
         raise InputError.at(
             str(path), f"text that is not a table ({' '.join(str(error).split())})", "a CSV table"
         ) from error
-    missing = [c for c in columns if c not in frame.columns]
-    if missing:
-        raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+    _check_header(str(path), frame.columns, columns)
+    if twice := next((c for c in columns if f"{c}.1" in frame.columns), None):  # pandas renames the second one
+        raise InputError.at(f"{path}: header", f"the column {twice!r} twice", "names that differ")
     return frame
 
 
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """Read the rows of a CSV table as the text they contain: numbers keep the digits they were written with."""
+def _check_header(place: str, header: Collection[str], columns: tuple[str, ...]) -> None:
+    missing = [name for name in columns if name not in header]
+    if missing:
+        raise InputError.at(f"{place}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+
+
+def read_rows(path: Path, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
+    """Read the rows of a CSV table as text, so that numbers keep their digits, and check that it has these columns."""
     try:
         check_size(path, LARGEST_TABLE, "a CSV table")
         text = path.read_bytes().decode()
@@ -155,15 +163,17 @@ def read_rows(path: Path) -> list[dict[str, str]]:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
-    return parse_rows(text, str(path))
+    return parse_rows(text, str(path), columns)
 
 
-def parse_rows(text: str, place: str) -> list[dict[str, str]]:
+def parse_rows(text: str, place: str, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
     """Split the text of a CSV table into rows; `place` is its name in messages."""
+    reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     try:
-        rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
+        rows = list(reader)
     except csv.Error as error:
         raise InputError.at(place, f"text that is not a table ({error})", "a CSV table") from error
+    _check_header(place, reader.fieldnames or (), columns)
     for number, row in enumerate(rows, start=2):
         if None in row or None in row.values():
             raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
@@ -178,6 +188,8 @@ def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: 
 
 def read_tensors(path: Path, expected: str) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Read the arrays and the header of a safetensors file."""
+    if path.exists() and not path.is_file():
+        raise InputError.at(str(path), "a folder, a pipe or a device", expected)
     try:
         with safe_open(path, framework="np") as f:
             return {name: f.get_tensor(name) for name in f.keys()}, f.metadata() or {}  # noqa: SIM118

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from repro.cnn.architecture import NetworkSettings
+from repro.cnn.architecture import NetworkSettings, PaperSchedule, TrainingSettings
 from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
-from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.config import merged
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings

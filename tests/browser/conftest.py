@@ -21,8 +21,7 @@ def reproduction(tmp_path_factory):
     """The report of a run, with the files that it links to."""
     if "REPORT_PAGE" in os.environ:
         return Path(os.environ["REPORT_PAGE"]).resolve()
-    inputs = make_example(tmp_path_factory.mktemp("project"), partial=True)
-    (inputs.figures / "fig24.png").unlink()
+    inputs = make_example(tmp_path_factory.mktemp("project"))
     write_report(inputs)
     return inputs.page
 

@@ -6,10 +6,9 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from repro.cnn.architecture import NetworkSettings, read_weights
+from repro.cnn.architecture import RECIPES, NetworkSettings, PaperSchedule, TrainingSettings, read_weights
 from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.network import load_network, save_network
-from repro.cnn.schedule import RECIPES, PaperSchedule, TrainingSettings
 from repro.cnn.train import Progress, load_checkpoint, make_recipe, save_checkpoint
 from repro.errors import InputError
 from repro.signals.sampling import SignalSettings

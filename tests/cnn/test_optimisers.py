@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from repro.cnn.optimisers import QUINTIC, QUINTIC_TIMES, Muon, orthogonalised
+from repro.cnn.train import QUINTIC, QUINTIC_TIMES, Muon, orthogonalised
 
 
 def lifted(matrix):

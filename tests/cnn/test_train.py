@@ -11,10 +11,10 @@ import pytest
 import torch
 
 from repro.cnn import train as training
+from repro.cnn.architecture import PaperSchedule, TrainingSettings
 from repro.cnn.dataset import DataSettings, Samples, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
-from repro.cnn.schedule import PaperSchedule, TrainingSettings
 from repro.cnn.train import evaluate, train
 from repro.errors import InputError
 from repro.signals.sampling import SignalSettings

@@ -28,6 +28,11 @@ def test_the_configurations_of_the_project_are_valid(capsys):
         (b"a: \xff\xfe\0", "found text that is not YAML"),
         (b"a: " + b"[" * 20_000, "found lists within lists"),
         (b"a: 2020-99-99\n", "found text that is not YAML"),
+        (b"training: {source: stored, networks: none}\n", "training.networks: found none, expected a folder with"),
+        (
+            b"networks: {tracked: {training: {source: stored, networks: none}}}\n",
+            "networks.tracked.training.networks: ",
+        ),
     ],
 )
 def test_a_fault_is_one_line(tmp_path, capsys, content, place):

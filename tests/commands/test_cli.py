@@ -81,6 +81,7 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     ("text", "expected"),
     [
         ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
+        ("q1_rad,q2_rad,q1_rad\n0,0,1\n0,0,1\n", "header: found the column 'q1_rad' twice"),
         ("q1_rad,q2_rad\n", "found no rows"),
         ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
         ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
@@ -213,7 +214,9 @@ def test_options_that_make_no_sense_are_refused(argv, capsys):
     with pytest.raises(SystemExit) as caught:
         main(argv)
     assert caught.value.code == 2
-    assert "repro" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "repro" in err
+    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(("error", "code"), [(InputError("a: found b, expected c"), 2), (KeyboardInterrupt(), 130)])

@@ -18,7 +18,7 @@ import torch
 from log_example import BETA, columns, recording, text
 
 from repro.cli import main
-from repro.cnn import schedule
+from repro.cnn import architecture
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import NAMES, is_positive_definite
@@ -90,9 +90,7 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     for name in NAMES:
         assert f"  {name} = " in told
     assert "known to" in told
-    unseen = re.search(
-        "this log could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told
-    )
+    unseen = re.search("could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told)
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
 
@@ -111,14 +109,14 @@ def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys
     assert is_positive_definite(found(out, "consistent"))
     # Eq. 10 is too slow to determine I2: its estimate is negative here, and no two links have such an I2.
     assert not (out / "arm.urdf").exists()
-    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF: no two links have these parameters. I2 = -")
+    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. No two links have these parameters. I2 = -")
 
 
 def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path, no_figures):
     assert identify(CAPTURES / "T4.bin", "--method", "weighted", "-o", tmp_path / "out") == 0
     assert not (tmp_path / "out" / "arm.urdf").exists()
     reason = (tmp_path / "out" / "no-links.txt").read_text()
-    assert reason.startswith("No URDF or MJCF. I2: not determined by this motion")
+    assert reason.startswith("No URDF or MJCF. The motion does not determine")
 
 
 def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):
@@ -152,7 +150,8 @@ def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_fi
 def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""
     few = SearchSettings(executions=4, inner_limit=3, threshold=0.9237, feasibility="positive-definite")
-    monkeypatch.setattr(schedule, "TrainingSettings", partial(schedule.TrainingSettings, test_samples=64, batch=16))
+    small = partial(architecture.TrainingSettings, test_samples=64, batch=16)
+    monkeypatch.setattr(architecture, "TrainingSettings", small)
     monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few))
 
 

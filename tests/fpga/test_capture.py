@@ -110,6 +110,7 @@ def test_a_capture_is_whole_or_absent(tmp_path):
         ("host", {}, "host.port: found nothing, expected a value"),
         ("sha256", "0" * 64, "SHA-256: found"),
         ("motion", None, "motion: found nothing, expected a value"),
+        ("motion", "\x1b[2J", r"motion: found '\x1b[2J', expected text without control characters"),
         ("counts.lost", None, "counts.lost: found nothing, expected a value"),
     ],
 )

@@ -110,13 +110,6 @@ def test_blocks_are_at_least_a_sample_and_twenty_fit(n, rho, seed):
     assert 1 <= length <= max(n // 20, 1)
 
 
-def test_blocks_span_five_correlation_times():
-    error = autoregressive(0.9, 20_000, np.random.default_rng(6))
-    length = block_length(error, H)
-    assert length == pytest.approx(5 * correlation_time(error, H) / H, abs=0.5)
-    assert block_length(error, 10 * H) == length  # in samples, whatever their period
-
-
 @given(st.data())
 def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     n = data.draw(st.integers(1, 300))
@@ -127,21 +120,6 @@ def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     assert rows.max() < n
     inside = np.arange(1, n) % length != 0
     assert (np.diff(rows)[inside] == 1).all()
-
-
-def test_stretches_begin_anywhere():
-    rng = np.random.default_rng(7)
-    starts = {int(resample(10, 4, rng)[0]) for _ in range(300)}
-    assert starts == set(range(7))
-
-
-def test_the_same_seed_gives_the_same_numbers_and_another_one_others():
-    r = exciting(400)
-    r = replace(r, tau=r.tau + 0.1 * np.random.default_rng(8).normal(size=r.tau.shape))
-    first, again, other = (ordinary_spread(r, seed) for seed in (5, 5, 6))
-    for name in ("standard_error", "low", "high"):
-        assert (getattr(first, name) == getattr(again, name)).all()
-        assert (getattr(first, name) != getattr(other, name)).all()
 
 
 def test_regressor_and_torque_are_redrawn_together():

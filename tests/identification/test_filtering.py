@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import broadband, log_from, random_regressor, resting
-from scipy.optimize import lsq_linear
+from regression_example import broadband, log_from, random_regressor
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
@@ -23,8 +22,8 @@ from repro.identification.filtering import (
 )
 from repro.identification.filters import FILTERS
 from repro.identification.regression import drop_standstill
-from repro.identification.solve import clip_to_bound, reduced_problem, solve, unit_columns
-from repro.model.dynamics import inverse_dynamics, regressor
+from repro.identification.solve import clip_to_bound, reduced_problem, solve
+from repro.model.dynamics import regressor
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
@@ -61,27 +60,6 @@ def test_smoothed_motion_is_the_motion(name):
     for ours, part in zip((found.q, found.dq, found.ddq), whole, strict=True):
         kept = part[:, np.searchsorted(LOG.t, found.t)]
         np.testing.assert_allclose(ours, kept, rtol=0, atol=1e-9 * np.abs(part).max())
-
-
-@pytest.mark.slow
-@every_filter
-@given(st.floats(-1e3, 1e3).filter(lambda x: abs(x) > 1e-3))
-@settings(max_examples=10)
-def test_torque_goes_through_linearly_and_leaves_the_regressor_alone(name, factor):
-    setting = FilterSettings(name=name, delay=0.003)
-    one, other = prepare(LOG, setting), prepare(replace(LOG, tau=factor * LOG.tau), setting)
-    np.testing.assert_allclose(other.tau, factor * one.tau, rtol=0, atol=1e-9 * np.abs(factor * one.tau).max())
-    np.testing.assert_array_equal(other.y, one.y)
-    np.testing.assert_allclose(solve(other.y, other.tau), factor * solve(one.y, one.tau), rtol=1e-7)
-
-
-@every_filter
-def test_noise_far_above_the_cutoff_hardly_passes(name):
-    noise = np.random.default_rng(1).normal(size=LOG.tau.shape)
-    setting = FilterSettings(name=name, cutoff=2.0)
-    passed = prepare(replace(LOG, tau=LOG.tau + noise), setting).tau - prepare(LOG, setting).tau
-    # White noise through a low-pass of 2 Hz out of 100.
-    assert passed.std() < 2.0 * np.sqrt(2.0 / 100.0)
 
 
 @pytest.mark.parametrize("cut", [0.1, 0.3, 2.0])
@@ -181,11 +159,6 @@ def test_a_known_delay_is_taken_out(name, late):
     assert np.abs(solve(blind.y, blind.tau) / BETA - 1.0).max() > 0.05
 
 
-def test_the_delay_found_does_not_depend_on_the_one_set():
-    log = log_from(log_example.motion, delay=0.004)
-    assert len({estimate_delay(log, FilterSettings(delay=d)) for d in (0.0, 0.004, -0.01)}) == 1
-
-
 @pytest.mark.parametrize("late", [-0.03, 0.03])
 def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
     log = log_from(log_example.motion, delay=late)
@@ -195,22 +168,6 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
 
 
 # Standstill.
-
-
-@pytest.mark.slow
-@every_filter
-@pytest.mark.parametrize(("joint", "at"), [(0, 0.3), (1, 0.0), (1, 0.7)])
-def test_a_joint_that_never_moves_has_no_rows(name, joint, at):
-    """Static friction carries what it likes of the torque that gravity and the other joint put on it."""
-    whole = prepare(resting(joint, at), FilterSettings(name=name))
-    kept = drop_standstill(whole)
-    assert not kept.mask[joint].any()
-    assert not kept.tau[joint].any()
-    assert not kept.y[joint].any()
-    still = np.abs(whole.dq[1 - joint]) < 0.02
-    assert still.any()
-    np.testing.assert_array_equal(kept.mask[1 - joint], ~still)
-    assert not kept.tau[1 - joint, still].any()
 
 
 @pytest.mark.parametrize(("share", "all_count"), [(0.05, True), (0.19, True), (0.21, False), (0.6, False)])
@@ -271,10 +228,6 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
         assert choice.hertz < 0.6 * choice.highest
 
 
-def test_the_cutoff_does_not_depend_on_the_one_set():
-    assert len({choose_cutoff(rounded(BROAD, 0.01), FilterSettings(cutoff=c)).hertz for c in (1.0, 5.0, 9.0)}) == 1
-
-
 # Steepness of friction.
 
 
@@ -301,17 +254,6 @@ def test_solution_is_numpy_s(seed, weighted):
     root = np.ones_like(tau) if weight is None else np.sqrt(weight)
     expected, *_ = np.linalg.lstsq((root[..., np.newaxis] * y).reshape(-1, 9), (root * tau).reshape(-1))
     np.testing.assert_allclose(solve(y, tau, weight), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
-
-
-@pytest.mark.slow
-@given(seeds)
-def test_a_weight_of_each_joint_counts_for_all_its_samples(seed):
-    rng = np.random.default_rng(seed)
-    y, weight = random_regressor(rng), rng.uniform(0.1, 10.0, (2, 1))
-    tau = rng.normal(size=y.shape[:2])
-    whole = solve(y, tau, np.broadcast_to(weight, tau.shape))
-    np.testing.assert_allclose(solve(y, tau, weight), whole, rtol=1e-12)
-    np.testing.assert_allclose(solve(y, tau, 1e4 * weight), whole, rtol=1e-8)
 
 
 @pytest.mark.slow
@@ -344,15 +286,6 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     plain, *_ = np.linalg.lstsq(flat, tau.reshape(-1), rcond=1e-10)
     left = [np.linalg.norm(flat @ beta - tau.reshape(-1)) for beta in (solve(y, tau), plain)]
     assert left[0] == pytest.approx(left[1], rel=1e-10)
-
-
-@pytest.mark.slow
-@given(seeds)
-def test_units_of_a_column_do_not_matter(seed):
-    rng = np.random.default_rng(seed)
-    # Over seven decades: a column nine below another is taken for rounding.
-    y, tau, unit = random_regressor(rng), rng.normal(size=(2, 60)), 10.0 ** rng.uniform(-3.5, 3.5, 9)
-    np.testing.assert_allclose(solve(y * unit, tau) * unit, solve(y, tau), rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.slow
@@ -393,19 +326,6 @@ def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
     np.testing.assert_allclose(scale * found, scale * solve(y, tau), rtol=0, atol=1e-6 * np.linalg.norm(tau))
 
 
-@pytest.mark.slow
-@given(seeds)
-def test_rounding_is_not_scaled_up(seed):
-    rng = np.random.default_rng(seed)
-    y = random_regressor(rng)
-    y[..., [0, 6]] = 1e-14 * rng.normal(size=(2, 60, 2))
-    a, scale = unit_columns(y)
-    assert not a[:, [0, 6]].any()
-    np.testing.assert_allclose(np.linalg.norm(np.delete(a, [0, 6], axis=1), axis=0), 1.0)
-    np.testing.assert_allclose(np.delete(a * scale, [0, 6], axis=1), np.delete(y.reshape(120, 9), [0, 6], axis=1))
-    assert (scale > 0.0).all()
-
-
 def test_no_motion_at_all_has_no_parameters():
     y, tau = np.zeros((2, 20, 9)), np.ones((2, 20))
     assert (solve(y, tau) == 0.0).all()
@@ -419,16 +339,3 @@ def test_what_is_snapped_is_small_beside_the_largest():
     np.testing.assert_array_equal(clip_to_bound(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
     np.testing.assert_array_equal(clip_to_bound(1e-9 * z, 1e-6), 1e-9 * clip_to_bound(z, 1e-6))
     np.testing.assert_array_equal(clip_to_bound(np.zeros(3), 1e-6), np.zeros(3))
-
-
-@pytest.mark.slow
-@given(seeds)
-def test_nine_rows_serve_a_bounded_problem(seed):
-    rng = np.random.default_rng(seed)
-    y = random_regressor(rng)
-    tau = inverse_dynamics(*rng.normal(size=(3, 2, 60)), BETA)
-    r, c, scale = reduced_problem(y, tau)
-    lower, upper = -rng.uniform(0.0, 1.0, 9), rng.uniform(0.01, 1.0, 9)
-    short = lsq_linear(r, c, bounds=(lower * scale, upper * scale), method="bvls", tol=1e-14).x / scale
-    whole = lsq_linear(y.reshape(-1, 9), tau.reshape(-1), bounds=(lower, upper), method="bvls", tol=1e-14).x
-    np.testing.assert_allclose(short, whole, rtol=1e-6, atol=1e-8)

@@ -35,12 +35,6 @@ def test_power_is_halved_at_the_stated_frequency(name, rate, cutoff):
 
 
 @every_filter
-def test_slow_is_kept_and_fast_is_not(name):
-    assert abs(response(name, 0.5, 5.0)) == pytest.approx(1.0, abs=0.01)
-    assert abs(response(name, 20.0, 5.0)) < 0.2
-
-
-@every_filter
 @pytest.mark.parametrize("frequency", [0.4, 2.0, 5.0])
 def test_a_sine_is_not_delayed(name, frequency):
     assert abs(np.angle(response(name, frequency, 5.0))) < 1e-9
@@ -54,17 +48,6 @@ def test_a_symmetric_pulse_stays_symmetric(name):
     for signal, sign in ((smooth, 1), (slope, -1), (curvature, 1)):
         np.testing.assert_allclose(signal, sign * signal[::-1], rtol=0, atol=1e-9 * np.abs(signal).max())
     assert np.abs(t[smooth.argmax()]) <= H
-
-
-@every_filter
-@settings(max_examples=20)
-@given(seeds, st.floats(3.0, 10.0))
-def test_time_reversed_the_filter_is_the_same(name, seed, cutoff):
-    x = np.random.default_rng(seed).normal(size=T.size)
-    for order in (0, 1, 2):
-        there = FILTERS[name].apply(x, H, cutoff, order)[MIDDLE]
-        back = (-1) ** order * FILTERS[name].apply(x[::-1], H, cutoff, order)[::-1][MIDDLE]
-        np.testing.assert_allclose(there, back, rtol=0, atol=1e-9 * np.abs(there).max())
 
 
 @every_filter
@@ -84,33 +67,6 @@ def test_derivatives_of_slow_sines_are_the_analytic_ones(name, seed):
         assert found.shape == exact[0].shape
         error = np.abs(found - expected)[:, MIDDLE]
         assert error.max() < 2e-3 * np.abs(expected).max()
-
-
-@every_filter
-@pytest.mark.parametrize("frequency", [1.0, 2.0, 3.0])
-def test_derivatives_keep_the_phase(name, frequency):
-    """A sine's first derivative leads by a quarter of a period, its second by a half, and neither is late."""
-    for order in (1, 2):
-        assert abs(np.angle(response(name, frequency, 5.0, order=order) / 1j**order)) < 1e-9
-
-
-@pytest.mark.slow
-@every_filter
-@given(st.floats(-100.0, 100.0, allow_subnormal=False), st.floats(1.0, 20.0))
-def test_a_constant_is_kept_and_stands_still(name, level, cutoff):
-    x = np.full((2, 400), level)
-    np.testing.assert_allclose(FILTERS[name].apply(x, H, cutoff, 0), x, rtol=1e-9)
-    for order in (1, 2):
-        found = FILTERS[name].apply(x, H, cutoff, order)
-        np.testing.assert_allclose(found, 0.0, atol=1e-7 * abs(level) / H ** (order - 1) + 1e-300)
-
-
-@every_filter
-def test_a_straight_line_has_its_slope(name):
-    line = 3.0 - 0.7 * T
-    for order, expected in ((0, line), (1, np.full_like(T, -0.7)), (2, np.zeros_like(T))):
-        found = FILTERS[name].apply(line, H, 5.0, order)
-        np.testing.assert_allclose(found[MIDDLE], expected[MIDDLE], rtol=0, atol=1e-5)
 
 
 @every_filter

@@ -14,7 +14,7 @@ from PIL import Image
 
 from repro.errors import InputError
 from repro.export.links import links_of
-from repro.files import check_folder
+from repro.files import check_folder, fill_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
 from repro.ownarm import outputs
@@ -177,6 +177,18 @@ def test_a_folder_that_cannot_be_used_is_refused(tmp_path):
         assert "\n" not in str(refused.value)
         assert str(tmp_path) in str(refused.value)
     assert everything(tmp_path) == ["file", "full", "full/x"]
+
+
+def test_a_folder_in_the_place_of_a_result_leaves_all_as_it_was(tmp_path):
+    (tmp_path / "out" / "b.csv").mkdir(parents=True)
+
+    def fill(folder):
+        (folder / "a.csv").touch()
+        (folder / "b.csv").touch()
+
+    with pytest.raises(InputError, match=r"b\.csv: found a folder"):
+        fill_folder(tmp_path / "out", fill)
+    assert everything(tmp_path) == ["out", "out/b.csv"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")

@@ -8,7 +8,7 @@ import pytest
 
 from repro.errors import InputError
 from repro.paper.audit import CHECKS, audit, findings
-from repro.paper.finding import FINDINGS_FILE, VERDICTS, agrees, read_checks
+from repro.paper.finding import FINDINGS_FILE, VERDICTS, read_checks
 from repro.paper.published import Published, load_published
 
 # Tables 4 and 5, I1 I2 I3 g1 g2 of the true sets and I1 I2 I3 of the estimates, typed again.
@@ -111,13 +111,14 @@ EXPECTED = [
     ("appendix/condition", 1.8986e-6 / 1e-4 / 3.4422e-6, 1e4),
     ("appendix/rate", 1.3659e-7, 7.1236e-8),
     ("appendix/arm", 6, 6),
+    ("appendix/corner", 1e3 * np.roots([1.0, -(1.8986e-2 + 3.4422e-6), 1.3659e-7]).min(), 0.0072),
     ("appendix/gain", 1e4, 1),
 ]
 
 
 @pytest.mark.parametrize(("id_", "found", "printed"), EXPECTED)
 def test_numbers_recomputed(table, id_, found, printed):
-    assert table.loc[id_, "found"] == pytest.approx(found, rel=1e-9)
+    assert table.loc[id_, "found"] == pytest.approx(found, rel=1e-6 if id_ == "appendix/corner" else 1e-9)
     assert table.loc[id_, "printed"] == pytest.approx(printed, rel=1e-9)
 
 
@@ -157,23 +158,6 @@ def test_ends_of_the_inequalities(table):
     assert table.loc["appendix/cosine", "printed"] == pytest.approx(math.sqrt(2) * math.pi)
     # q = (3, 0) lies in the ball, and there q.g(q) < rho q.Qq for every arm.
     assert 3 * math.sin(3) < 0.1 * 9 and table.loc["appendix/sine", "printed"] > 3
-
-
-def test_corner_of_r1_is_that_of_q(table):
-    roots = np.roots([1.0, -(1.8986e-2 + 3.4422e-6), 1.3659e-7])
-    assert table.loc["appendix/corner", "found"] == pytest.approx(1e3 * roots.min(), rel=1e-6)
-    assert round(1e3 * roots.min(), 4) == 0.0072
-
-
-def test_power_of_the_energy_function_needs_no_skew_matrix():
-    rng = np.random.default_rng(1)
-    for i2, q2, v1, v2 in rng.normal(size=(20, 4)):
-        s = math.sin(q2)
-        dm = -i2 * s * v2 * np.array([[1.0, 0.5], [0.5, 0.0]])
-        c = i2 * s * np.array([[-v2, -0.5 * v2], [0.5 * v1, 0.0]])
-        v = np.array([v1, v2])
-        assert v @ (dm - 2 * c) @ v == pytest.approx(0, abs=1e-12)
-        assert v @ dm @ v == pytest.approx(-i2 * s * v1 * v2 * (v1 + v2))
 
 
 def test_speed_of_the_identification_trajectory(table):
@@ -237,18 +221,6 @@ def test_no_number_that_a_finding_names_is_idle(published):
         # Down or up: a count of cases may bear one of them.
         ways = (f"{0.5 * value:.6g}", f"{2.0 * value:.6g}") if value else ("1",)
         assert any(findings(changed(published, **{id_: way})) != before for way in ways), id_
-
-
-def test_a_missing_number_is_named(published):
-    kept = Published(tuple(v for v in published if v.id != "section3/gear-ratio"))
-    with pytest.raises(InputError, match="section3/gear-ratio"):
-        audit(kept)
-
-
-def test_agreement_allows_rounding_and_no_more():
-    assert agrees(1.0 + 5e-3, 1.0, 5e-3)
-    assert not agrees(1.0051, 1.0, 5e-3)
-    assert not agrees(math.nan, 1.0, 1.0)
 
 
 def test_each_check_has_a_row_and_an_unknown_verdict_is_refused(published, tmp_path):

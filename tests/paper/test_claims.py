@@ -194,16 +194,6 @@ def test_a_number_on_one_side_only_is_refused():
         judge_all([number], {f"{number.id}@refinement": side})
 
 
-def test_an_extension_has_a_row_of_its_own_below_the_number():
-    first, second = printed(), printed(id_="table07/N1/total/joint2")
-    sides = {second.id: ours(1.0), f"{first.id}@refinement": ours(98.0, better=higher), first.id: ours(97.1)}
-    rows = judge_all([first, second], sides)
-    assert sorted(rows["id"][:2]) == [first.id, f"{first.id}@refinement"]
-    assert rows.set_index("id")["verdict"].to_dict() == {
-        first.id: REPRODUCED, f"{first.id}@refinement": BETTER, second.id: DIFFERS,
-    }  # fmt: skip
-
-
 @pytest.mark.slow
 def test_every_published_number_of_the_papers_own_is_there_once(published, config, folder):
     rows = compute(published, config, Results(folder))

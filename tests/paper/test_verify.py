@@ -1,6 +1,7 @@
 """Tampering: one thing changed at a time, and `repro verify` names it; exit codes of the command and of the stage."""
 
 import logging
+import os
 import re
 import shutil
 import subprocess
@@ -166,6 +167,9 @@ def test_without_a_ledger_there_is_nothing_to_verify(project, capsys, name):
     (project / "results" / name).unlink()
     code, _, err = verify(capsys)
     assert code == 2 and f"results/{name}" in err and err.count("\n") == 1
+    os.mkfifo(project / "results" / name)
+    code, _, err = verify(capsys)
+    assert code == 2 and f"results/{name}: found a pipe or a device" in err and err.count("\n") == 1
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config import check_config
 from repro.documents import read_json
 from repro.files import read_csv

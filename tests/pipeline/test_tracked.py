@@ -2,6 +2,7 @@
 
 import copy
 import hashlib
+import os
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,9 @@ def test_a_file_of_fewer_motions_is_refused(motions):
         training_motion(small(7), motions)
     with pytest.raises(InputError, match="no readable safetensors file"):
         training_motion(small(), motions.with_name("none"))
+    os.mkfifo(pipe := motions.with_name("pipe"))
+    with pytest.raises(InputError, match="a pipe or a device"):
+        training_motion(small(), pipe)
 
 
 def test_arms_that_do_not_track_end_in_one_line(tmp_path):

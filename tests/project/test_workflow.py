@@ -130,9 +130,8 @@ def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
     assert snakemake(folder, "--dry-run", "results/model/training.csv")[0] == 0  # what is trained needs none
     overlay = ("--configfile", str(ROOT / "config" / "quick.yaml"))
     code, said = snakemake(folder, "--dry-run", "results/quick/model/training.csv", *overlay)
-    assert code == 1
-    for name in ("cnn.safetensors", "training.csv", "model-card.md"):
-        assert f"data/networks/{name}" in said
+    assert code == 2
+    assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in said
 
 
 def test_each_target_can_be_asked_for_by_its_rule_name(folder):
@@ -229,7 +228,6 @@ def test_a_rule_has_all_that_a_reader_and_a_scheduler_need(working):
         assert rule.message, rule.name
         assert rule.script, rule.name
         assert rule.conda_env, rule.name
-        assert "mem_mb" in rule.resources, rule.name
         assert rule.resources["_cores"].value == 1, rule.name  # none asks how many cores there are: a cluster has none
 
 
@@ -323,8 +321,8 @@ def of_a_job(told):
 
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):
     for rule in working:
-        (digest,) = of_a_job(rule.params.code)
-        assert re.fullmatch(r"[0-9a-f]{64}", digest), rule.name
+        digests = " ".join(text for told in rule.params for text in of_a_job(told))
+        assert len(re.findall(r"repro[\w.]+:\S* [0-9a-f]{12}\b", digests)) > 5, rule.name
         told = rule.params.get("config", {})
         config = told(SimpleNamespace(**ONE)) if callable(told) else told
         assert set(config) <= set(CONFIG), rule.name

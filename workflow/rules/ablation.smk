@@ -35,8 +35,6 @@ rule ablation_run:
         f"{R}/benchmarks/ablation_run-{{reading}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("ablation_run.py"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),

@@ -16,8 +16,6 @@ rule claims:
         f"{R}/benchmarks/claims.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("claims.py"),
         config=ledger_sections(),
@@ -40,8 +38,6 @@ rule verify:
         f"{R}/benchmarks/verify.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("verify.py"),
         config={**ledger_sections(), "claims": config["claims"]},

@@ -16,7 +16,6 @@ rule check_coverage:
     conda:
         "../../envs/repro.yaml"
     resources:
-        mem_mb=2000,
         runtime=30,
     params:
         *code("check_coverage.py"),

@@ -8,8 +8,6 @@ rule simulate_tracked:
     priority: AWAITED
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("simulate_tracked.py"),
         config=sections("signals", "data", "board", "experiment"),
@@ -29,8 +27,6 @@ rule mean_torque:
     priority: AWAITED
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1000,
     params:
         *code("mean_torque.py"),
         config=sections("signals", "data", "image", "training"),

@@ -88,8 +88,6 @@ for (module, *sources), exhibits in TOGETHER.items():
             f"{R}/benchmarks/{drawing}.tsv"
         conda:
             "../../envs/repro.yaml"
-        resources:
-            mem_mb=1500,
         params:
             *code("exhibits.py", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],

@@ -21,7 +21,6 @@ rule acquire:
     conda:
         "../../envs/repro.yaml"
     resources:
-        mem_mb=2000,
         serial_port=int(SERIAL),
     params:
         *code("acquire.py"),
@@ -50,8 +49,6 @@ rule identify_experiment:
     priority: LONG
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
@@ -74,8 +71,6 @@ rule identify_least_squares:
         f"{R}/benchmarks/identify_least_squares.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("identify_least_squares.py"),
         config=sections(*ARM),
@@ -98,8 +93,6 @@ rule score_experiment:
         f"{R}/benchmarks/score_experiment{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("score_experiment.py"),
         config=sections(*ARM, "metric"),
@@ -119,8 +112,6 @@ rule simulate_spread:
     priority: LONG
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("simulate_spread.py"),
         config=sections(*ARM, "data", "spread"),
@@ -145,7 +136,6 @@ rule score_spread:
     conda:
         "../../envs/repro.yaml"
     resources:
-        mem_mb=2000,
         runtime=30,
     params:
         *code("score_spread.py"),

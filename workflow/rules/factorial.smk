@@ -7,8 +7,6 @@ rule simulate_factorial:
         f"{R}/benchmarks/simulate_factorial.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("simulate_factorial.py"),
         config=sections(*ARM, "data", "factorial"),
@@ -57,7 +55,6 @@ rule score_factorial:
     conda:
         "../../envs/repro.yaml"
     resources:
-        mem_mb=2000,
         runtime=60,
     params:
         *code("score_factorial.py"),
@@ -79,8 +76,6 @@ rule score_factorial_references:
         f"{R}/benchmarks/score_factorial_references.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("score_factorial_references.py"),
         config=factorial_sections(),

@@ -15,8 +15,6 @@ rule identify_numeric:
     priority: LONG
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=2000,
     params:
         *code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
@@ -37,8 +35,6 @@ rule identify_numeric_least_squares:
         f"{R}/benchmarks/identify_numeric_least_squares.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("identify_numeric_least_squares.py"),
         config=sections("signals", "numeric"),

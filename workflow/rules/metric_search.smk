@@ -13,8 +13,6 @@ rule search_metric:
         f"{R}/benchmarks/search_metric.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("search_metric.py"),
         config=sections("metric_search"),

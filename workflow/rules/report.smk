@@ -17,8 +17,6 @@ rule report:
         f"{R}/benchmarks/report.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("report.py"),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},

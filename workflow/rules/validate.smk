@@ -13,8 +13,6 @@ rule score_numeric:
         f"{R}/benchmarks/score_numeric{{suffix}}.tsv"
     conda:
         "../../envs/repro.yaml"
-    resources:
-        mem_mb=1500,
     params:
         *code("score_numeric.py"),
         config=sections("signals", "metric", "numeric"),

@@ -17,8 +17,7 @@ import torch
 import torch.nn.functional as F  # noqa: N812  (torch's own convention)
 from torch import Tensor, nn
 
-from repro.cnn.architecture import NetworkSettings, read_weights
-from repro.cnn.schedule import Precision
+from repro.cnn.architecture import NetworkSettings, Precision, read_weights
 from repro.files import write_tensors
 
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}

@@ -84,7 +84,8 @@ def run(arguments: argparse.Namespace) -> int:
         **{name: summarise_motion(motion, limits, noise) for name, motion in motions.items()},
     }
     if not math.isfinite(content["optimised"]["condition"]):
-        raise InputError.at(str(arguments.arm), "limits that let no motion separate the parameters", "wider ones")
+        found = "limits of position, speed or torque that let no motion separate the parameters"
+        raise InputError.at(f"{arguments.arm}: position_limit, speed_limit, torque_limit", found, "wider ones")
     given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]
     files = fill_folder(arguments.out, lambda folder: _write_files(folder, content, ours, limits), inputs=given)
     print(summary(content))

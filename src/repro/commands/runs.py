@@ -16,7 +16,7 @@ def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
     from repro.config import load_config
 
-    load_config(arguments.config, *arguments.overlays)
+    load_config(arguments.config, *arguments.overlays, inputs=True)
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
     return 0
 

@@ -45,9 +45,12 @@ def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compare
 def _files(folder: Path) -> set[str]:
     if not folder.is_dir():
         raise InputError.at(str(folder), "no folder", "a results folder")
-    found = (path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern))
-    names = (path.relative_to(folder) for path in found if path.is_file())
-    return {name.as_posix() for name in names if name.parts[0] not in LEFT_OUT}
+    found = {path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern)}
+    files = {path for path in found if path.relative_to(folder).parts[0] not in LEFT_OUT}
+    for path in files:
+        if not path.is_file():
+            raise InputError.at(str(path), "no regular file", "a table or a recording of a run")
+    return {path.relative_to(folder).as_posix() for path in files}
 
 
 def _compare(a: Path, b: Path, name: str, tolerances: Tolerances) -> Compared:

@@ -16,11 +16,10 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from repro.cnn.architecture import NetworkSettings, read_weights
+from repro.cnn.architecture import HISTORY_COLUMNS, NetworkSettings, TrainingSettings, read_weights
 from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
-from repro.cnn.schedule import HISTORY_COLUMNS, TrainingSettings
 from repro.exhibits import style
 from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
 from repro.exhibits.markup import Table, plain

@@ -11,7 +11,7 @@ from matplotlib.patches import ConnectionPatch
 from matplotlib.text import Annotation
 from matplotlib.ticker import EngFormatter
 
-from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, MODEL, NUMERIC, SIGNALS, VALIDATION, Inputs, figure, table
 from repro.exhibits.markup import Table, formula, plain, unit

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.documents import read_json
 from repro.errors import InputError
 from repro.exhibits import style

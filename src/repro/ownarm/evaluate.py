@@ -57,7 +57,7 @@ def resolve(options: Options, progress: Progress) -> list[Method]:
     """Find the methods by their names."""
     known = dict(METHODS)
     if set(options.methods) & set(NETWORKS):
-        from repro.cnn.schedule import TrainingSettings  # noqa: PLC0415
+        from repro.cnn.architecture import TrainingSettings  # noqa: PLC0415
         from repro.identification.algorithm1.own_network import NetworkSearch, methods  # noqa: PLC0415
 
         training = TrainingSettings(steps=options.steps, seed=options.seed)

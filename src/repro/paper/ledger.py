@@ -2,7 +2,6 @@
 
 import errno
 import hashlib
-import io
 import logging
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,8 +12,9 @@ from typing import Any
 import pandas as pd
 
 from repro.comparison.tolerances import Tolerances, differences
+from repro.documents import read_bytes
 from repro.errors import InputError
-from repro.files import csv_text, parse_rows, write_text
+from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
 from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, broken, judge_all, specificity
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
@@ -240,7 +240,7 @@ def compare(text: str, claims: pd.DataFrame, place: str) -> list[str]:
 
 def _page(text: str, numbers: Published) -> str:
     """Format the page from the text of the table, so that both show the same ten digits."""
-    claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
+    claims = pd.DataFrame(parse_rows(text, CLAIMS))
     for column in ("ours", "difference", "tolerance"):
         claims[column] = pd.to_numeric(claims[column])
     return markdown(claims, specificity(claims, numbers))
@@ -248,9 +248,7 @@ def _page(text: str, numbers: Published) -> str:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_bytes().decode()  # line ends as they are
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a ledger (target claims)") from error
+        return read_bytes(path, LARGEST_TABLE, "a ledger (target claims)").decode()  # line ends as they are
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), "bytes that are not UTF-8", "a ledger (target claims)") from error
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from repro.cnn.schedule import HISTORY_COLUMNS
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.errors import InputError
 from repro.files import read_csv
 

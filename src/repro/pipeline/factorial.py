@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from repro.config import merged
 from repro.errors import InputError
@@ -245,6 +244,8 @@ def interval(values: Array) -> tuple[float, float, float]:
     if not variance > 0:
         return mean, mean, mean
     degrees = variance**2 / sum(part**2 / f for part, f in zip(parts, freedom, strict=True))
+    from scipy.stats import t as student  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
+
     half = float(student.ppf(1 - OUTSIDE / 2, degrees) * np.sqrt(variance))
     return mean, mean - half, mean + half
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from repro.cnn.architecture import NetworkSettings
+from repro.cnn.architecture import NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings
-from repro.cnn.schedule import TrainingSettings
 
 
 def architecture(settings: NetworkSettings) -> pd.DataFrame:

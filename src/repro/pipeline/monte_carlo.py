@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
@@ -217,6 +216,8 @@ def _signed_rank_p(differences: Array) -> float:
     """Two-sided p value of Wilcoxon's signed-rank test; 1 where no arm shows a difference."""
     if not np.any(differences):
         return 1.0
+    from scipy import stats  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
+
     return float(stats.wilcoxon(differences, zero_method="pratt").pvalue)
 
 

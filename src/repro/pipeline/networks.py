@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.cnn.network import load_network, on_this_processor, save_network
-from repro.cnn.schedule import HISTORY_COLUMNS
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.identification.algorithm1.refinement import Algorithm1

@@ -1,10 +1,11 @@
-"""What all self-contained pages share: templates, a policy that forbids every request, files as data URIs."""
+"""What self-contained pages share: files read whole, templates, a policy without requests, files as data URIs."""
 
 import base64
+import csv
 import hashlib
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -13,7 +14,41 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from PIL import Image, UnidentifiedImageError
 
 from repro.errors import InputError
-from repro.report.inputs import read_bytes
+
+
+def read_bytes(path: Path, expected: str) -> bytes:
+    """Read a file that must be there and hold something."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", expected) from error
+    if not content.strip():
+        raise InputError.at(str(path), "an empty file", expected)
+    return content
+
+
+def read_text(path: Path, expected: str) -> str:
+    """Read UTF-8 text, line ends made Unix ones."""
+    try:
+        text = read_bytes(path, expected).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", expected) from error
+    return text.replace("\r\n", "\n")
+
+
+def read_rows(path: Path, columns: Sequence[str] = ()) -> tuple[list[str], list[dict[str, str]]]:
+    """Read a CSV table as the text it holds: numbers keep the digits they were written with."""
+    try:
+        header, *body = [row for row in csv.reader(read_text(path, "a CSV table").splitlines(keepends=True)) if row]
+    except csv.Error as error:
+        raise InputError.at(str(path), f"text that is not a table ({error})", "a CSV table") from error
+    missing = [name for name in columns if name not in header]
+    if missing:
+        raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+    for number, row in enumerate(body, start=1):
+        if len(row) != len(header):
+            raise InputError.at(f"{path}: row {number}", f"{len(row)} fields", f"{len(header)} fields")
+    return header, [dict(zip(header, row, strict=True)) for row in body]
 
 
 def environment(folder: Path) -> Environment:
@@ -42,13 +77,10 @@ def _digest(text: str) -> str:
 
 #: Pictures together, in characters of base64, before they are made smaller.
 IMAGE_BUDGET = 13_000_000
-
 #: A file up to this many bytes is held in the page; a larger one is linked where it lies.
 LARGEST_DOWNLOAD = 64_000
-
 #: Pixels on the screen for one pixel of the picture: drawn at 300 dpi, shown at 1.25 times the printed size.
 _SHOWN = 1.25 * 96.0 / 300.0
-
 _TYPES = {".csv": "text/csv", ".tex": "text/plain", ".md": "text/plain", ".pdf": "application/pdf"}
 
 

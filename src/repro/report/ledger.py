@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from repro.errors import InputError
 from repro.exhibits.markup import unit as unit_text
@@ -21,7 +22,7 @@ from repro.paper.claims import (
     Basis,
 )
 from repro.paper.ledger_page import CAUSES, EXTENSIONS, Cause
-from repro.report.inputs import ReportInputs, read_rows
+from repro.report.embed import read_rows
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -87,11 +88,8 @@ class Claim:
         return self.verdict == self.asserted or (self.asserted, self.verdict) == (REPRODUCED, BETTER)
 
 
-def read_claims(inputs: ReportInputs) -> list[Claim]:
+def read_claims(path: Path) -> list[Claim]:
     """Read the ledger."""
-    path = inputs.results / "claims.csv"
-    if inputs.partial and not path.exists():
-        return []
     _, rows = read_rows(path, COLUMNS)
     claims: list[Claim] = []
     seen: set[str] = set()

@@ -1,9 +1,10 @@
-"""The report of a run as one HTML text: every result, with what it was made by."""
+"""The report of a run as one HTML text: every result, with what computed it."""
 
 import hashlib
 import json
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,23 +13,168 @@ from markupsafe import Markup
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
-from repro.files import write_text
+from repro.exhibits.declare import Exhibit
+from repro.exhibits.make import laid_out
+from repro.exhibits.markup import Table
+from repro.exhibits.style import METHODS
+from repro.files import read_csv, write_text
 from repro.pipeline.job import Config
+from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions
-from repro.report.embed import environment, link, policy
-from repro.report.exhibits import Shown, show_audit, show_figures, show_tables
-from repro.report.inputs import LARGEST_REPORT, ReportInputs, read_text
+from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_rows, read_text
 from repro.report.ledger import count, differences, read_claims
-from repro.report.question import answer
+from repro.signals.programs import SPAN
+
+#: The report must stay below this, so that it can be mailed and opened anywhere.
+LARGEST_REPORT = 15_000_000
+
+
+@dataclass(frozen=True)
+class ReportInputs:
+    """Files and facts that one report shows."""
+
+    results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
+    figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
+    captures: Path  # ``SHA256SUMS`` of the recorded runs
+    config_sha256: str  # SHA-256 of the configuration, in hexadecimal
+    command: str = "snakemake --cores 2"  # what a target's name is put after to remake it
+    # commit, packages and the like, as JSON would hold them; empty if nobody recorded them
+    provenance: Mapping[str, object] = field(default_factory=dict)
+    notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
+
+    @property
+    def page(self) -> Path:
+        """Where the report goes; links to files beside it start there."""
+        return self.results / "report" / "index.html"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An exhibit with what the page shows of it."""
+
+    exhibit: Exhibit  # what it is
+    links: list[Link]  # its data
+    missing: list[str]  # names of its files that are not there
+    table: Table | None = None  # of a table that is there
+    picture: Picture | None = None  # of a figure that is there
+
+
+def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
+    """Lay out every table from its CSV and link it and its LaTeX."""
+    return [_show_table(exhibit, inputs) for exhibit in exhibits]
+
+
+def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+    data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
+    found, missing = _present(data, exhibit.optional)
+    links = [link(path, inputs.page) for path in found]
+    table = laid_out(exhibit, data[0]) if data[0] in found else None
+    return Shown(exhibit, links, missing, table=table)
+
+
+def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
+    """Embed every figure and link the numbers drawn and the vector file."""
+    images = {exhibit.name: inputs.figures / f"{exhibit.name}.png" for exhibit in exhibits}
+    optional = {exhibit.name for exhibit in exhibits if exhibit.optional}
+    embedded = pictures({name: path for name, path in images.items() if path.exists() or name not in optional})
+    shown = []
+    for exhibit in exhibits:
+        data = [inputs.results / "figures" / f"{exhibit.name}.csv", inputs.figures / f"{exhibit.name}.pdf"]
+        found, missing = _present([images[exhibit.name], *data], exhibit.optional)
+        links = [link(path, inputs.page) for path in data if path in found]
+        picture = embedded.get(exhibit.name)
+        shown.append(Shown(exhibit, links, missing, picture=picture))
+    return shown
+
+
+def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[str]]:
+    """Paths to read, and names of files that are not there; where none may miss, reading refuses what is missing."""
+    if not may_miss:
+        return list(paths), []
+    return [path for path in paths if path.exists()], [path.name for path in paths if not path.exists()]
+
+
+@dataclass(frozen=True)
+class Audit:
+    """The audit of the paper: a table of any columns, and its data."""
+
+    header: list[str]
+    rows: list[list[str]]
+    links: list[Link]
+
+
+def show_audit(inputs: ReportInputs) -> Audit:
+    """Read the audit."""
+    path = inputs.results / "tables" / "audit.csv"
+    header, rows = read_rows(path)
+    columns = [name for name in header if name != "id"]
+    links = [link(file, inputs.page) for file in (path, path.with_suffix(".tex")) if file.exists()]
+    return Audit([name.replace("_", " ") for name in columns], [[row[name] for name in columns] for row in rows], links)
+
+
+#: The paper's method as listed, and the opponent that the paper chose.
+_PUBLISHED, _OPPONENT = "algorithm1", "least-squares"
+_WORDS = {BETTER: "Yes", WORSE: "No", SAME: "Neither", OPEN: "Undecided"}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One method against one opponent on all arms, after an identification of `duration` s."""
+
+    method: str
+    opponent: str
+    duration: str
+    difference: str  # points of a percent, with the simultaneous interval
+    conclusion: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer in one sentence, and what it rests on."""
+
+    words: str
+    pairs: tuple[Pair, ...]
+
+
+def answer(inputs: ReportInputs) -> Answer:
+    """Read the comparisons."""
+    path = inputs.results / "tables" / "verdict.csv"
+    table = read_csv(path, COMPARISON_COLUMNS)
+    table = table[table["set"] == ALL]
+    asked = table[(table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)]
+    if asked.empty:
+        found = f"no {_PUBLISHED!r} against {_OPPONENT!r} on {SPAN}"
+        raise InputError.at(f"{path}: method", found, f"rows of {_PUBLISHED}")
+    conclusions = set(asked["conclusion"])
+    yes = _WORDS[conclusions.pop()] if len(conclusions) == 1 else "Not throughout"
+    parts = [f"{_points(row)} after {row['duration']:.4g} s" for row in asked.to_dict("records")]
+    words = (
+        f"{yes}: over {int(table['arms'].max())} simulated arms, Algorithm 1 as listed differs from least squares by "
+        f"{' and '.join(parts)}."
+    )
+    return Answer(words, tuple(_pair(row) for row in table.to_dict("records")))
+
+
+def _points(row: Mapping[Hashable, Any]) -> str:
+    difference, low, high = (100.0 * float(row[name]) for name in ("difference", "low", "high"))
+    return f"{difference:+.2f} points ({low:+.2f} to {high:+.2f})".replace("-", "\N{MINUS SIGN}")
+
+
+def _pair(row: Mapping[Hashable, Any]) -> Pair:
+    first, second = (
+        METHODS[name].title if name in METHODS else name for name in (str(row["method"]), str(row["opponent"]))
+    )
+    return Pair(first, second, f"{row['duration']:.4g}", _points(row), str(row["conclusion"]))
+
 
 _TEMPLATES = Path(__file__).parent
 
 
 def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
-    claims = read_claims(inputs)
-    style, script = (_read_own(name) for name in ("report.css", "report.js"))
     ledger_file = inputs.results / "claims.csv"
+    claims = read_claims(ledger_file)
+    style, script = (_read_own(name) for name in ("report.css", "report.js"))
     tables, figures, audit = show_tables(TABLES, inputs), show_figures(FIGURES, inputs), show_audit(inputs)
     text = (
         _environment()
@@ -39,7 +185,7 @@ def build_report(inputs: ReportInputs) -> str:
             script=script,
             policy=policy(style, script),
             claims=claims,
-            claims_link=link(ledger_file, inputs.page) if claims else None,
+            claims_link=link(ledger_file, inputs.page),
             counts=count(claims),
             asserted=[claim for claim in claims if claim.asserted],
             answer=answer(inputs),
@@ -47,7 +193,6 @@ def build_report(inputs: ReportInputs) -> str:
             audit=audit,
             tables=tables,
             figures=figures,
-            missing=_missing(tables + figures, bool(claims), audit is not None),
             targets=TARGETS,
             captures=_captures(inputs),
             provenance=list(_flat(inputs.provenance)),
@@ -75,20 +220,8 @@ def _environment() -> Environment:
     return filled
 
 
-def _missing(shown: list[Shown], claims: bool, audit: bool) -> list[tuple[str, str]]:
-    """Name and anchor of everything that ought to be there and is not."""
-    lost = [] if claims else [("claims.csv", "claims")]
-    lost += [] if audit else [("audit.csv", "audit")]
-    for item in shown:
-        if not item.exhibit.optional:
-            lost += [(name, item.exhibit.target) for name in item.missing]
-    return lost
-
-
 def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     """Name and SHA-256 of every recorded file."""
-    if inputs.partial and not inputs.captures.exists():
-        return []
     hashes = []
     for number, line in enumerate(read_text(inputs.captures, "SHA-256 sums").splitlines(), start=1):
         digest, _, name = line.partition("  ")

@@ -1,6 +1,7 @@
-"""Refinement: estimates fed back as guesses (ours, not the paper's)."""
+"""Refinement: estimates fed back as guesses (ours, not the paper's), its runs and its controls."""
 
 from dataclasses import replace
+from functools import cache
 
 import literal
 import numpy as np
@@ -10,9 +11,9 @@ from strategies import seeds
 
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
-from repro.identification.algorithm1.refinement import RefinementSettings, refine, restart, uniform_guesses
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
-from repro.model.dynamics import inverse_dynamics
+from repro.model.dynamics import inverse_dynamics, rebuild_torque
 from repro.model.parameters import FEASIBILITY
 from repro.signals.metric import TorqueScorer
 from repro.signals.sampling import SignalSettings
@@ -88,13 +89,6 @@ def test_passes_are_those_of_the_literal_listing(keep, read, feed_back):
     np.testing.assert_allclose(found, best, rtol=1e-9)
 
 
-@pytest.mark.parametrize("passes", [1, 2, 3])
-def test_contracting_network_converges_to_the_truth(passes):
-    beta_m = near(5)
-    found = refined(Reader(0.5), beta_m, restarts=0, passes=passes, reach=1e-9, jitter=0.0)
-    assert np.abs(found - TRUTH).max(1).min() < 1e-6 + np.abs(beta_m - TRUTH).max() / 2**passes
-
-
 def test_selection_alone_finds_a_badly_conditioned_arm():
     """Some parameters hardly change the torque: moves of one size for all nine do not get there."""
     arm = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
@@ -130,27 +124,6 @@ def test_uniform_guesses_that_are_not_physically_possible_are_left_out():
     np.testing.assert_array_equal(found, every[FEASIBILITY["positive-definite"](every)])
 
 
-def test_moves_shrink_as_the_set_closes_in():
-    """Between equal candidates there is no difference: what moves them is the jitter."""
-    reader = Reader(0.0)
-    refined(reader, np.tile(TRUTH, (4000, 1)) + 1.0, restarts=0, passes=1, keep=4000, jitter=0.01)
-    moved = reader.guesses[1] - TRUTH - 1.0
-    assert moved.std() == pytest.approx(0.01, rel=0.02)
-    assert abs(moved.mean()) < 1e-3
-
-
-def test_moves_keep_the_correlation_of_the_set():
-    """Candidates on a line are moved along it alone."""
-    direction = np.linspace(-1.0, 1.0, 9)
-    along = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 1))
-    reader = Reader(0.0)
-    refined(reader, TRUTH + 1.0 + along * direction, restarts=0, passes=1, keep=500, jitter=0.0, reach=0.8)
-    moved = reader.guesses[1] - TRUTH - 1.0
-    length = moved @ direction / (direction @ direction)
-    np.testing.assert_allclose(moved, length[:, None] * direction, atol=1e-12)
-    assert 0.3 < np.abs(length).max() < 0.3 + 0.8 * 0.6
-
-
 def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_alone():
     truth_reader, wrong_reader = Reader(1.0), Reader(move=lambda guess: np.full_like(guess, 2.9))
     found = refined(truth_reader, near(5, size=0.9), restarts=0, passes=1, keep=1)
@@ -163,36 +136,6 @@ def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_
     assert wrong_reader.images == 5 + 4 * 9
 
 
-def test_the_most_similar_come_back_best_first():
-    found = refined(Reader(0.5), start(), keep=6)
-    assert found.shape == (6, 9)
-    assert (np.diff(similarity(found)) <= 1e-12).all()
-
-
-def test_all_candidates_are_kept_while_there_are_few():
-    reader = Reader(0.5)
-    found = refined(reader, start(), restarts=2, passes=2, keep=1000)
-    assert found.shape == (3 * 3 * 7, 9)  # each pass adds a guess and a reading for every candidate
-    assert [len(guess) for guess in reader.guesses] == [2, 7, 21]
-
-
-def test_one_candidate_is_moved_by_the_jitter_alone():
-    reader = Reader(0.0)
-    found = refined(reader, TRUTH[None] + 1.0, restarts=0, passes=1, jitter=1e-3)
-    assert found.shape == (3, 9)
-    assert 0 < np.abs(reader.guesses[1] - TRUTH - 1.0).max() < 1e-2
-    still = refined(Reader(0.0), TRUTH[None], restarts=0, passes=2, keep=1, jitter=0.0)
-    np.testing.assert_array_equal(still, TRUTH[None])
-
-
-def test_drift_after_a_good_pass_costs_nothing():
-    """A network that is right once and wrong afterwards: the good pass must still be among the candidates."""
-    answers = iter([np.tile(TRUTH, (5, 1)), start(10, 1), start(10, 2)])
-    reader = Reader(move=lambda guess: next(answers) if len(guess) else guess)
-    found = refined(reader, start(), restarts=0, keep=10)
-    assert select(found, PREPARED, SEARCH).similarity >= select(TRUTH[None], PREPARED, SEARCH).similarity - 1e-12
-
-
 @settings(max_examples=25)
 @given(seeds)
 def test_similarity_never_falls(seed):
@@ -201,13 +144,6 @@ def test_similarity_never_falls(seed):
     wander = Reader(move=lambda guess: guess + rng.normal(scale=0.1, size=guess.shape))
     before = select(beta_m, PREPARED, SEARCH).similarity
     assert select(refined(wander, beta_m), PREPARED, SEARCH).similarity >= before - 1e-12
-
-
-@pytest.mark.parametrize("feed_back", [True, False])
-def test_similarity_rises_with_a_network_that_helps_and_without(feed_back):
-    before = select(near(12), PREPARED, SEARCH).similarity
-    found = refined(Reader(0.5), near(12), restarts=0, passes=10, feed_back=feed_back)
-    assert 1.0 - select(found, PREPARED, SEARCH).similarity < 0.85 * (1.0 - before)
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
@@ -224,12 +160,6 @@ def test_infeasible_candidates_are_not_kept(feasibility, feed_back):
     every = len(beta_m) * (3 if feed_back else 2) ** 4
     assert len(beta_m) < len(found) <= every
     assert (len(found) == every) == (feasibility == "positive" and not feed_back)
-
-
-def test_fresh_estimates_that_are_infeasible_are_not_kept():
-    found = refined(Reader(move=lambda guess: -np.ones_like(guess)), near(5), passes=1, reach=1e-12, jitter=0.0)
-    assert found.shape == (10, 9)  # each candidate and its guess, no reading
-    np.testing.assert_allclose(np.sort(found, 0), np.sort(np.repeat(near(5), 2, 0), 0), atol=1e-9)
 
 
 def test_where_every_estimate_is_impossible_the_refinement_starts_from_the_nearest_possible_ones():
@@ -274,3 +204,63 @@ def test_real_network_is_read_through_and_the_generator_alone_decides():
     np.testing.assert_array_equal(first, again)
     assert first.shape != other.shape or not np.array_equal(first, other)
     assert (first > 0).all()
+
+
+# Algorithm 1 with its refinement.
+
+
+@cache
+def estimates(starts, seed, uniform_seed=None, variant="published", passes=10, gain=2.0, limit=5, keep=20):
+    """Every estimate; without `uniform_seed` the control without a network is left out."""
+    search = SearchSettings(executions=3, inner_limit=limit, high=0.5)
+    refinement = RefinementSettings(restarts=30, keep=keep, passes=passes, read_passes=1, starts=starts)
+    algorithm1 = Algorithm1(variant, literal.untrained(gain=gain), ImageSettings(), search, refinement)
+    uniform = None if uniform_seed is None else np.random.default_rng((uniform_seed, 2))
+    found, _ = algorithm1.run(PREPARED, np.random.default_rng(seed), np.random.default_rng((seed, 1)), uniform)
+    return found
+
+
+def run(starts, seed):
+    return {method: found.details["similarity"] for method, found in estimates(starts, seed, seed).items()}
+
+
+@pytest.mark.parametrize("method", ["algorithm1+refinement", "algorithm1+local-search", "differential-evolution"])
+def test_more_starts_never_end_lower_and_some_end_higher(method):
+    one, four = (np.array([run(starts, seed)[method] for seed in range(5)]) for starts in (1, 4))
+    assert (four >= one - 1e-12).all()
+    assert (four > one).any()
+
+
+def test_starts_leave_the_search_alone():
+    assert run(1, 0)["algorithm1"] == run(4, 0)["algorithm1"]
+
+
+def test_the_control_without_a_network_finds_the_arm_and_reads_no_image():
+    control = estimates(1, 0, 7, passes=150, limit=200, keep=100)["differential-evolution"]
+    assert control.details["images"] == 0
+    # The filter rounds the torque's steps, so the arm itself does not reach 1.
+    truth = select(literal.ARMS["N4"][None] / PREPARED.torque_scale, PREPARED, SearchSettings()).similarity
+    assert control.details["similarity"] > truth - 1e-3
+    torque = rebuild_torque(PREPARED.regression.y, control.beta)
+    assert np.linalg.norm(torque - PREPARED.regression.tau) < 0.1 * np.linalg.norm(PREPARED.regression.tau)
+
+
+def test_the_network_has_no_part_in_the_control_and_the_control_none_in_the_rest():
+    one, other, without = estimates(2, 0, 7), estimates(2, 1, 7, gain=5.0), estimates(2, 0)
+    control = "differential-evolution"
+    np.testing.assert_array_equal(one[control].beta, other[control].beta)
+    assert (one["algorithm1+local-search"].beta != other["algorithm1+local-search"].beta).any()
+    assert list(one) == [*without, control]
+    for method, estimate in without.items():
+        np.testing.assert_array_equal(one[method].beta, estimate.beta)
+        assert one[method].details == estimate.details
+
+
+def test_the_control_has_guesses_and_moves_of_its_own_source():
+    first, second = (estimates(1, 0, seed)["differential-evolution"].beta for seed in (7, 8))
+    assert (first != second).any()
+
+
+@pytest.mark.parametrize(("variant", "passes"), [("tracked", 10), ("published", 0)])
+def test_the_control_belongs_to_the_refinement_of_the_published_network_alone(variant, passes):
+    assert "differential-evolution" not in estimates(1, 0, 7, variant=variant, passes=passes)

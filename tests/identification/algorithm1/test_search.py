@@ -6,7 +6,7 @@ import literal
 import numpy as np
 import pytest
 
-from repro.cnn.image import ImageSettings
+from repro.cnn.image import SCALES, ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.model.dynamics import inverse_dynamics
@@ -92,19 +92,6 @@ def test_batched_search_is_the_listing(seed, normalise, settings):
     assert found.images == images
     np.testing.assert_allclose(chosen.beta, beta_o, rtol=1e-4)
     assert chosen.similarity == pytest.approx(similarity, abs=1e-4)
-
-
-def test_generator_alone_decides():
-    first, again, other = run(make()), run(make()), run(make(), seed=5)
-    np.testing.assert_array_equal(first.beta, again.beta)
-    assert not np.array_equal(first.beta[:3], other.beta[:3])
-
-
-def test_more_executions_leave_the_first_ones_as_they_were():
-    few, many = run(make()), run(make(), replace(SEARCH, executions=20))
-    kept = many.execution < SEARCH.executions
-    np.testing.assert_allclose(many.beta[kept], few.beta, rtol=0, atol=1e-5)
-    assert (many.execution.max(), few.execution.max()) == (19, 11)
 
 
 def test_threshold_ends_an_execution():
@@ -217,3 +204,43 @@ def test_selection_takes_the_most_similar_on_the_full_rate_signals():
     np.testing.assert_allclose(chosen.beta / chosen.beta[0], N1 / N1[0], rtol=1e-12)
     one_by_one = [select(b[None], prepared, SearchSettings()).similarity for b in beta_m]
     assert chosen.similarity == pytest.approx(max(one_by_one), rel=1e-12)
+
+
+# Lines 17 to 21 for many guesses.
+
+GUESSES = np.random.default_rng(0).uniform(1e-3, 3.0, (20, 9))
+
+
+def reader(scale="shared-max", prepared=None, batch=100):
+    return ResidualEstimator(literal.untrained(), ImageSettings(scale), make() if prepared is None else prepared, batch)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("normalise", [False, True])
+def test_estimates_are_those_of_single_images_and_the_plain_network(scale, normalise):
+    prepared = make(signals=replace(SIGNALS, normalise_motion=normalise))
+    found = reader(scale, prepared).estimate(GUESSES)
+    motion = [
+        literal.subsample(x, SIGNALS.samples)
+        for x in (prepared.regression.q, prepared.regression.dq, prepared.regression.ddq)
+    ]
+    if normalise:
+        motion = [x / np.abs(x).max(1, keepdims=True) for x in motion]
+    plain = literal.plain_twin(literal.untrained())
+    for guess, estimate in zip(GUESSES, found, strict=True):
+        r = literal.read(plain, literal.guess_image(prepared.alpha, motion, guess, scale))
+        np.testing.assert_allclose(estimate, guess + r, rtol=0, atol=1e-5 * max(1.0, np.abs(r).max()))
+    assert found.dtype == np.float64
+
+
+@pytest.mark.parametrize("batch", [1, 7, 20, 1000])
+def test_size_of_the_batches_does_not_matter(batch):
+    np.testing.assert_allclose(reader(batch=batch).estimate(GUESSES), reader().estimate(GUESSES), rtol=0, atol=1e-5)
+
+
+def test_images_are_counted():
+    ours = reader(batch=7)
+    assert ours.images == 0
+    ours.estimate(GUESSES)
+    ours.estimate(GUESSES[:3])
+    assert ours.images == 23

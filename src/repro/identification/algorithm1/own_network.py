@@ -15,10 +15,9 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from repro.cnn.architecture import NetworkSettings
+from repro.cnn.architecture import NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings, SampledMotion
 from repro.cnn.network import FactoredCNN, load_network, on_this_processor, save_network
-from repro.cnn.schedule import TrainingSettings
 from repro.cnn.train import fingerprint, train
 from repro.errors import InputError
 from repro.identification.algorithm1.preprocessing import PreparedSignals

@@ -9,21 +9,19 @@ import pytest
 import torch
 import yaml
 from experiment_example import experiment_inputs, short_config
-from render_examples import FIGURES, LAYOUTS
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.network import FactoredCNN, SignalCNN, save_network
 from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue, network_training, numeric_tests, style
+from repro.exhibits import catalogue, network_training, numeric_tests, style, variants
 from repro.files import read_csv, write_csv, write_json
 from repro.model.dynamics import inverse_dynamics
 from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
 from repro.pipeline.model_card import architecture
 from repro.pipeline.numeric import score_estimates, validation_motion
 from repro.pipeline.variants import VARIANTS
-from repro.settings import metric_settings, numeric_settings, of_network, signal_settings, training_settings
-from repro.signals.sampling import SignalSettings
+from repro.settings import metric_settings, numeric_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
@@ -38,12 +36,6 @@ H = 2.5e-3
 #: What the estimate of each seed is to the true parameters; seed 3 is the median.
 ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
 MEDIAN = 3
-
-
-SECTIONS = {(f"{e.kind}s", e.name): e.sections for e in catalogue.EXHIBITS}
-FIGURE_DATA, TABLE_DATA = (
-    {e.name: e.numbers for e in catalogue.EXHIBITS if e.kind == kind} for kind in ("figure", "table")
-)
 
 
 def identification(seed, suffix=""):
@@ -95,7 +87,7 @@ def inputs(tmp_path_factory, scores):
     for name in VARIANTS:
         write_json(folder / "results" / f"{name}.json", numbers)
     results, losses = sorted((folder / "results").glob("*.json")), [folder / "training.csv"] * len(VARIANTS)
-    write_csv(folder / "ablation.csv", TABLE_DATA["ablation"]({"results": results, "losses": losses}, CONFIG))
+    write_csv(folder / "ablation.csv", variants.readings_table.numbers({"results": results, "losses": losses}, CONFIG))
     shared = {
         "history": [folder / "training.csv"],
         "weights": [folder / "cnn.safetensors"],
@@ -141,31 +133,17 @@ def experiment(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FIGURE_DATA)
-def test_a_figure_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(
-    inputs, experiment, tmp_path, dataframe_regression, name
+@pytest.mark.parametrize("exhibit", catalogue.EXHIBITS, ids=lambda each: each.target)
+def test_each_exhibit_shows_the_numbers_of_its_inputs_and_of_its_sections(
+    inputs, experiment, tmp_path, dataframe_regression, exhibit
 ):
-    whole = EXPERIMENT if name in experiment else CONFIG
-    config = {section: whole[section] for section in SECTIONS["figures", name]}
-    frame = FIGURE_DATA[name](experiment.get(name, inputs["figures"]), config)
-    dataframe_regression.check(some_of(frame), f"figure-{name}", default_tolerance=COMPUTED)
+    whole = EXPERIMENT if exhibit.name in experiment else CONFIG
+    given = experiment.get(exhibit.name, inputs[f"{exhibit.kind}s"])
+    frame = exhibit.numbers(given, {section: whole[section] for section in exhibit.sections})
+    dataframe_regression.check(some_of(frame), f"{exhibit.kind}-{exhibit.name}", default_tolerance=COMPUTED)
     with style.house_style():
-        figure = FIGURES[name](through_csv(frame, tmp_path))
-    assert figure.axes or figure.subfigs
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TABLE_DATA)
-def test_a_table_takes_the_numbers_made_for_it_from_the_sections_of_its_rule(
-    inputs, experiment, tmp_path, dataframe_regression, name
-):
-    whole = EXPERIMENT if name in experiment else CONFIG
-    config = {section: whole[section] for section in SECTIONS["tables", name]}
-    frame = TABLE_DATA[name](experiment.get(name, inputs["tables"]), config)
-    dataframe_regression.check(some_of(frame), f"table-{name}", default_tolerance=COMPUTED)
-    table = LAYOUTS[name](through_csv(frame, tmp_path))
-    assert "\\toprule" in table.tex("")
-    assert "|" in table.md("")
+        shown = exhibit.draw(through_csv(frame, tmp_path))
+    assert "\\toprule" in shown.tex("") if exhibit.kind == "table" else shown.axes or shown.subfigs
 
 
 def curve(frame, panel, series):
@@ -255,15 +233,6 @@ def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
         assert np.median(np.abs(tau.mean(0) - mean)) < 0.02
 
 
-def test_loss_is_that_of_the_history():
-    history = pd.DataFrame({"step": [10, 20, 30], "train_loss": [0.3, 0.2, 0.1], "test_loss": [0.4, 0.25, 0.15]})
-    frame = network_training.loss_curves(history)
-    for series in ("train", "test"):
-        x, y = curve(frame, "loss", series)
-        assert x.tolist() == [10, 20, 30]
-        assert y.tolist() == history[f"{series}_loss"].tolist()
-
-
 def arrays(net):
     """Weights of a network by name."""
     return {name: weight.numpy() for name, weight in net.state_dict().items()}
@@ -296,50 +265,7 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
         assert np.sort(power.ravel())[-len(expected) - 1] < 1e-9
 
 
-def test_every_kernel_is_there_and_its_largest_power_is_1():
-    torch.manual_seed(1)
-    net = SignalCNN(NetworkSettings(hidden=(4, 3)))
-    frame = network_training.kernel_spectra(arrays(net))
-    assert list(frame.columns) == ["layer", "input", "output", "row", "column", "power"]
-    assert len(frame) == 2 * 10 * 81 + 10 * 10 * 25 + 10 * 10 * 9
-    largest = frame.groupby(["layer", "input", "output"])["power"].max()
-    np.testing.assert_allclose(largest, 1.0, rtol=1e-12)
-    assert (frame["power"] >= 0).all()
-    power = kernel(frame, "conv2", 3, 7)
-    np.testing.assert_allclose(power, power[::-1, ::-1], atol=1e-9)  # of a real kernel
-
-
 CASES = ("N1", "N2", "N3", "N4")
-
-
-@pytest.mark.parametrize("trajectory", ["ID", "validation"])
-def test_torques_are_the_actual_ones_and_those_rebuilt_from_the_median_seed_s_estimate(scores, trajectory):
-    frame = numeric_tests.torque_curves(RUNS, scores, SIGNALS, NUMERIC, trajectory, CASES)
-    motion = identification_trajectory() if trajectory == "ID" else validation_motion(SIGNALS, NUMERIC, MEDIAN)
-    assert list(dict.fromkeys(frame["panel"])) == [f"{case}/joint{j}" for case in CASES for j in (1, 2)]
-    for case, beta in NUMERIC.arms.items():
-        tau = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
-        for j in (0, 1):
-            time, actual = curve(frame, f"{case}/joint{j + 1}", "actual")
-            np.testing.assert_allclose(time, motion.time, rtol=1e-12)
-            np.testing.assert_allclose(actual, tau[j], rtol=1e-9, atol=1e-12)
-            rebuilt = curve(frame, f"{case}/joint{j + 1}", "rebuilt")[1]
-            np.testing.assert_allclose(rebuilt, ERROR[MEDIAN] * tau[j], rtol=1e-9, atol=1e-12)
-
-
-@pytest.mark.parametrize("trajectory", ["ID", "validation"])
-def test_spectra_are_the_dct_of_the_torques_over_frequency_in_hertz(scores, trajectory):
-    common = (RUNS, scores, SIGNALS, NUMERIC, trajectory, ("N2",))
-    in_time = numeric_tests.torque_curves(*common)
-    in_frequency = numeric_tests.torque_curves(*common, in_frequency=True)
-    for joint in (1, 2):
-        for series in ("actual", "rebuilt"):
-            tau = curve(in_time, f"N2/joint{joint}", series)[1]
-            hertz, bands = curve(in_frequency, f"N2/joint{joint}", series)
-            for k in (0, 1, 5, 60, tau.size - 1):
-                assert bands[k] == pytest.approx(band(tau, k), abs=1e-8)
-                assert hertz[k] == pytest.approx(k / (2 * tau.size * H), rel=1e-12)
-            assert np.sum(bands**2) == pytest.approx(np.sum(tau**2), rel=1e-12)
 
 
 def test_a_cosine_of_one_hertz_shows_at_one_hertz():
@@ -351,39 +277,12 @@ def test_a_cosine_of_one_hertz_shows_at_one_hertz():
     assert np.argmax([abs(band(x, j)) for j in range(60)]) == k
 
 
-def test_other_methods_can_be_drawn(scores):
-    frame = numeric_tests.torque_curves(RUNS, scores, SIGNALS, NUMERIC, "ID", ("N3",), method="algorithm1+refinement")
-    for joint in (1, 2):
-        np.testing.assert_array_equal(*(curve(frame, f"N3/joint{joint}", s)[1] for s in ("actual", "rebuilt")))
-
-
 def test_the_validation_trajectory_drawn_is_that_of_the_seed_that_stands_for_n1(inputs):
-    frame = FIGURE_DATA["fig16"](inputs["figures"], CONFIG)
+    frame = numeric_tests.fig16.numbers(inputs["figures"], CONFIG)
     motion = validation_motion(SIGNALS, NUMERIC, MEDIAN)
     for j in (0, 1):
         np.testing.assert_allclose(curve(frame, "position", f"joint{j + 1}")[1], motion.q[j], rtol=1e-12)
         np.testing.assert_allclose(curve(frame, "acceleration", f"joint{j + 1}")[1], motion.ddq[j], rtol=1e-12)
-
-
-def test_the_torque_figures_show_the_arms_that_the_paper_shows_there(inputs):
-    cases = {"fig12": {"N1", "N2"}, "fig13": {"N3", "N4"}, "fig14": set(CASES), "fig15": set(CASES)}
-    for name, expected in {**cases, "fig17": set(CASES)}.items():
-        panels = FIGURE_DATA[name](inputs["figures"], CONFIG)["panel"].unique()
-        assert {panel.split("/")[0] for panel in panels} == expected, name
-
-
-def test_tables_show_both_networks_and_the_arms_that_the_paper_shows_there(inputs):
-    for name, cases in {"table04": {"N1", "N2"}, "table05": {"N3", "N4"}}.items():
-        table = TABLE_DATA[name](inputs["tables"], CONFIG)
-        assert set(table["case"]) == cases
-        assert set(table["method"]) == {"algorithm1", "algorithm1+refinement", "algorithm1+tracked"}
-        literal = table[table["method"] == "algorithm1"]
-        np.testing.assert_allclose(literal["estimate"], ERROR[MEDIAN] * literal["true"], rtol=1e-9)
-        refined = table[table["method"] == "algorithm1+refinement"]
-        np.testing.assert_array_equal(refined["estimate"], refined["true"])
-    id_table, validation = (TABLE_DATA[name](inputs["tables"], CONFIG) for name in ("table06", "table07"))
-    assert (id_table["seeds"] == 3).all()
-    assert len(id_table) == len(validation) == 4 * 3 * 2
 
 
 def test_the_architecture_is_that_of_the_paper():
@@ -403,22 +302,3 @@ def test_the_architecture_is_that_of_the_paper():
     assert {name: layers["height"][name] for name in sides} == sides
     assert (layers["height"] == layers["width"]).all()
     assert layers["kernel"]["conv1"] == "9x9x2x10"
-
-
-def test_features_tell_the_budget_and_the_number_of_weights():
-    network = NetworkSettings()
-    features = network_training.network_features(network, training_settings(CONFIG)).set_index("feature")["value"]
-    total = sum(p.numel() for p in SignalCNN(network).parameters())
-    assert features["Parameters"] == str(total)
-    assert features["Training iterations"] == str(CONFIG["training"]["steps"])
-    paper = network_training.network_features(network, training_settings(of_network(CONFIG, "paper-recipe"))).set_index(
-        "feature"
-    )["value"]
-    assert paper["Training iterations"] == "500000"
-
-
-def test_numbers_follow_the_settings():
-    short = SignalSettings(duration=3.0)
-    time, x = curve(numeric_tests.subsampling_curves(short, NUMERIC.arms["N1"]), "signal", "x")
-    assert x.size == 1200
-    assert time[-1] == pytest.approx(3.0 - H)

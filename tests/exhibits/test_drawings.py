@@ -13,12 +13,7 @@ from pathlib import Path
 import matplotlib as mpl
 import pandas as pd
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
-from PIL import Image
-from pytest_regressions.image_regression import ImageRegressionFixture
-from render_examples import (
+from exhibit_examples import (
     EXHIBITS,
     FIGURES,
     FRAMES,
@@ -32,6 +27,11 @@ from render_examples import (
     shown_texts,
     words_of,
 )
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+from PIL import Image
+from pytest_regressions.image_regression import ImageRegressionFixture
 
 from repro.errors import InputError
 from repro.exhibits import style

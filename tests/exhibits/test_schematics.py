@@ -1,4 +1,4 @@
-"""Figures 1 to 4: what is drawn is what the table says, where boxes and arrows belong, with its source."""
+"""Table 1 and Figures 1 to 4: what is drawn is what the words say, where boxes and arrows belong, with its source."""
 
 import itertools
 import re
@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from exhibit_examples import FRAMES, drawn, made, refused, shown_texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from render_examples import FRAMES, drawn, made, refused, shown_texts, words_of
 
 from repro.exhibits.diagram import Box, Layout
-from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD
+from repro.exhibits.schematics import words
 
 LAYOUTS = {name: Layout.read(name) for name in ("fig02", "fig03", "fig04")}
 SCHEMATICS = ["fig01", *LAYOUTS]
@@ -119,21 +119,6 @@ def test_no_label_of_an_arrow_lies_on_a_line(name: str) -> None:
         assert not any(inside(point, held, 0.004) for point in points), text.get_text()
 
 
-@pytest.mark.slow
-def test_what_is_only_inferred_looks_different(name: str) -> None:
-    frame = FRAMES[name]()
-    bases = ("stated", "inferred")
-    assert set(frame["basis"]) <= set(bases)
-    stated, inferred = (made(name, frame.assign(basis=basis)) for basis in bases)
-    count = len(LAYOUTS[name].routes)
-    styles = [[line.get_linestyle() for line in figure.axes[0].lines[:count]] for figure in (stated, inferred)]
-    assert "-" in styles[0]
-    assert "-" not in styles[1]
-    slanted = [t for t in inferred.axes[0].texts if t.get_style() == "italic"]
-    assert len(slanted) > 10
-    assert not [t for t in stated.axes[0].texts if t.get_style() == "italic"]
-
-
 @pytest.mark.parametrize("which", SCHEMATICS)
 def test_every_row_names_its_place_in_the_paper(which: str) -> None:
     frame = FRAMES[which]()
@@ -153,34 +138,6 @@ def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
         assert len(found) == 2, symbol
     used = {"m1", "lc1", "J1", "m2", "l1", "lc2", "J2", "g", "b1", "b2", "k1", "k2"}  # by the last lines of Eq. 1
     assert used <= set(FRAMES["fig01"]()["symbol"])
-
-
-@pytest.mark.slow
-def test_hardware_has_the_blocks_buses_and_figures_of_the_text(tmp_path: Path) -> None:
-    frame = FRAMES["fig02"]()
-    blocks = set(frame.loc[frame["element"] == "box", "name"])
-    stated = (
-        "Write Ram",
-        "Ram-FPGA",
-        "Read Ram",
-        "Aq time",
-        "Decoder",
-        "PWM gen",
-        "Fp ops",
-        "PD",
-        "H bridge",
-        "Aq uart",
-    )
-    assert blocks == {*stated, "FPGA", "PC", "Motors", "Encoders"}
-    words = words_of(drawn(tmp_path, "fig02", frame)[0]).replace(" ", "")
-    for word in ("ctrlv", "tryd", "bst", "tau", "32-bit", "64-bit", "16bit", "11bit", "2.5ms", "100MHz", "400Hz"):
-        assert word in words
-    for word in ("6683of22320", "29.94%", "87%", "EP4CE22F17C6", "131.25", "UART"):
-        assert word in words
-    assert round(6683 / 22320, 4) == 0.2994
-    assert 8 + 2 * 16 + 2 * 11 <= 8 * FRAME_BYTES == 64
-    assert round(1e3 * RADIANS_PER_COUNT, 3) == 0.748
-    assert round(1 / SAMPLING_PERIOD) == 400
 
 
 @pytest.mark.parametrize(
@@ -231,8 +188,32 @@ def test_a_label_too_long_for_its_box_is_refused(tmp_path: Path) -> None:
     assert "lines of words" in refused(drawn, tmp_path, "fig02", frame)
 
 
-def test_a_dollar_in_a_label_stays_a_dollar() -> None:
-    frame = change(1, "label", "5 $ and `tau_j`$")(FRAMES["fig03"]())
-    figure = made("fig03", frame)
-    FigureCanvasAgg(figure).draw()
-    assert any(text.get_text().startswith(r"5 \$ and $\tau") for text in figure.axes[0].texts)
+REFERENCES = (*(f"[{number}]" for number in range(11, 29)), "this article")
+COLUMNS = ("reference", "robot", "dof", "method", "identified", "optimisation", "set_apart")
+
+
+@pytest.fixture(scope="module")
+def works():
+    return words("table01")
+
+
+def test_every_work_is_there_once_and_in_order(works):
+    assert tuple(works["reference"]) == REFERENCES
+    assert list(works.columns) == list(COLUMNS)
+    assert not works.isin(("", "nan")).to_numpy().any()
+    assert works["dof"].str.fullmatch(r"[1-9]\d*(, [1-9]\d*)*|not stated").all()
+    assert set(works["optimisation"]) == {"yes", "no", "not stated"}
+    assert set(works["set_apart"]) == {"yes", "no"}
+
+
+def test_answers_follow_the_sentences_of_section_i_a(works):
+    by_work = works.set_index("reference")
+    by_squares = {f"[{n}]" for n in (16, 18, 19, 20, 23, 24, 26, 27, 28)}
+    assert set(by_work.index[by_work["optimisation"] == "yes"]) == by_squares
+    assert by_squares >= set(by_work.index[by_work["method"].str.contains(r"\bW?LS\b")])
+    assert list(by_work.index[by_work["optimisation"] == "no"]) == ["this article"]
+    assert set(by_work.index[by_work["set_apart"] == "yes"]) == {"[14]", "[15]", "[18]", "[25]"}
+    six = {f"[{n}]" for n in (13, 15, 16, 18, 19, 20, 21, 23, 24, 27, 28)}
+    assert set(by_work.index[by_work["dof"] == "6"]) == six
+    assert by_work.loc[["[12]", "[14]", "[22]", "this article"], "dof"].tolist() == ["2, 5", "1", "8", "2"]
+    assert set(by_work.index[by_work["dof"] == "not stated"]) == {"[11]", "[17]", "[25]", "[26]"}

@@ -1,0 +1,128 @@
+"""Text and tables in LaTeX and Markdown: escaped, balanced, and a message that names what is wrong."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from exhibit_examples import (
+    FRAMES,
+    TABLES,
+    laid_out,
+    made,
+    refused,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+
+from repro.exhibits import markup
+
+
+@given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
+def test_text_is_escaped(text: str) -> None:
+    tex = markup.plain(text).tex
+    # What is left once every command and escape is taken away holds nothing that LaTeX would read as a command.
+    words = r"\$\\times\$|\\text(backslash|asciitilde|asciicircum|less|greater|bar)\{\}|\\[{}$&%#_]"
+    assert not set(re.sub(words, "", tex)) & set("\\{}$&%#_~^<>|")
+    assert "|" not in re.sub(r"\\.", "", markup.plain(text).md)
+
+
+@given(st.text("mlcx12 ()|^*+-/_%&#{}$<>~.", max_size=30))
+def test_formulas_balance(text: str) -> None:
+    made = markup.formula(text)
+    bare = re.sub(r"\\[^A-Za-z]", "", made.tex)
+    assert bare.count("{") == bare.count("}")
+    assert bare.count("$") % 2 == 0
+    assert not set("&%#_") & set(re.sub(r"_\{", "", bare)) - set("{")
+    assert "|" not in re.sub(r"\\.", "", made.md)
+
+
+def test_markup_of_formulas_and_units() -> None:
+    assert markup.formula("tau1") == markup.Text(r"$\tau_{1}$", "τ₁")
+    assert markup.formula("beta").tex == r"$\beta $"
+    assert markup.formula("sqrt(x)^0.4").tex == r"$\mathrm{sqrt}(x)^{0.4}$"
+    assert markup.formula("x^p").md == "x^p"
+    assert markup.formula("||x - y||^2").tex == r"$\vert \vert x - y\vert \vert ^{2}$"
+    assert markup.formula("|x|_1") == markup.Text(r"$\vert x\vert _{1}$", r"\|x\|₁")
+    remark = markup.formula("corr(x, y), in the signal's unit")
+    assert remark.tex == r"$\mathrm{corr}(x,\,y)$, in the signal's unit"
+    assert markup.unit("1").md == "\N{EN DASH}"
+    assert markup.unit("N m").md == "N·m"
+    assert markup.number(-0.12345, 4).md == "-0.1235"
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "words"),
+    [
+        ("table04", lambda f: f[:-1], "0 rows"),
+        ("table04", lambda f: pd.concat([f, f[:1]]), "2 rows"),
+        ("table06", lambda f: f.assign(seeds=range(len(f))), "one number of seeds"),
+        ("table06", lambda f: f.assign(seeds=f["method"].map({"algorithm1": 3}).fillna(5)), "3, 5"),
+        ("table06", lambda f: f.assign(seeds=f["case"].map({"N3": 1}).fillna(5)), "1, 5"),
+        ("table07", lambda f: f[f["case"] != "N4"], "case N4"),
+        ("table08", lambda f: pd.concat([f, f]), "2 rows"),
+        ("table09", lambda f: f[1:], "0 rows"),
+        ("verdict", lambda f: f.drop(index=4), "0 rows"),
+    ],
+)
+def test_tables_name_what_is_wrong(
+    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
+) -> None:
+    assert words in refused(laid_out, tmp_path, name, spoil(TABLES[name]()))
+
+
+def one_finding(**fields: object) -> pd.DataFrame:
+    usual = {"place": "Table 7", "what": "a total", "arithmetic": "1 + 1", "verdict": "misprint"}
+    return pd.DataFrame([{**usual, "found": None, "printed": None, "unit": None, "note": None, **fields}])
+
+
+def test_formulas_within_sentences(tmp_path: Path) -> None:
+    arithmetic = "I3 - lambda_R1^max >= -2 x 10^-3 m^2 & 5 %, g_f -> exp(x)"
+    tex, md = laid_out(tmp_path, "audit", one_finding(arithmetic=arithmetic))
+    assert r"$I_{3}$ $-$ $\lambda _{R1}^{\max}$ $\geq$ $-$2 $\times$ 10$^{-3}$ m$^{2}$ \& 5 \%," in tex
+    assert r", $g_{f}$ $\rightarrow$ exp(x) &" in tex
+    assert "| I₃ - λ\\_R1^max ≥ -2 \N{MULTIPLICATION SIGN} 10⁻³ m² & 5 %, g\\_f → exp(x) |" in md
+
+
+SHOWN = {
+    "id_mean": "Identification trajectory",
+    "validation_mean": "Validation trajectory",
+    "arm_id": "ID",
+    "arm_validation": "Mean over T1 to T4",
+    "arm_refined": "Algorithm 1 + refinement",
+    "arm_least_squares": "Least squares",
+    "arm_true": "True parameters",
+}
+
+
+@pytest.mark.slow
+def test_marks_and_written_numbers_are_the_values_given() -> None:
+    frame = FRAMES["ablation"]()
+    figure = made("ablation", frame)
+    marked = {line.get_label(): line.get_xdata() for axes in figure.axes for line in axes.lines}
+    written = {float(text.get_text()) for axes in figure.axes for text in axes.texts}
+    far = frame["value"] < 0.8
+    for quantity, label in SHOWN.items():
+        rows = frame[(frame["quantity"] == quantity) & ~far]
+        np.testing.assert_allclose(marked[label], 100.0 * rows["value"])
+    assert written == {round(100.0 * value, 2) for value in frame["value"][far]}
+    assert len(written) == 3
+    assert all(axes.get_xlim()[0] > 80.0 for axes in figure.axes)
+
+
+def test_table_holds_the_numbers_by_question(tmp_path: Path) -> None:
+    frame = TABLES["ablation"]()
+    tex, md = laid_out(tmp_path, "ablation", frame.iloc[::-1])
+    for row in frame.itertuples():
+        cells = [f"{row.steps}", f"{1e4 * row.held_out_loss:.2f}", *(f"{100 * value:.2f}" for value in row[5:])]
+        assert f"| {row.reading} | " + " | ".join(cells) + " |" in md
+        assert f"{row.reading} & " + " & ".join(f"${cell}$" for cell in cells) in tex
+    rows = [line for line in md.splitlines() if line.startswith("|")][2:]
+    assert rows[0].startswith("| **Default**")
+    assert rows[1].startswith("| as configured |")
+    assert sum("**" in row for row in rows) == frame["question"].nunique()
+    caption = md.splitlines()[0]
+    for words in ("literal Algorithm 1", "median of the seeds", "Simulated arm", "no network of its own"):
+        assert words in caption

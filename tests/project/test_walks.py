@@ -1,0 +1,94 @@
+"""The walks of docs/architecture.md: each step exists, each caller refers to what it calls, and the files are few."""
+
+import ast
+import re
+from functools import cache
+from importlib import import_module
+from operator import attrgetter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+STEP = re.compile(r"^\| `([^`]+)` \| `([^`]+)` \| (.+) \|$", re.MULTILINE)
+#: Files of each walk, at most, by the beginning of its title.
+LIMITS = {"Table 10": 15, "`repro identify": 30, "The image and its training": 15}
+
+
+def walk(title):
+    """Return the section of a walk, and its steps: caller, called, what happens."""
+    (section,) = re.findall(rf"^### ({re.escape(title)}.*?)(?=^##|\Z)", PAGE, re.MULTILINE | re.DOTALL)
+    return section, STEP.findall(section)
+
+
+def file_of(place):
+    """Return the path of a file of the workflow, or of the module of ``module:name``."""
+    name = place.partition(":")[0]
+    return ROOT / (name if "/" in name else f"src/{name.replace('.', '/')}.py")
+
+
+@cache
+def parsed(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def names_in(place):
+    """Names that a definition, or a whole script, refers to."""
+    node = parsed(file_of(place))
+    for part in place.partition(":")[2].split(".") if ":" in place else ():
+        node = next(each for each in node.body if part in defined_by(each))
+    parts = list(ast.walk(node))
+    names = {each.id for each in parts if isinstance(each, ast.Name)}
+    names |= {alias.name for each in parts if isinstance(each, ast.ImportFrom) for alias in each.names}
+    return names, {each.attr for each in parts if isinstance(each, ast.Attribute)}
+
+
+def defined_by(statement):
+    if isinstance(statement, ast.Assign | ast.AnnAssign):
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        return [target.id for target in targets if isinstance(target, ast.Name)]
+    return [getattr(statement, "name", "")]
+
+
+def refers(caller, called):
+    """Whether a rule names a script, or a definition names another."""
+    if caller.startswith("workflow/rules/"):
+        path, _, rule = caller.partition(":")
+        text = (ROOT / path).read_text(encoding="utf-8")
+        block = re.search(rf"^rule {rule}:\n(?:(?!^rule ).*\n)*", text, re.MULTILINE)[0] if rule else text
+        return f'"../{called.removeprefix("workflow/")}"' in block
+    module, _, name = called.partition(":")
+    names, attributes = names_in(caller)
+    first, *rest = name.split(".")
+    if rest:
+        return rest[-1] in attributes
+    if first not in names:
+        return first in attributes
+    own = caller.partition(":")[0]
+    if "/" in own or not hasattr(import_module(own), first):
+        return True  # a script, or an import within the function
+    return getattr(import_module(own), first) is getattr(import_module(module), first)
+
+
+@pytest.mark.parametrize("title", LIMITS)
+def test_each_step_of_a_walk_exists_and_is_called(title):
+    _, steps = walk(title)
+    assert len(steps) > 8
+    reached = set()
+    for caller, called, what in steps:
+        for place in (caller, called):
+            assert file_of(place).is_file(), place
+            module, _, name = place.partition(":")
+            if "/" not in module:
+                attrgetter(name)(import_module(module))
+        assert caller in reached or not reached or caller.startswith("workflow/rules/"), caller
+        assert refers(caller, called) or what.startswith("By name"), (caller, called)
+        reached |= {caller, called}
+
+
+@pytest.mark.parametrize(("title", "limit"), LIMITS.items())
+def test_a_walk_passes_few_files_and_states_how_many(title, limit):
+    section, steps = walk(title)
+    files = {file_of(place) for step in steps for place in step[:2]}
+    assert f"{len(files)} files" in section.splitlines()[0] and len(files) <= limit, sorted(map(str, files))
