@@ -41,7 +41,7 @@ def parameters() -> dict[str, dict[str, object]]:
         name = base64.urlsafe_b64decode(str(path.relative_to(".snakemake/metadata")).replace("/", "")).decode()
         if name.startswith((str(RUN), str(FIGURES))):
             record = json.loads(path.read_text(encoding="utf-8"))
-            given = [value for value in record["params"] if not re.fullmatch(r"'[^']+ [0-9a-f]{12}'", value)]
+            given = [value for value in record["params"] if not re.fullmatch(r"(['\"]).+ [0-9a-f]{12}\1", value)]
             inputs = sorted(file.replace(here, "") for file in record["input"])
             recorded[name] = {"rule": record["rule"], "input": inputs, "params": sorted(given)}
     return recorded
