@@ -154,7 +154,7 @@ def costs() -> str:
     frame = pd.read_csv(REFERENCE / "logs/costs.csv")
     rows = []
     for target, label in COSTS.items():
-        # Each table of Tables 4 to 7 hangs on the same jobs.
+        # Each table of Tables 4 to 7 needs the same jobs.
         names = ["table04", "table05", "table06", "table07"] if target == "table06" else [target]
         names = ["table10", "stability"] if target == "table10" else names
         of = frame[frame["target"].isna()] if target is None else frame[frame["target"].isin(names)]
@@ -199,12 +199,12 @@ MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def written(text: str) -> str:
-    """The text of a page with its tables made anew."""
+    """The text of a page with its tables from the reference."""
     return MARKED.sub(lambda match: match[1] + "\n" + TABLES[match[2]]() + "\n\n" + match[3], text)
 
 
 def write_pages() -> None:
-    """Make the tables of all pages anew."""
+    """Write the tables of all pages."""
     for name in PAGES:
         path = ROOT / name
         path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")

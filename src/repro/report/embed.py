@@ -1,11 +1,10 @@
 """What self-contained pages share: files read whole, templates, a policy without requests, files as data URIs."""
 
 import base64
-import csv
 import hashlib
 import io
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -34,21 +33,6 @@ def read_text(path: Path, expected: str) -> str:
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", expected) from error
     return text.replace("\r\n", "\n")
-
-
-def read_rows(path: Path, columns: Sequence[str] = ()) -> tuple[list[str], list[dict[str, str]]]:
-    """Read a CSV table as the text it holds: numbers keep the digits they were written with."""
-    try:
-        header, *body = [row for row in csv.reader(read_text(path, "a CSV table").splitlines(keepends=True)) if row]
-    except csv.Error as error:
-        raise InputError.at(str(path), f"text that is not a table ({error})", "a CSV table") from error
-    missing = [name for name in columns if name not in header]
-    if missing:
-        raise InputError.at(f"{path}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
-    for number, row in enumerate(body, start=1):
-        if len(row) != len(header):
-            raise InputError.at(f"{path}: row {number}", f"{len(row)} fields", f"{len(header)} fields")
-    return header, [dict(zip(header, row, strict=True)) for row in body]
 
 
 def environment(folder: Path) -> Environment:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from repro.errors import InputError
 from repro.exhibits.markup import unit as unit_text
+from repro.files import read_rows
 from repro.paper.claims import (
     BETTER,
     CONTRADICTS,
@@ -22,7 +23,6 @@ from repro.paper.claims import (
     Basis,
 )
 from repro.paper.ledger_page import CAUSES, EXTENSIONS, Cause
-from repro.report.embed import read_rows
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -90,10 +90,9 @@ class Claim:
 
 def read_claims(path: Path) -> list[Claim]:
     """Read the ledger."""
-    _, rows = read_rows(path, COLUMNS)
     claims: list[Claim] = []
     seen: set[str] = set()
-    for number, row in enumerate(rows, start=1):
+    for number, row in enumerate(read_rows(path, COLUMNS), start=1):
         place = f"{path}: row {number}"
         for name in ("place", "quantity"):
             if not row[name].strip():

@@ -17,11 +17,11 @@ from repro.exhibits.declare import Exhibit
 from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
 from repro.exhibits.style import METHODS
-from repro.files import read_csv, write_text
+from repro.files import read_csv, read_rows, write_text
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions
-from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_rows, read_text
+from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_text
 from repro.report.ledger import count, differences, read_claims
 from repro.signals.programs import SPAN
 
@@ -106,8 +106,8 @@ class Audit:
 def show_audit(inputs: ReportInputs) -> Audit:
     """Read the audit."""
     path = inputs.results / "tables" / "audit.csv"
-    header, rows = read_rows(path)
-    columns = [name for name in header if name != "id"]
+    rows = read_rows(path)
+    columns = [name for name in next(iter(rows), {}) if name != "id"]
     links = [link(file, inputs.page) for file in (path, path.with_suffix(".tex")) if file.exists()]
     return Audit([name.replace("_", " ") for name in columns], [[row[name] for name in columns] for row in rows], links)
 
