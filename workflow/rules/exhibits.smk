@@ -48,7 +48,7 @@ def caption_file(exhibit):
     file = Path(".snakemake/captions", f"{exhibit.target}.rst").absolute()
     if workflow.is_main_process:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(exhibit.caption + "\n", encoding="utf-8")
+        file.write_text(f"{exhibit.caption}\n", encoding="utf-8")
     return str(file)
 
 
