@@ -6,10 +6,10 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from repro.cnn.architecture import RECIPES, NetworkSettings, PaperSchedule, TrainingSettings, read_weights
+from repro.cnn.architecture import SCHEDULES, NetworkSettings, PaperSchedule, TrainingSettings, read_weights
 from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.network import load_network, save_network
-from repro.cnn.train import Progress, load_checkpoint, make_recipe, save_checkpoint
+from repro.cnn.train import Progress, load_checkpoint, make_schedule, save_checkpoint
 from repro.errors import InputError
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -115,7 +115,7 @@ def stepped(seed, recipe="streamed"):
     """A network and optimisers that have state: two steps down random gradients."""
     network = literal.untrained(seed=seed).requires_grad_(True)
     settings = TrainingSettings(recipe=recipe, test_samples=1, paper=PaperSchedule(images=2, train_share=0.5))
-    optimisers = make_recipe(network, MOTION, DataSettings(), settings).optimisers
+    optimisers = make_schedule(network, MOTION, DataSettings(), settings).optimisers
     for _ in range(2):
         descend(network, optimisers)
     return network, optimisers
@@ -128,10 +128,10 @@ def descend(network, optimisers):
         optimiser.step()
 
 
-EACH_RECIPE = pytest.mark.parametrize("recipe", RECIPES)
+EACH_SCHEDULE = pytest.mark.parametrize("recipe", SCHEDULES)
 
 
-@EACH_RECIPE
+@EACH_SCHEDULE
 def test_training_continues_from_a_checkpoint_to_the_same_bits(tmp_path, recipe):
     path = tmp_path / "state.safetensors"
     network, optimisers = stepped(0, recipe)

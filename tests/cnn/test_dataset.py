@@ -54,7 +54,7 @@ def test_torque_is_the_filtered_and_subsampled_inverse_dynamics(arm):
 
 @pytest.mark.parametrize("reading", ["hertz", "index"])
 def test_reading_of_the_filter_reaches_the_torque(reading):
-    other = sample_motion(MOTION, replace(SIGNALS, reading=reading))
+    other = sample_motion(MOTION, replace(SIGNALS, omega_unit=reading))
     assert np.abs(other.torque - SAMPLED.torque).max() > 1e-3
     np.testing.assert_array_equal(other.model, SAMPLED.model)  # f uses the motion unfiltered: it has no noise
 

@@ -19,7 +19,7 @@ from repro.identification.scores import WINDOW, position_errors, relative_rms, s
 from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
 from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.programs import identification_program
+from repro.signals.programs import identification_reference
 
 RATE = 200.0
 #: A drive that holds each sample acts half a period late.
@@ -58,7 +58,7 @@ def held():
 @pytest.fixture(scope="module")
 def board():
     """The identification motion on the simulated board: encoder counts and PWM."""
-    position, pwm = simulate(Plant(BOARD_ARM, BOARD_PERIOD), CONSTANTS, identification_program().q[:, :2400])
+    position, pwm = simulate(Plant(BOARD_ARM, BOARD_PERIOD), CONSTANTS, identification_reference().q[:, :2400])
     t = BOARD_PERIOD * np.arange(position.shape[-1])
     tau = pwm[0] * np.asarray(CONSTANTS.torque_per_count)[:, np.newaxis]
     return Log("board.bin", t, position[0] * RADIANS_PER_COUNT, tau, simulated=True)

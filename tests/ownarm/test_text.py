@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.identification.extra_terms import CalibrationError, correct_calibration
+from repro.identification.calibration import CalibrationError, correct_calibration
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log

@@ -88,8 +88,8 @@ def test_durations_that_are_no_durations_are_refused(duration, h, name):
         sample_times(duration, h)
 
 
-def make_random(seed, low=0.0, high=1.0, reading="rad_per_s", c_f=1e-3, duration=5.0):
-    return random_trajectory(np.random.default_rng(seed), duration, H, c_f, reading, low, high)
+def make_random(seed, low=0.0, high=1.0, unit="rad_per_s", c_f=1e-3, duration=5.0):
+    return random_trajectory(np.random.default_rng(seed), duration, H, c_f, unit, low, high)
 
 
 def test_random_trajectory_repeats_with_its_seed():
@@ -100,7 +100,7 @@ def test_random_trajectory_repeats_with_its_seed():
 
 
 @pytest.mark.parametrize(
-    ("reading", "c_f", "cut"),
+    ("unit", "c_f", "cut"),
     # omega = 4 / sqrt(c_f), where the Gaussian is exp(-16), as a band number k of N = 2000 samples.
     [
         ("rad_per_s", 1e-3, 4 / np.sqrt(1e-3) * 5.0 / np.pi),
@@ -108,8 +108,8 @@ def test_random_trajectory_repeats_with_its_seed():
         ("index", 1e-2, 40.0),
     ],
 )
-def test_random_trajectory_is_band_limited(reading, c_f, cut):
-    bands = np.abs(spectrum(make_random(3, reading=reading, c_f=c_f).q))
+def test_random_trajectory_is_band_limited(unit, c_f, cut):
+    bands = np.abs(spectrum(make_random(3, unit=unit, c_f=c_f).q))
     cut = int(np.ceil(cut))
     assert cut < 1900
     noise = 1.0 / np.sqrt(12.0)  # spread of the uniform numbers, the same in every band
@@ -141,7 +141,7 @@ def test_random_trajectory_derivatives_are_those_of_its_position():
     ("change", "name"),
     [
         ({"c_f": -1.0}, "c_f"),
-        ({"reading": "octave"}, "reading"),
+        ({"unit": "octave"}, "unit"),
         ({"duration": H}, "duration"),
         ({"low": 1.0, "high": 0.0}, "(low|high)"),
         pytest.param({"high": np.nan}, "high"),

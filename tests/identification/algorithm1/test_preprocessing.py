@@ -14,7 +14,7 @@ from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.experiment import Recording
 from repro.pipeline.experiment_runs import prepare_recording
 from repro.signals.dct import dct2dev
-from repro.signals.programs import identification_program
+from repro.signals.programs import identification_reference
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -161,7 +161,7 @@ def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
 def test_a_recording_of_any_length_is_prepared_in_the_time_of_training(duration):
     """The mean torque is stretched to the recording, whose truth in canonical time is found again."""
     signals = SignalSettings(c_f=0.0)
-    program = identification_program(duration)
+    program = identification_reference(duration)
     dq = dct2dev(program.q, program.h, 0.0)
     tau = inverse_dynamics(program.q, dq, dct2dev(dq, program.h, 0.0), literal.ARMS["N1"])
     mean = np.stack([np.linspace(1.0, 2.0, 3770), np.linspace(3.0, 1.0, 3770)])

@@ -5,7 +5,7 @@ import pytest
 from log_example import BETA, motion
 from regression_example import log_from
 
-from repro.identification.extra_terms import (
+from repro.identification.calibration import (
     CALIBRATION_TERMS,
     calibration_limits,
     correct_calibration,
