@@ -16,7 +16,6 @@ from repro.cnn.dataset import DataSettings, Samples, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.cnn.train import evaluate, train
-from repro.errors import InputError
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
@@ -156,38 +155,21 @@ def test_run_killed_between_checkpoints_ends_with_the_same_bits(settings, last, 
     assert (np.diff(resumed.seconds_at) > 0).all()
 
 
-# Each changes something else about the run that the checkpoint came from.
-OTHERS = {
-    "seed": replace(STREAMED, seed=2),
-    "recipe": PAPER,
-    "precision": BFLOAT16,
-    "rate": replace(STREAMED, learning_rate=1e-3),
-    "fewer steps": replace(STREAMED, steps=30),
-}
-
-
-@pytest.mark.parametrize("change", OTHERS)
-def test_checkpoint_of_other_settings_is_refused_or_left_aside(change, tmp_path):
-    checkpoint = tmp_path / "state.safetensors"
-    killed(STREAMED, checkpoint)
-    try:
-        found = run(OTHERS[change], checkpoint)
-    except InputError as error:
-        assert "\n" not in str(error)
-    else:
-        assert_same(run(OTHERS[change]), found)
-
-
 @pytest.mark.parametrize(
     "change",
     [
+        {"settings": replace(STREAMED, seed=2)},
+        {"settings": PAPER},
+        {"settings": BFLOAT16},
+        {"settings": replace(STREAMED, steps=30)},
         {"motion": replace(MOTION, torque=1.01 * MOTION.torque)},
         {"motion": replace(MOTION, model=1.01 * MOTION.model)},
         {"data": replace(DATA, prior="uniform")},
         {"network": replace(literal.SMALL, maps=3)},
     ],
+    ids=lambda change: next(iter(change)),
 )
-def test_checkpoint_of_another_problem_is_left_aside(change, tmp_path):
+def test_checkpoint_of_another_run_is_left_aside(change, tmp_path):
     killed(STREAMED, tmp_path / "state.safetensors")
     other = {"motion": MOTION, "data": DATA, "network": literal.SMALL, "settings": STREAMED} | change
     assert_same(train(**other), train(**other, checkpoint=tmp_path / "state.safetensors"))

@@ -142,10 +142,6 @@ def test_correcting_undoes_what_spoils(name):
     np.testing.assert_allclose(back.tau, CLEAN.tau, atol=1e-14)
 
 
-def test_nothing_found_changes_nothing():
-    assert correct_calibration(CLEAN, {}) is CLEAN
-
-
 def test_a_joint_that_never_moves_has_no_fault_of_its_own():
     log = noisy(2)
     still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)

@@ -49,11 +49,6 @@ def test_spectrum_keeps_norms_and_inner_products(seed, n):
     np.testing.assert_allclose(both @ both.T, np.stack([x, y]) @ np.stack([x, y]).T, rtol=1e-12, atol=1e-11)
 
 
-def test_spectrum_takes_the_last_axis():
-    x = np.random.default_rng(0).normal(size=(3, 2, 7))
-    np.testing.assert_allclose(spectrum(x)[2, 1], spectrum(x[2, 1]), rtol=1e-13)
-
-
 @given(seed=seeds, sizes=st.tuples(st.integers(2, 300), st.integers(1, 300)).map(sorted))
 def test_dct2sub_resamples_a_band_limited_signal_exactly(seed, sizes):
     # N is hardly ever a multiple of M here. Any sum of the first M cosines is the same curve seen at M points.
@@ -71,11 +66,6 @@ def test_dct2sub_keeps_the_level_of_any_signal(seed, n, data):
     assert small.shape == (m,)
     np.testing.assert_allclose(small.mean(), x.mean(), rtol=1e-10)
     np.testing.assert_allclose(dct2sub(np.full(n, -1.7), m), -1.7, rtol=1e-12)
-
-
-def test_dct2sub_drops_what_lies_above_the_kept_bands():
-    np.testing.assert_allclose(dct2sub(cosine(40, 90), 40), 0.0, atol=1e-14)
-    assert np.abs(dct2sub(cosine(39, 90), 40)).max() > 0.5
 
 
 OMEGA = {
@@ -110,16 +100,6 @@ def test_published_filter_lets_1_4_percent_through_at_33_hertz():
     assert gain == pytest.approx(0.0136, abs=5e-5)
 
 
-@pytest.mark.parametrize("unit", FREQUENCY_UNITS)
-def test_dct2low_keeps_the_mean_and_zero_coefficient_keeps_all(unit):
-    x = np.random.default_rng(2).normal(loc=1.0, size=(3, 2, 50))
-    np.testing.assert_allclose(dct2low(x, H, 0.0, unit), x, rtol=0, atol=1e-13)
-    smooth = dct2low(x, H, 1e-3, unit)
-    np.testing.assert_allclose(smooth.mean(-1), x.mean(-1), rtol=1e-12)
-    assert (smooth.std(-1) < x.std(-1)).all()
-    np.testing.assert_allclose(smooth[1, 0], dct2low(x[1, 0], H, 1e-3, unit), rtol=1e-12)
-
-
 def derivative_errors(count, shift):
     """Largest error of dct2dev against the derivative at `shift` samples before each sample, first one left out."""
     h = 1.0 / count
@@ -145,12 +125,6 @@ def test_dct2dev_is_eq6_step_by_step(unit, seed, n):
     bands = basis(n) @ slope
     filtered = np.array([bands[k] * np.exp(-c_f * OMEGA[unit](k, n, H) ** 2) for k in range(n)])
     np.testing.assert_allclose(dct2dev(x, H, c_f, unit), basis(n).T @ filtered, rtol=0, atol=1e-9)
-
-
-def test_dct2dev_of_a_ramp_is_its_slope_in_every_row():
-    x = np.array([[[2.0], [-3.0]], [[0.5], [0.0]]]) * np.arange(30) * H
-    slope = np.broadcast_to(np.array([[[2.0], [-3.0]], [[0.5], [0.0]]]), x.shape)
-    np.testing.assert_allclose(dct2dev(x, H, 1e-4), slope, rtol=0, atol=1e-11)
 
 
 ROW = np.arange(6.0)

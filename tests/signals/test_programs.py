@@ -20,7 +20,6 @@ from repro.signals.programs import (
     TrajectorySettings,
     check_limits,
     identification_reference,
-    lead_in,
     peaks,
     permitted_trajectory,
     reference_trajectory,
@@ -69,21 +68,6 @@ def test_quintic_meets_both_states(start, end, duration):
             np.testing.assert_allclose(p.deriv(k)(duration), end[k, joint], rtol=0, atol=1e-8 * scale)
 
 
-def test_quintic_from_rest_to_rest_is_minimum_jerk():
-    s = np.linspace(0.0, 1.0, 11)
-    q = quintic(2.0 * s, 2.0, np.zeros((3, 1)), np.array([[4.0], [0.0], [0.0]]))
-    np.testing.assert_allclose(q[0], 4.0 * (10 * s**3 - 15 * s**4 + 6 * s**5), rtol=0, atol=1e-13)
-
-
-def test_window_is_the_published_one():
-    t = H * np.arange(8192)
-    f = start_and_end_window(t)
-    np.testing.assert_allclose(f, 1 - np.exp(-0.2 * t**2) - np.exp(-0.2 * (t[-1] - t) ** 2), rtol=0, atol=1e-15)
-    assert abs(f[0]) < 1e-15
-    assert abs(f[-1]) < 1e-15
-    assert f[(t > 4.8) & (t < t[-1] - 4.8)].min() > 0.99
-
-
 def test_motions_last_the_whole_memory_and_begin_and_end_at_the_hanging_rest():
     for name, motion in motions().items():
         assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 8192), name
@@ -106,14 +90,6 @@ def filtered_numbers(seed, bands, limit=1.2):
     return idct(dct(raw, norm="ortho") * np.exp(-((np.arange(8192.0) / bands) ** 2)), norm="ortho")
 
 
-@pytest.mark.parametrize("bands", [5.0, 12.0, 100.0])
-def test_random_motion_of_numbers_is_filtered_and_windowed(bands):
-    """The paper's words: random numbers between -1.2 and 1.2 rad, Eq. 14, then the window."""
-    motion = random_motion(rng(5), bands, range_of="numbers")
-    expected = filtered_numbers(5, bands) * start_and_end_window(motion.time)
-    np.testing.assert_allclose(motion.q, expected, rtol=0, atol=1e-12)
-
-
 @pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
 def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
     motion = random_motion(rng(5), bands, limit)
@@ -131,11 +107,6 @@ def test_circle_is_a_tenth_of_the_reach():
     np.testing.assert_allclose(np.hypot(tip[0], tip[1] + 0.252), 0.0315, rtol=0, atol=1e-6)
     # away from straight and folded
     assert np.abs(np.sin(motion.q[1, full])).min() > 0.7
-
-
-def test_circle_out_of_reach_is_refused():
-    with pytest.raises(ValueError, match="from joint 1"):
-        circle_motion(ArmGeometry(1.0, 0.05))
 
 
 def test_profile_moves_and_holds():
@@ -162,15 +133,6 @@ def test_sinusoids_have_their_frequencies():
         assert np.abs(motion.q[joint]).max() == pytest.approx(1.0, abs=0.01)
 
 
-@given(state=states, samples=st.integers(1, 400))
-def test_lead_in_ends_where_the_motion_begins(state, samples):
-    q = lead_in(*state, samples, H)
-    assert q.shape == (2, samples)
-    np.testing.assert_array_equal(q[:, 0], 0.0)
-    whole = quintic(H * np.arange(samples + 1), samples * H, np.zeros((3, 2)), state)
-    np.testing.assert_allclose(whole[:, -1], state[0], rtol=0, atol=1e-9)
-
-
 def test_identification_program_contains_eq_10():
     p = identification_reference()
     assert p.q.shape == (2, 300 + 40 + 3770 + 40)
@@ -182,16 +144,6 @@ def test_identification_program_contains_eq_10():
     jerk = np.diff(p.q, n=3) / H**3
     assert np.abs(jerk[:, 290:310]).max() < 500.0  # a step of 1 rad/s^2 in acceleration would give 400 more
     assert np.abs(np.diff(p.q, n=2)[:, 290:310]).max() / H**2 < 5.0
-
-
-def test_programs_by_name():
-    for name in PROGRAMS:
-        p = reference_trajectory(name, SETTINGS, rng())
-        assert p.name == name
-        assert p.h == H
-        if name != "ID":
-            assert (p.n1, p.n2) == (0, 8192)
-            np.testing.assert_array_equal(p.q, motions()[name].q)
 
 
 def test_settings_reach_the_programs():

@@ -1,10 +1,10 @@
 """Terms that extend Eq. 1, chosen by cross-validation: further friction, and the columns of calibration errors.
 
 Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate column next to
-the nine of the regressor (`FRICTION`, and `CALIBRATION` of `repro.identification.calibration`). The chosen subset of the
-candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the squared error by
-`MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other logs of the arm, to
-which none of the terms applies, may take part in the fit.
+the nine of the regressor (`FRICTION`, and `CALIBRATION` of `repro.identification.calibration`). The chosen subset of
+the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the squared error
+by `MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other logs of the
+arm, to which none of the terms applies, may take part in the fit.
 
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
