@@ -11,8 +11,14 @@ from regression_example import beta_of, hostile, noisy_problem, problem, random_
 from scipy.optimize import least_squares
 from strategies import seeds
 
-from repro.identification.consistent import MIN_EIGENVALUE_RATIO, solve_inequality
-from repro.identification.least_squares import METHODS, PENALTIES, choose_penalty, refit_parsimonious
+from repro.identification.least_squares import (
+    METHODS,
+    MIN_EIGENVALUE_RATIO,
+    PENALTIES,
+    choose_penalty,
+    refit_parsimonious,
+    solve_inequality,
+)
 from repro.identification.method import Estimate
 from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import mass_matrix, regressor

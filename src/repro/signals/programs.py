@@ -70,8 +70,6 @@ class TrajectorySettings:
 
 def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
     """Compute positions (2, samples), rad, from rest at q = 0 into a state of two joints, one sample later."""
-    if samples < 1:
-        raise ValueError(f"samples: a lead-in needs at least one, got {samples}.")
     time = h * np.arange(samples, dtype=np.float64)
     return quintic(time, samples * h, np.zeros((3, 2)), np.stack([q, dq, ddq]))
 
@@ -81,8 +79,6 @@ def identification_reference(
 ) -> ReferenceTrajectory:
     """Build ID: lead-in of `lead_in_s`, margin, trajectory of Eq. 10 over `duration` (s), margin."""
     motion = identification_trajectory(duration, h, margin)
-    if not np.isfinite(lead_in_s):
-        raise ValueError(f"lead_in_s: must be finite, got {lead_in_s}.")
     lead = lead_in(motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0], round(lead_in_s / h), h)
     n1 = lead.shape[1] + margin
     q = np.concatenate([lead, motion.q], axis=1)
@@ -119,8 +115,6 @@ SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
 def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random.Generator) -> ReferenceTrajectory:
     """Build the reference trajectory of this name; only a random motion uses `rng`."""
     s = settings
-    if name not in PROGRAMS:
-        raise ValueError(f"name: must be one of {PROGRAMS}, got {name!r}.")
     if name == "ID":
         return identification_reference(s.duration, s.h, s.margin, s.lead_in)
     motion = VALIDATION[name].make(s, rng)
@@ -170,8 +164,6 @@ def permitted_trajectory(
     All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2. With 45 bands, 2 of
     10 do. InputError is raised if the last draw breaks a limit.
     """
-    if draws < 1:
-        raise ValueError(f"draws: must be at least 1, got {draws}.")
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = reference_trajectory(name, settings, rng)
         speed, torque = peaks(desired, beta)
