@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, autoregressive, exact, exciting
+from regression_example import H, autoregressive, exact, exciting
 
 from repro.identification.bootstrap import GROUPS, block_length, bootstrap, resample
 from repro.identification.least_squares import METHODS

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, exact, exciting, regression_of
+from regression_example import H, exact, exciting, regression_of
 
 from repro.identification.excitation import excitation, torque_fraction
 from repro.model.parameters import NAMES

@@ -22,7 +22,7 @@ from repro.identification.filtering import (
 )
 from repro.identification.filters import FILTERS
 from repro.identification.regression import drop_standstill
-from repro.identification.solve import clip_to_bound, reduced_problem, solve
+from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import regressor
 
 LOG = log_from(log_example.motion)
@@ -277,10 +277,3 @@ def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, k
     # Where directions are undetermined, the rows that pull on them are in the cost, too.
     pulled = 1e-6 * max(np.sum((scale * beta) ** 2) for beta in (one, other)) * (kind != "all")
     assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)
-
-
-def test_what_is_snapped_is_small_beside_the_largest():
-    z = np.array([0.0, -3.0, 2.9e-6, -2.9e-6, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(clip_to_bound(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(clip_to_bound(1e-9 * z, 1e-6), 1e-9 * clip_to_bound(z, 1e-6))
-    np.testing.assert_array_equal(clip_to_bound(np.zeros(3), 1e-6), np.zeros(3))

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, exact, exciting
 from ownarm_problem import ARM, judged, made, noisy, problem_of, silent
+from regression_example import H, exact, exciting
 
 from repro.identification.bootstrap import Uncertainty
 from repro.identification.least_squares import METHODS

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ownarm_example import method, score
-from ownarm_log import exciting
 from ownarm_problem import problem_of
+from regression_example import exciting
 
 from repro.model.parameters import NAMES
 from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
