@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, loaded, silent
 from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import Description, quantisation_step
+from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test, assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.selftest import self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
 
@@ -40,7 +40,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
     tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
     tau += NOISE * rng.normal(size=tau.shape)
     raw = Log("log.csv", t, STEP * np.rint(q / STEP), tau)
-    return LoadedLog(uniform(raw), Description(raw.name, ()), raw)
+    return replace(loaded(uniform(raw)), recorded=raw)
 
 
 def problem_of(*told, options=OPTIONS):
@@ -122,7 +122,7 @@ def test_rounded_time_stamps_are_no_jitter():
     told = recorded()
     t = np.round(np.arange(told.log.t.size) / 210.0, 3)
     raw = replace(told.recorded, t=t)
-    (ready,) = problem_of(LoadedLog(uniform(raw), told.description, raw)).logs
+    (ready,) = problem_of(replace(told, log=uniform(raw), recorded=raw)).logs
     made = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert made.recorded.t == pytest.approx(t)
     rough = [np.std(np.diff(q, 3), axis=-1) for q in (made.recorded.q, raw.q)]

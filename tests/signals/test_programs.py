@@ -163,9 +163,6 @@ def test_a_program_longer_than_the_memory_is_refused():
         (lambda: profile_motion(samples=1), "duration"),
         (lambda: sinusoidal_motion(h=0.0), "h:"),
         (lambda: quintic(np.zeros(1), 0.0, np.zeros((3, 2)), np.zeros((3, 2))), "duration"),
-        (lambda: ReferenceTrajectory("ID", np.zeros((3, 5)), 0, 5, H), "q:"),
-        (lambda: ReferenceTrajectory("ID", np.full((2, 5), np.nan), 0, 5, H), "q:"),
-        (lambda: ReferenceTrajectory("ID", np.zeros((2, 5)), 3, 6, H), "n1, n2"),
     ],
 )
 def test_wrong_arguments_are_refused(call, message):

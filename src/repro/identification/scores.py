@@ -26,23 +26,9 @@ MAX_STEPS_PER_SAMPLE = 40
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
-    """Compute the similarity (**metr2ev**) of a torque and its rebuilding by each method.
+    """Compute the similarity (**metr2ev**) of a torque (2, N) and its rebuilding from a regressor (2, N, 9).
 
-    Parameters
-    ----------
-    y : array of shape (2, N, 9)
-        Regressor.
-    tau : array of shape (2, N)
-        Torque, N m.
-    estimates : mapping of str to mapping
-        By method, with the parameters in ``beta``.
-    metric : MetricSettings
-        Formulas.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``method, joint, time, frequency, total``, fractions of 1.
+    `estimates` have the parameters of each method in ``beta``. Columns ``method, joint, time, frequency, total``.
     """
     rows = []
     for method, estimate in estimates.items():

@@ -112,18 +112,6 @@ def test_uniform_guesses_fill_the_range_of_line_17_as_often_as_algorithm_1_guess
         np.testing.assert_allclose(np.quantile(found, share, axis=0), 0.2 + 1.5 * share, atol=0.06)
 
 
-def test_guesses_and_readings_are_both_candidates_and_the_control_takes_guesses_alone():
-    truth_reader, wrong_reader = Reader(1.0), Reader(move=lambda guess: np.full_like(guess, 2.9))
-    found = refined(truth_reader, near(5, size=0.9), restarts=0, passes=1, keep=1)
-    assert similarity(found)[0] >= similarity(TRUTH[None])[0] - 1e-12
-    budget = {"restarts": 0, "passes": 5, "read_passes": 5, "keep": 9}
-    wrong, control = (refined(wrong_reader, near(5), feed_back=f, **budget) for f in (True, False))
-    assert not (wrong == 2.9).any()
-    # Readings that are never among the best leave no trace: guesses come from the same numbers.
-    np.testing.assert_array_equal(wrong, control)
-    assert wrong_reader.images == 5 + 4 * 9
-
-
 @settings(max_examples=25)
 @given(seeds)
 def test_similarity_never_falls(seed):

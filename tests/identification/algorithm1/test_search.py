@@ -94,17 +94,6 @@ def test_batched_search_is_the_listing(seed, normalise, settings):
     assert chosen.similarity == pytest.approx(similarity, abs=1e-4)
 
 
-def test_guesses_come_from_the_range_of_line_17():
-    reader = constant(np.full(9, 0.01))
-    settings = SearchSettings(200, 3, low=0.2, high=0.7)
-    search(reader, make(), settings, np.random.default_rng(0))
-    guesses = np.concatenate(reader.guesses)
-    assert guesses.shape == (600, 9)
-    assert 0.2 <= guesses.min() < 0.21
-    assert 0.69 < guesses.max() <= 0.7
-    assert len(np.unique(guesses)) == guesses.size
-
-
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
 def test_infeasible_estimates_are_never_kept(feasibility):
     """The best fit has a negative parameter, or an inertia matrix that is not positive definite: it must lose."""
