@@ -82,11 +82,6 @@ def beta_of(name, regression):
     return METHODS[name].estimate(regression).beta
 
 
-def cost(regression, beta):
-    """Sum of squared torque errors."""
-    return np.sum((regression.y @ beta - regression.tau) ** 2)
-
-
 def slope(regression, beta):
     """Half the gradient of the cost, with columns of unit length and over the length of the torque."""
     gradient = np.einsum("jnp,jn->p", regression.y, regression.y @ beta - regression.tau)

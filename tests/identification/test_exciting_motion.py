@@ -102,19 +102,12 @@ def test_a_motion_within_torque_and_workspace_uses_a_limit_up(motion, limits):
         check_kept(theirs, ARM, BETA)
 
 
-def test_limits_hold_between_the_samples_too(limits):
+def test_between_the_samples_limits_and_derivatives_hold_too(limits, motion):
     fine = design(limits, (20 * STEPS, H / 20), HARMONICS, NOISE, np.random.default_rng(1), lambda *_: None)
     check_kept(fine, ARM, BETA)
-
-
-def test_derivatives_are_those_of_the_position(limits):
-    fine = design(limits, (8 * STEPS, H / 8), HARMONICS, NOISE, np.random.default_rng(1), lambda *_: None)
     for x, dx in ((fine.q, fine.dq), (fine.dq, fine.ddq)):
-        numeric = np.gradient(x, fine.time, axis=1, edge_order=2)
-        assert numeric == pytest.approx(dx, abs=2e-4 * np.abs(dx).max())
-
-
-def test_a_motion_holds_whole_multiples_of_one_frequency_up_to_the_highest(motion):
+        assert np.gradient(x, fine.time, axis=1, edge_order=2) == pytest.approx(dx, abs=2e-4 * np.abs(dx).max())
+    # Whole multiples of one frequency, up to the highest.
     size = np.abs(np.fft.rfft(motion.q[:, :-1])) / STEPS
     assert size[:, HARMONICS + 1 :].max() < 1e-12
     assert size[:, HARMONICS].max() > 1e-3

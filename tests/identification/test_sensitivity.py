@@ -44,7 +44,10 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
         ("zero positions", lambda log, q, dq, ddq: (log.q + each(0.03, -0.02), log.tau)),
         ("torque offsets", lambda log, q, dq, ddq: (log.q, log.tau + each(0.2, -0.1))),
         ("load-dependent friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq))),
+        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
+        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
+        ("torque of period one turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(q))),
+        ("torque of period half a turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(2.0 * q))),
     ],
 )
 def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(name, spoil):
@@ -62,8 +65,12 @@ def loaded(q, dq, ddq):
     return np.abs(regressor(q, dq, ddq)[..., :5] @ BETA[:5]) * np.tanh(20.0 * dq)
 
 
-def near_rest(dq):
-    return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
+def near_rest(dq, speed):
+    return np.tanh(20.0 * dq) * np.exp(-np.abs(dq) / speed)
+
+
+def wave(angle):
+    return each(0.3, -0.2) * np.cos(angle + each(0.0, 0.5))
 
 
 def shrunk(seed, error):
@@ -124,24 +131,3 @@ def test_the_weight_is_one_minus_the_critical_value_over_f():
     expected = 1.0 - stats.f.isf(0.05, 1, 790) / f
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
     assert 0.0 < shrinkage(plain, project_out(plain, x), 1) == pytest.approx(expected, abs=0.03)
-
-
-@pytest.mark.parametrize("cycles", [1, 2])
-def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycles):
-    q, _, _ = motion(LOG.t)
-    tau = LOG.tau + each(0.3, -0.2) * np.cos(cycles * q + each(0.0, 0.5))
-    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)
-    name = {1: "torque of period one turn", 2: "torque of period half a turn"}[cycles]
-    (other,) = found[name].regressions
-    assert found[name].weight > 0.9
-    np.testing.assert_allclose(solve(other.y, other.tau)[:5], BETA[:5], rtol=0.02)
-
-
-@pytest.mark.parametrize("speed", [0.1, 0.5])
-def test_stribeck_friction_counts_with_the_speed_that_fits(speed):
-    _, dq, _ = motion(LOG.t)
-    tau = LOG.tau + 0.3 * np.tanh(20.0 * dq) * np.exp(-np.abs(dq) / speed)
-    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)["Stribeck friction"]
-    (other,) = found.regressions
-    assert found.weight > 0.9
-    np.testing.assert_allclose(solve(other.y, other.tau)[7:], BETA[7:], rtol=0.1)

@@ -74,9 +74,9 @@ def sample_motion(
     motion: Motion, settings: SignalSettings, proper: slice = slice(None), unmodelled: bool = False
 ) -> SampledMotion:
     """Compute the regressors of a motion; `proper` is what **cut** of Algorithm 1 keeps after filtering."""
-    h, c_f, reading, m = settings.h, settings.c_f, settings.reading, settings.samples
+    h, c_f, unit, m = settings.h, settings.c_f, settings.omega_unit, settings.samples
     y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
-    tau_s = dct2sub(dct2low(y, h, c_f, reading)[..., proper], m)
+    tau_s = dct2sub(dct2low(y, h, c_f, unit)[..., proper], m)
     model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], settings)
     columns = _unmodelled_columns(motion, y, proper, settings) if unmodelled else None
     return SampledMotion(np.moveaxis(tau_s, 0, -1), model, columns)
@@ -89,9 +89,9 @@ def _unmodelled_columns(motion: Motion, y: Array, proper: slice, s: SignalSettin
     friction = np.tanh(LAMBDA * motion.dq) - np.tanh(motion.dq / STRIBECK_VELOCITY)
 
     def sampled(x: Array) -> Array:
-        return dct2sub(dct2low(x, s.h, s.c_f, s.reading)[..., proper], s.samples)
+        return dct2sub(dct2low(x, s.h, s.c_f, s.omega_unit)[..., proper], s.samples)
 
-    rate = dct2sub(dct2dev(y, s.h, s.c_f, s.reading)[..., proper], s.samples)
+    rate = dct2sub(dct2dev(y, s.h, s.c_f, s.omega_unit)[..., proper], s.samples)
     return UnmodelledColumns(sampled(friction), np.moveaxis(sampled(waves), 0, -1), np.moveaxis(rate, 0, -1))
 
 

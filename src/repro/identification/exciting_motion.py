@@ -142,22 +142,10 @@ def design(
 ) -> Motion:
     """Find the motion with the largest information from random starts, by L-BFGS with penalties.
 
-    It is at `limits.rest` without speed and acceleration at both ends, and has one sample more than periods.
-
-    Parameters
-    ----------
-    limits : Envelope
-        Satisfied everywhere, also between samples.
-    times : tuple of int and float
-        Sampling periods that the motion lasts, and the period, s.
-    harmonics : int
-        Highest multiple of the lowest frequency, at least 3.
-    noise : array of shape (2,)
-        Standard deviation of each torque, N m.
-    rng : numpy.random.Generator
-        Source of the starts.
-    report : callable
-        Called with the searches done and in all.
+    It lasts `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, has
+    one sample more than periods, and satisfies the limits between samples too. `harmonics`, at least 3, is the highest
+    multiple of the lowest frequency; `noise` (2,) the standard deviation of each torque, N m. `report` is called with
+    the searches done and in all.
     """
     (steps, h), rest = times, limits.rest
     # Series that are zero at time 0 with both derivatives are the null space of their values there.

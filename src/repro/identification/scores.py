@@ -88,25 +88,12 @@ def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
 
 
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
-    """Compute the RMS error of the re-simulated position for several parameter sets.
+    """Compute the RMS error of the re-simulated position for parameter sets (m, 9) on a uniformly sampled log.
 
     An arm without its controller, above all one that hangs and swings, forgets where it started within seconds for any
-    parameters. The simulation therefore restarts from the recorded state at the beginning of each window.
-
-    Parameters
-    ----------
-    log : Log
-        Uniformly sampled.
-    settings : FilterSettings
-        Filter of the states that windows begin from, delay of the torque and lambda of Eq. 1.
-    betas : array of shape (m, 9)
-        Parameter sets.
-
-    Returns
-    -------
-    list of (float, float) or None
-        Median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
-        nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
+    parameters. The simulation therefore restarts from the recorded state at the beginning of each window. The error is
+    the median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
+    nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
     """
     h = period(log)
     steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])
