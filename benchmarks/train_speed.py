@@ -23,7 +23,7 @@ from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
 from repro.cnn.train import streamed_schedule
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.

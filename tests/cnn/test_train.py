@@ -16,7 +16,7 @@ from repro.cnn.dataset import DataSettings, Samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.cnn.train import evaluate, train
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow
