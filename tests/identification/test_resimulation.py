@@ -52,7 +52,7 @@ def held():
             return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], u, BETA)])
 
         x = solve_ivp(derivative, (0.0, 1.0 / RATE), x, rtol=1e-8, atol=1e-10).y[:, -1]
-    return Log("held.csv", t, q, tau)
+    return Log(name="held.csv", t=t, q=q, tau=tau)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def board():
     position, pwm = simulate(Plant(BOARD_ARM, BOARD_PERIOD), CONSTANTS, identification_program().q[:, :2400])
     t = BOARD_PERIOD * np.arange(position.shape[-1])
     tau = pwm[0] * np.asarray(CONSTANTS.torque_per_count)[:, np.newaxis]
-    return Log("board.bin", t, position[0] * RADIANS_PER_COUNT, tau, simulated=True)
+    return Log(name="board.bin", t=t, q=position[0] * RADIANS_PER_COUNT, tau=tau, simulated=True)
 
 
 def error(log, beta, settings=HELD):

@@ -20,7 +20,7 @@ def told(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
     rng = np.random.default_rng(seed)
     log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
     q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
-    return LoadedLog(Log(name, log.t, q, tau), Description(name, ()))
+    return LoadedLog(Log(name=name, t=log.t, q=q, tau=tau), Description(name, ()))
 
 
 def result_of(*logs):
@@ -51,7 +51,7 @@ def test_each_log_has_its_own_delay_and_faults(two):
 def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
     noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
-    wrong = Log("slow.csv", wrong.t, wrong.q, (wrong.tau + noise) * np.array([[1.0], [1.12]]))
+    wrong = Log(name="slow.csv", t=wrong.t, q=wrong.q, tau=(wrong.tau + noise) * np.array([[1.0], [1.12]]))
     slow = LoadedLog(wrong, Description("slow.csv", ()))
     assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
     first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
