@@ -28,7 +28,7 @@ from repro.paper.published import load_published
 from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
-from repro.signals.programs import Program
+from repro.signals.programs import ReferenceTrajectory
 from repro.signals.validation_motions import random_motion
 
 CONFIG = load_config(Path("config/config.yaml"))
@@ -39,7 +39,7 @@ UNIT = (0.3, 0.05)
 T1 = [(100, "numbers"), (50, "numbers"), (25, "numbers"), *((n, "motion") for n in (5, 8, 10, 12, 15, 18, 22, 25))]
 
 
-def recorded(program: Program, position: np.ndarray, pwm: np.ndarray) -> Recording:
+def recorded(program: ReferenceTrajectory, position: np.ndarray, pwm: np.ndarray) -> Recording:
     """Recording of counts."""
     return Recording(program, position * RADIANS_PER_COUNT, pwm * control_constants(CONFIG).torque_per_count[:, None])
 
@@ -101,7 +101,7 @@ def compare_t1(seeds: range = range(5, 21)) -> None:
     effects, phases = zip(*(disturbance(CONFIG, seed) for seed in seeds), strict=True)
     control = control_constants(CONFIG)
 
-    def record(programs: list[Program]) -> list[Recording]:
+    def record(programs: list[ReferenceTrajectory]) -> list[Recording]:
         plant = Plant(beta, programs[0].h, list(effects), np.array(phases))
         position, pwm = simulate(plant, control, np.stack([p.q for p in programs]))
         return [recorded(*each) for each in zip(programs, position, pwm, strict=True)]

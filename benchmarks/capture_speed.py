@@ -24,10 +24,10 @@ from repro.pipeline.experiment import (
     program_from_config,
     true_parameters,
 )
-from repro.signals.programs import Program
+from repro.signals.programs import ReferenceTrajectory
 
 
-def capture(config, program: Program, seed: int) -> bytes:
+def capture(config, program: ReferenceTrajectory, seed: int) -> bytes:
     """Frames of one specimen's board, from the download to the last sample."""
     board = board_from_config(config, seed)
     metadata = metadata_for(program, config)
@@ -38,7 +38,7 @@ def capture(config, program: Program, seed: int) -> bytes:
     return bytes(frames)
 
 
-def batch(config, program: Program, seeds: range) -> list[bytes]:
+def batch(config, program: ReferenceTrajectory, seeds: range) -> list[bytes]:
     """Frames of many specimens, simulated side by side."""
     levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
     arms = np.tile(true_parameters(config), (len(seeds), 1))

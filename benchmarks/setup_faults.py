@@ -17,7 +17,7 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.identification.extra_terms import correct_calibration
+from repro.identification.calibration import correct_calibration
 from repro.identification.filtering import MAX_DELAY
 from repro.logs.armfile import Arm
 from repro.ownarm.prepare import LoadedLog, Options, load_log, make_problem

@@ -22,7 +22,7 @@ from repro.cnn.architecture import NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
-from repro.cnn.train import streamed_recipe
+from repro.cnn.train import streamed_schedule
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -72,7 +72,7 @@ def main() -> None:
     for network in runs.values():
         network.load_state_dict(runs["plain float32"].state_dict())
     runs["plain float32"].dtype = torch.float32  # of Muon's wide products
-    recipes = {name: streamed_recipe(network, motion, DataSettings(), settings) for name, network in runs.items()}
+    recipes = {name: streamed_schedule(network, motion, DataSettings(), settings) for name, network in runs.items()}
     seconds = {name: [] for name in runs}
 
     def inputs(name, samples):

@@ -5,7 +5,7 @@ import types
 
 from fake_board import PlayedBoard, frames_of, metadata
 
-from repro.signals.programs import Program
+from repro.signals.programs import ReferenceTrajectory
 
 SAMPLES = 200
 DESIRED, FRAMES = frames_of(SAMPLES)
@@ -24,7 +24,7 @@ def stub():
     """Stands for `repro.pipeline.experiment` and `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
-    module.program_from_config = lambda config, name: Program(name, DESIRED, 10, 190, 0.0025)
+    module.program_from_config = lambda config, name: ReferenceTrajectory(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
     module.metadata_for = lambda program, config: metadata(
         program.q, motion=program.name, n1=program.n1, n2=program.n2, board=None

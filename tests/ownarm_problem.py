@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from log_example import BETA, columns, log_of, motion, recording, text
-from ownarm_log import H, exact, other_motion
+from regression_example import H, exact, other_motion
 
 from repro.identification.excitation import excitation
 from repro.identification.filtering import Cutoff, FilterSettings

@@ -15,7 +15,7 @@ from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.experiment import program_settings
 from repro.signals.metric import MetricSettings
-from repro.signals.programs import ProgramSettings
+from repro.signals.programs import TrajectorySettings
 from repro.signals.sampling import SignalSettings
 
 pytestmark = pytest.mark.slow
@@ -59,7 +59,7 @@ def sections(*names):
 
 
 def test_signals():
-    expected = SignalSettings(h=0.004, c_f=3e-4, reading="hertz", samples=100, duration=7.5, normalise_motion=True)
+    expected = SignalSettings(h=0.004, c_f=3e-4, omega_unit="hertz", samples=100, duration=7.5, normalise_motion=True)
     assert settings.signal_settings(sections("signals")) == expected
 
 
@@ -140,7 +140,7 @@ def test_defaults_agree_with_the_default_configuration():
     assert settings.refinement_settings(config) == RefinementSettings()
     assert settings.search_settings(config) == SearchSettings()
     assert settings.metric_settings(config) == MetricSettings()
-    assert program_settings(config) == ProgramSettings(duration=config["signals"]["duration_s"])
+    assert program_settings(config) == TrajectorySettings(duration=config["signals"]["duration_s"])
 
 
 def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_value():

@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-from repro.cnn.architecture import Precision, Recipe
+from repro.cnn.architecture import Precision, ScheduleName
 from repro.cnn.dataset import Label
 from repro.cnn.image import Scale
 from repro.cnn.priors import Prior
 from repro.identification.algorithm1.search import ImageMotion
-from repro.signals.dct import FrequencyReading
+from repro.signals.dct import FrequencyUnit
 from repro.signals.metric import TimeFormula
 from repro.signals.validation_motions import RangeOf
 
@@ -71,7 +71,7 @@ class Signals(Section):
 
     sampling_period_s: Positive = key("h; 0.0025, the board's clock", "s", "published: Eq. 6, Section III")
     filter_coefficient: Level = key("c_f of the low-pass exp(-c_f omega^2)", "1/omega^2", "published: Eq. 6, 14")
-    frequency_reading: FrequencyReading = key("unit of omega; `index`: DCT-II bands", source="Eq. 6, 14")
+    frequency_reading: FrequencyUnit = key("unit of omega; `index`: DCT-II bands", source="Eq. 6, 14")
     image_samples: Annotated[int, Field(ge=100, le=100)] = key("M, side of the image", "samples", "published: Eq. 8")
     duration_s: Positive = key(
         "length of the identification trajectory, 3 pi", "s", "published: Eq. 10", "what the board's memory holds"
@@ -157,7 +157,9 @@ class Training(Section):
 
     source: Literal["trained", "stored"] = key("train the networks, or take the project's own", source="ours")
     networks: Folder = key("folder of the stored networks", source="ours")
-    recipe: Recipe = key("fresh samples at every step with Muon, or the paper's schedule", source="ours; Section IV-B")
+    recipe: ScheduleName = key(
+        "fresh samples at every step with Muon, or the paper's schedule", source="ours; Section IV-B"
+    )
     steps: Count = key("optimiser steps; the streamed rate ends there", "steps", "ours")
     batch: Width = key("images in a step", "images", "ours")
     learning_rate: Positive = key("rate that a line brings down to zero", source="ours")
@@ -240,7 +242,7 @@ class Numeric(Section):
 
     seeds: Seeds = key("one repetition of the experiment each; a table shows the median one")
     margin_samples: MemorySamples = key("recorded before and after, removed by **cut**", "samples", "line 4")
-    validation_frequency_reading: FrequencyReading = key("omega of the random motion", source="Eq. 14, Section V-B")
+    validation_frequency_reading: FrequencyUnit = key("omega of the random motion", source="Eq. 14, Section V-B")
     validation_samples: Annotated[int, Field(ge=2, le=1_000_000)] = key("length of it", "samples", "Fig. 16, Table 7")
     arms: NumericArms = key(
         "test arms N1 to N4, in SI units", source="published: Tables 4, 5", allowed="9 numbers each"

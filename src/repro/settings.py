@@ -17,7 +17,7 @@ from repro.config import merged
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading
+from repro.signals.dct import FrequencyUnit
 from repro.signals.metric import MetricSettings
 from repro.signals.sampling import SignalSettings
 
@@ -29,7 +29,7 @@ class NumericSettings:
     """The numeric experiment of Section V-B."""
 
     margin: int  # samples recorded before and after the trajectory, which **cut** removes
-    validation_reading: FrequencyReading  # unit of omega in the filter that makes the validation trajectory
+    validation_reading: FrequencyUnit  # unit of omega in the filter that makes the validation trajectory
     validation_samples: int  # its length
     arms: dict[str, Array]  # name of each test arm and its nine parameters, an array of shape (9,)
 
@@ -40,7 +40,7 @@ def signal_settings(config: Config) -> SignalSettings:
     return SignalSettings(
         h=s["sampling_period_s"],
         c_f=s["filter_coefficient"],
-        reading=s["frequency_reading"],
+        omega_unit=s["frequency_reading"],
         samples=s["image_samples"],
         duration=s["duration_s"],
         normalise_motion=s["normalise_motion"],
@@ -76,7 +76,7 @@ def data_settings(config: Config) -> DataSettings:
 
 
 def training_settings(config: Config) -> TrainingSettings:
-    """Recipe and budget, from section ``training``; the paper's schedule only where the recipe is the paper's."""
+    """Schedule and budget, from section ``training``; the paper's constants only where the schedule is the paper's."""
     t = {key: value for key, value in config["training"].items() if key not in ("paper", "source", "networks")}
     paper = PaperSchedule(**config["training"]["paper"]) if t["recipe"] == "paper" else PaperSchedule()
     return TrainingSettings(**t, paper=paper)

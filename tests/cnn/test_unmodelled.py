@@ -46,7 +46,7 @@ def torque(settings, largest=1.0, **fixed):
 
 
 def subsampled(x):
-    return dct2sub(dct2low(x, SIGNALS.h, SIGNALS.c_f, SIGNALS.reading), SIGNALS.samples)
+    return dct2sub(dct2low(x, SIGNALS.h, SIGNALS.c_f, SIGNALS.omega_unit), SIGNALS.samples)
 
 
 def test_stribeck_friction_adds_to_coulomb_friction():

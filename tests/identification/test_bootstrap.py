@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, autoregressive, exact, exciting
+from regression_example import H, autoregressive, exact, exciting
 
 from repro.identification.bootstrap import GROUPS, block_length, bootstrap, resample
 from repro.identification.least_squares import METHODS
@@ -96,13 +96,6 @@ def test_correlation_time_of_an_autoregression_is_its_theory(rho):
     assert np.mean(times) == pytest.approx(0.5 * (1.0 + rho) / (1.0 - rho) + 0.5, rel=0.1)
 
 
-def test_correlation_time_of_white_noise_is_a_sample_and_of_nothing_too():
-    white = np.random.default_rng(4).normal(size=(2, 50_000))
-    assert correlation_time(white, 0.02) == pytest.approx(0.02, rel=0.05)
-    assert correlation_time(np.zeros((2, 100)), 0.02) == 0.02
-    assert correlation_time(np.full((2, 100), 3.0), 0.02) == pytest.approx(0.02)
-
-
 @given(st.integers(2, 400), st.floats(0.0, 0.999), st.integers(0, 99))
 def test_blocks_are_at_least_a_sample_and_twenty_fit(n, rho, seed):
     length = block_length(autoregressive(rho, n, np.random.default_rng(seed)), H)
@@ -128,26 +121,24 @@ def test_regressor_and_torque_are_redrawn_together():
     assert spread.standard_error == pytest.approx(np.zeros(9), abs=1e-9)
 
 
-def test_other_filters_add_the_mean_square_of_what_they_change():
+@pytest.mark.parametrize(
+    ("names", "weight", "added"),
+    [
+        (["filters"], 1.0, lambda squares: np.mean(squares, axis=0)),
+        # The largest shift counts, as the end of a rectangular distribution.
+        (["torque offsets", "Stribeck friction"], 0.6, lambda squares: 0.6 * np.max(squares, axis=0) / 3.0),
+    ],
+)
+def test_other_choices_add_the_square_of_their_shift(names, weight, added):
     rng = np.random.default_rng(10)
-    r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(4))
-    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good={"filters": Perturbation(tuple(others))})
-    beta = ORDINARY.estimate(r).beta
-    moved = [np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] - beta for o in others]
-    added = together.standard_error**2 - alone.standard_error**2
-    assert added == pytest.approx(np.mean(np.square(moved), axis=0), rel=1e-6)
-    assert (together.high - together.low > alone.high - alone.low).all()
-
-
-def test_of_the_effects_beyond_eq_1_the_largest_shift_counts_as_the_end_of_a_rectangular_distribution():
-    rng = np.random.default_rng(13)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(3))
-    named = dict(zip(("torque offsets", "Stribeck friction"), ((o,) for o in others), strict=True))
-    as_good = {name: Perturbation(regressions, 0.6) for name, regressions in named.items()}
+    parts = [others] if len(names) == 1 else [[other] for other in others]
+    as_good = {name: Perturbation(tuple(part), weight) for name, part in zip(names, parts, strict=True)}
     alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
-    shifts = [ORDINARY.estimate(o).beta - ORDINARY.estimate(r).beta for o in others]
-    added = together.standard_error**2 - alone.standard_error**2
-    assert added == pytest.approx(0.6 * np.max(np.square(shifts), axis=0) / 3.0, rel=1e-6)
+    beta, *moved = (np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] for o in (r, *others))
+    expected = added([np.square(other - beta) for other in moved])
+    assert together.standard_error**2 - alone.standard_error**2 == pytest.approx(expected, rel=1e-6)
+    assert (together.high - together.low > alone.high - alone.low).all()
 
 
 def test_a_method_that_is_biased_on_purpose_adds_its_bias():

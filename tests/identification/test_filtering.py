@@ -22,7 +22,7 @@ from repro.identification.filtering import (
 )
 from repro.identification.filters import FILTERS
 from repro.identification.regression import drop_standstill
-from repro.identification.solve import clip_to_bound, reduced_problem, solve
+from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import regressor
 
 LOG = log_from(log_example.motion)
@@ -70,32 +70,6 @@ def test_the_cut_leaves_both_ends_out(cut):
     assert found.h == pytest.approx(1.0 / 200.0)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("cutoff", [1.0, 3.0, 7.0])
-@pytest.mark.parametrize("kept", [4.0, 8.0, 20.0])
-def test_enough_samples_are_kept_in_a_period_of_the_cutoff(cutoff, kept):
-    setting = FilterSettings(cutoff=cutoff, samples_per_cycle=kept)
-    found = prepare(LOG, setting)
-    np.testing.assert_allclose(np.diff(found.t), found.h, rtol=1e-9)
-    assert 1.0 / (found.h * cutoff) >= 0.999 * kept
-    # One sample in steps fewer would be too few, unless every one is kept.
-    assert found.h > 0.5 / (kept * cutoff) or found.h == pytest.approx(1.0 / 200.0)
-    every = prepare(LOG, replace(setting, samples_per_cycle=np.inf))
-    rows = np.searchsorted(every.t, found.t - 1e-6)
-    for field in SIGNALS:
-        np.testing.assert_array_equal(getattr(every.take(rows), field), getattr(found, field))
-
-
-@every_filter
-def test_regressors_of_interleaved_samples_are_the_regressor_on_a_clean_log(name):
-    found = prepare(LOG, FilterSettings(name=name, cutoff=8.0))
-    for half in found.even_odd:
-        far = np.linalg.norm(half - found.y, axis=(0, 1)) / np.linalg.norm(found.y, axis=(0, 1))
-        assert far.max() < 0.015
-    first, second = found.even_odd
-    assert np.abs(first - second).max() > 0.0
-
-
 def test_interleaved_regressors_share_no_sample():
     """Noise on the even samples moves one of them alone."""
     moved = LOG.q.copy()
@@ -131,15 +105,6 @@ def test_take_gives_the_samples_asked_for_in_their_order(rows):
 
 
 @pytest.mark.slow
-@every_filter
-@pytest.mark.parametrize("late", [-8.0, -2.0, 0.0, 3.0, 9.0])
-def test_delay_is_found(name, late):
-    """Positive: what is recorded now acts so much later."""
-    log = log_from(log_example.motion, delay=1e-3 * late)
-    assert 1e3 * estimate_delay(log, FilterSettings(name=name))[0] == pytest.approx(late, abs=0.3)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100.0, 300.0, 1000.0])
 @pytest.mark.parametrize("late", [-7.3, 4.1])
 def test_delay_is_found_at_any_rate_and_in_noise(rate, late):
@@ -152,8 +117,10 @@ def test_delay_is_found_at_any_rate_and_in_noise(rate, late):
 @pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("late", [-0.008, 0.009])
-def test_a_known_delay_is_taken_out(name, late):
+def test_a_delay_is_found_and_taken_out(name, late):
+    """Positive: what is recorded now acts so much later."""
     log = log_from(log_example.motion, delay=late)
+    assert estimate_delay(log, FilterSettings(name=name))[0] == pytest.approx(late, abs=3e-4)
     blind, told = (prepare(log, FilterSettings(name=name, delay=d)) for d in (0.0, late))
     np.testing.assert_allclose(solve(told.y, told.tau), BETA, rtol=0.01)
     assert np.abs(solve(blind.y, blind.tau) / BETA - 1.0).max() > 0.05
@@ -289,53 +256,24 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
 
 
 @pytest.mark.slow
-@given(seeds, st.sampled_from(["all", "joint 2 still", "collinear"]))
-def test_nine_rows_hold_the_whole_cost(seed, kind):
-    rng = np.random.default_rng(seed)
-    q, dq, ddq = rng.normal(size=(3, 2, 50))
-    if kind == "joint 2 still":
-        q[1], dq[1], ddq[1] = 0.4, 0.0, 0.0
-    y = regressor(q, dq, ddq)
-    if kind == "collinear":
-        y[..., 6] = 2.0 * y[..., 8]
-    tau = rng.normal(size=(2, 50))
-    r, c, scale = reduced_problem(y, tau)
-    assert len(r) == len(c) <= 18
-    one, other = rng.normal(size=(2, 9))
-    whole = np.sum((y @ one - tau) ** 2) - np.sum((y @ other - tau) ** 2)
-    rows = np.sum((r @ (scale * one) - c) ** 2) - np.sum((r @ (scale * other) - c) ** 2)
-    # Where directions are open, the rows that pull on them are in the cost, too.
-    pulled = 1e-6 * max(np.sum((scale * beta) ** 2) for beta in (one, other)) * (kind != "all")
-    assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)
-
-
-@pytest.mark.slow
-@given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight"]))
-def test_nine_rows_have_one_solution_and_it_is_the_shortest(seed, kind):
+@given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight", "no motion"]))
+def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, kind):
     rng = np.random.default_rng(seed)
     q, dq, ddq = rng.normal(size=(3, 2, 50))
     if kind in {"joint 2 still", "straight"}:
         q[1], dq[1], ddq[1] = 0.0 if kind == "straight" else 0.4, 0.0, 0.0
-    y = regressor(q, dq, ddq)
+    y = regressor(q, dq, ddq) * (kind != "no motion")
     if kind == "collinear":
         y[..., 6] = 2.0 * y[..., 8]
     tau = y @ BETA + 0.1 * rng.normal(size=(2, 50))
     r, c, scale = reduced_problem(y, tau)
+    assert len(r) == len(c) <= 18
     assert np.linalg.matrix_rank(r, tol=1e-9) == 9
     found = np.linalg.lstsq(r, c, rcond=1e-12)[0] / scale
     np.testing.assert_allclose(scale * found, scale * solve(y, tau), rtol=0, atol=1e-6 * np.linalg.norm(tau))
-
-
-def test_no_motion_at_all_has_no_parameters():
-    y, tau = np.zeros((2, 20, 9)), np.ones((2, 20))
-    assert (solve(y, tau) == 0.0).all()
-    r, c, _ = reduced_problem(y, tau)
-    assert not c.any()
-    assert np.linalg.matrix_rank(r) == 9
-
-
-def test_what_is_snapped_is_small_beside_the_largest():
-    z = np.array([0.0, -3.0, 2.9e-6, -2.9e-6, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(clip_to_bound(z, 1e-6), [0.0, -3.0, 0.0, 0.0, 3.1e-6, -3.1e-6, 1.0])
-    np.testing.assert_array_equal(clip_to_bound(1e-9 * z, 1e-6), 1e-9 * clip_to_bound(z, 1e-6))
-    np.testing.assert_array_equal(clip_to_bound(np.zeros(3), 1e-6), np.zeros(3))
+    one, other = rng.normal(size=(2, 9))
+    whole = np.sum((y @ one - tau) ** 2) - np.sum((y @ other - tau) ** 2)
+    rows = np.sum((r @ (scale * one) - c) ** 2) - np.sum((r @ (scale * other) - c) ** 2)
+    # Where directions are undetermined, the rows that pull on them are in the cost, too.
+    pulled = 1e-6 * max(np.sum((scale * beta) ** 2) for beta in (one, other)) * (kind != "all")
+    assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)

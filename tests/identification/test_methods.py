@@ -6,8 +6,12 @@ from dataclasses import replace
 import log_example
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import beta_of, hostile, log_from, noisy_problem, problem, resting
+from regression_example import beta_of, hostile, log_from, noisy_problem, regression_of, resting
+from scipy.optimize import nnls
+from strategies import seeds
 
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.filters import FILTERS
@@ -51,6 +55,37 @@ def test_every_method_keeps_the_contract(name, kind):
     assert first.beta.tobytes() == second.beta.tobytes() == method.repeat(regression, first).tobytes()
     assert (first.notes, first.choice) == (second.notes, second.choice)
     assert [array.tobytes() for array in arrays] == before
+
+
+def independent(name, y, tau):
+    """The estimate by NumPy's or SciPy's solver of the same problem."""
+    rows, right = y.reshape(-1, 9), tau.reshape(-1)
+    if name == "bounded":
+        return nnls(rows, right)[0]
+    moved = y.any(axis=(0, 1))
+    beta = np.zeros(9)
+    beta[moved] = np.linalg.lstsq(rows[:, moved], right)[0]
+    if name == "instrumental":  # without noise of the motion: weighted by the variance of each joint, once
+        size = np.sqrt(np.mean((tau - y @ beta) ** 2, axis=1))[:, None]
+        return independent("ordinary", y / size[..., None], tau / size)
+    return beta
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ordinary", "bounded", "instrumental"])
+@pytest.mark.parametrize("still", [None, 0, 1], ids=["moving", "joint 1 still", "joint 2 still"])
+@settings(max_examples=30)
+@given(seeds, st.floats(0.1, 1.4))
+def test_estimates_are_those_of_an_independent_solver(name, still, seed, at):
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = (size * rng.normal(size=(2, 60)) for size in (1.0, 2.0, 5.0))
+    if still is not None:
+        q[still], dq[still], ddq[still] = at, 0.0, 0.0
+    y = regressor(q, dq, ddq)
+    tau = y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, 60))
+    found = beta_of(name, regression_of(y, tau))
+    np.testing.assert_allclose(found, independent(name, y, tau), rtol=1e-6, atol=1e-8)
+    assert (found[~y.any(axis=(0, 1))] == 0.0).all()
 
 
 @pytest.mark.slow
@@ -113,7 +148,7 @@ def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
     halves = np.stack([y, y])
     halves[..., unmoved] = 1e-13 * rng.normal(size=(2, 2, 80, unmoved.size)) ** 9
     y[..., unmoved] = halves[..., unmoved].mean(0)
-    regression = problem(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), halves)
+    regression = regression_of(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), even_odd=halves)
     beta, moved = beta_of(name, regression), np.setdiff1d(np.arange(9), unmoved)
     np.testing.assert_allclose(beta[moved], BETA[moved], rtol=0.1)
     assert (beta[[5 + joint, 7 + joint]] == 0.0).all()

@@ -1,13 +1,10 @@
 """Regressions: several logs as one, samples of standstill, and the correlation of residuals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from ownarm_log import CUTOFF, H, exciting, regression_of
-from regression_example import beta_of, noisy_problem, problem
+from regression_example import CUTOFF, H, beta_of, noisy_problem, regression_of
 from strategies import seeds
 
 from repro.identification.filtering import FilterSettings, prepare
@@ -16,7 +13,6 @@ from repro.identification.regression import (
     STANDSTILL_SPEED,
     drop_standstill,
     joined,
-    joint_variance,
     residual_autocorrelation,
 )
 from repro.identification.solve import solve
@@ -26,7 +22,7 @@ from repro.model.dynamics import inverse_dynamics
 
 def parts(seed, sizes=(30, 50, 40)):
     rng = np.random.default_rng(seed)
-    return [problem(rng.normal(size=(2, n, 9)), rng.normal(size=(2, n))) for n in sizes]
+    return [regression_of(rng.normal(size=(2, n, 9)), rng.normal(size=(2, n))) for n in sizes]
 
 
 @given(seeds)
@@ -43,11 +39,6 @@ def test_times_go_on_and_every_signal_has_all_samples():
     assert (np.diff(found.t) > 0).all()
     for name, axis in (("y", 1), ("tau", 1), ("q", 1), ("dq", 1), ("ddq", 1), ("mask", 1), ("even_odd", 2)):
         assert getattr(found, name).shape[axis] == 120
-
-
-def test_one_log_is_itself():
-    (one,) = parts(1, (25,))
-    assert joined([one]) is one
 
 
 @pytest.mark.parametrize("name", sorted(METHODS))
@@ -101,16 +92,6 @@ def test_gravity_is_found_beside_a_hold_that_friction_carries(regression, name):
     assert np.abs(worse[3:5] / BETA[3:5] - 1).max() > 0.1
 
 
-def test_the_scale_of_the_errors_is_that_of_the_moving_samples(regression):
-    whole, _ = regression
-    moving = drop_standstill(whole)
-    beta = 1.1 * np.asarray(BETA)
-    for joint in range(2):
-        rows = moving.mask[joint]
-        error = whole.tau[joint, rows] - whole.y[joint, rows] @ beta
-        assert joint_variance(moving, beta)[joint, 0] == pytest.approx(np.mean(error**2))
-
-
 # Residuals.
 
 
@@ -123,15 +104,6 @@ def test_whiteness_of_a_residual_made_by_hand():
     # A lag beyond the log, a residual that is constant, and one that is zero.
     assert residual_autocorrelation(regression_of(zero, tau, H), BETA, 0.1 / H) == (0.0, 0.0)
     assert residual_autocorrelation(regression_of(zero, np.array([[2.0] * 4, [0.0] * 4]), H), BETA, 1 / H) == (0.0, 0.0)
-
-
-def test_white_residuals_are_near_zero_and_drifting_ones_near_one():
-    rng = np.random.default_rng(12)
-    clean = exciting(20_000)
-    noise = np.stack([rng.normal(size=20_000), np.sin(0.05 * H * np.arange(20_000))])
-    white, drift = residual_autocorrelation(replace(clean, tau=clean.tau + noise), BETA, CUTOFF)
-    assert white == pytest.approx(0.0, abs=0.03)
-    assert drift == pytest.approx(1.0, abs=0.01)
 
 
 def test_the_lag_is_a_period_of_the_cutoff():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from regression_example import log_from, problem
+from regression_example import log_from, regression_of
 from scipy import stats
 from strategies import seeds
 
@@ -34,7 +34,7 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     rng = np.random.default_rng(seed)
     y, tau, x = rng.normal(size=(2, 80, 9)), rng.normal(size=(2, 80)), rng.normal(size=(2, 80, 3))
     beside = np.linalg.lstsq(np.concatenate([y, x], axis=-1).reshape(160, 12), tau.reshape(-1))[0][:9]
-    left = project_out(problem(y, tau), x)
+    left = project_out(regression_of(y, tau), x)
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
@@ -44,7 +44,10 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
         ("zero positions", lambda log, q, dq, ddq: (log.q + each(0.03, -0.02), log.tau)),
         ("torque offsets", lambda log, q, dq, ddq: (log.q, log.tau + each(0.2, -0.1))),
         ("load-dependent friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq))),
+        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
+        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
+        ("torque of period one turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(q))),
+        ("torque of period half a turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(2.0 * q))),
     ],
 )
 def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(name, spoil):
@@ -62,8 +65,12 @@ def loaded(q, dq, ddq):
     return np.abs(regressor(q, dq, ddq)[..., :5] @ BETA[:5]) * np.tanh(20.0 * dq)
 
 
-def near_rest(dq):
-    return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
+def near_rest(dq, speed):
+    return np.tanh(20.0 * dq) * np.exp(-np.abs(dq) / speed)
+
+
+def wave(angle):
+    return each(0.3, -0.2) * np.cos(angle + each(0.0, 0.5))
 
 
 def shrunk(seed, error):
@@ -73,7 +80,7 @@ def shrunk(seed, error):
     n = y.shape[1]
     wrong, tau = np.tile(y, (1, 200, 1)), np.tile(y @ BETA, (1, 200))
     wrong[..., :5] *= 1.0 + error * rng.choice([-1.0, 1.0], size=(2, 200 * n, 5))
-    found = problem(wrong, tau)
+    found = regression_of(wrong, tau)
     again = simex(found)
     return tuple(solve(r.y, r.tau)[:5] / BETA[:5] for r in (found, again))
 
@@ -108,7 +115,7 @@ def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_log
     weights = []
     for _ in range(200):
         y, tau, x = rng.normal(size=(2, 60, 9)), rng.normal(size=(2, 60)), rng.normal(size=(2, 60, 4))
-        plain = problem(y, tau)
+        plain = regression_of(y, tau)
         weights.append(shrinkage(plain, project_out(plain, x), 4))
     assert 0.01 < np.mean(np.array(weights) > 0.0) < 0.11
 
@@ -116,7 +123,7 @@ def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_log
 def test_the_weight_is_one_minus_the_critical_value_over_f():
     rng = np.random.default_rng(1)
     y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))
-    plain = problem(y, rng.normal(size=(2, 400)) + 0.3 * x[..., 0])
+    plain = regression_of(y, rng.normal(size=(2, 400)) + 0.3 * x[..., 0])
     assert shrinkage(plain, plain, 2) == 0.0
     rows = np.concatenate([y, x], axis=-1).reshape(800, 10)
     before, after = (np.linalg.lstsq(rows[:, :k], plain.tau.reshape(-1))[1][0] for k in (9, 10))
@@ -124,24 +131,3 @@ def test_the_weight_is_one_minus_the_critical_value_over_f():
     expected = 1.0 - stats.f.isf(0.05, 1, 790) / f
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
     assert 0.0 < shrinkage(plain, project_out(plain, x), 1) == pytest.approx(expected, abs=0.03)
-
-
-@pytest.mark.parametrize("cycles", [1, 2])
-def test_torque_that_depends_on_the_position_is_found_and_the_truth_with_it(cycles):
-    q, _, _ = motion(LOG.t)
-    tau = LOG.tau + each(0.3, -0.2) * np.cos(cycles * q + each(0.0, 0.5))
-    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)
-    name = {1: "torque of period one turn", 2: "torque of period half a turn"}[cycles]
-    (other,) = found[name].regressions
-    assert found[name].weight > 0.9
-    np.testing.assert_allclose(solve(other.y, other.tau)[:5], BETA[:5], rtol=0.02)
-
-
-@pytest.mark.parametrize("speed", [0.1, 0.5])
-def test_stribeck_friction_counts_with_the_speed_that_fits(speed):
-    _, dq, _ = motion(LOG.t)
-    tau = LOG.tau + 0.3 * np.tanh(20.0 * dq) * np.exp(-np.abs(dq) / speed)
-    found = perturbations(type(LOG)("log.csv", LOG.t, LOG.q, tau), SETTINGS)["Stribeck friction"]
-    (other,) = found.regressions
-    assert found.weight > 0.9
-    np.testing.assert_allclose(solve(other.y, other.tau)[7:], BETA[7:], rtol=0.1)

@@ -21,7 +21,6 @@ from repro.model.dynamics import (
     regressor,
 )
 from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links, is_positive, is_positive_definite
-from repro.signals.trajectories import identification_trajectory
 
 N1, N4 = ARMS["N1"], ARMS["N4"]
 
@@ -136,46 +135,14 @@ def test_terms_agree_with_rigid_body_library(oracle, arm, seed):
     np.testing.assert_allclose(inverse_dynamics(q.T, dq.T, ddq.T, beta).T, tau, rtol=0, atol=1e-10)
 
 
-def test_arm_hangs_at_zero_and_is_level_at_a_quarter_turn():
-    quarter = np.pi / 2
-    q = np.array([[0.0, quarter, quarter], [0.0, 0.0, -quarter]])  # hanging, level, link 2 hanging from a level link 1
-    weight1, weight2 = ARM.m1 * STANDARD_GRAVITY, ARM.m2 * STANDARD_GRAVITY
-    level = [weight1 * ARM.lc1 + weight2 * (ARM.l1 + ARM.lc2), weight2 * ARM.lc2]
-    elbow = [weight1 * ARM.lc1 + weight2 * ARM.l1, 0.0]
-    _, gravity = coriolis_and_gravity(q, np.zeros_like(q), frictionless(ARM))
-    np.testing.assert_allclose(gravity.T, [[0.0, 0.0], level, elbow], rtol=1e-14, atol=1e-14)
-
-
-@given(arm=links(), seed=seeds)
-def test_coriolis_forces_do_the_work_that_the_inertia_change_stores(arm, seed):
-    # dq' (dM/dt - 2 C) dq = 0: what the appendix's Lyapunov proof needs of C.
-    rng = np.random.default_rng(seed)
-    q, dq, beta = rng.uniform(-3.0, 3.0, (5, 2)), rng.uniform(-2.0, 2.0, (5, 2)), frictionless(arm)
-    step = 1e-4
-    ahead = [mass_matrix(q + k * step * dq, beta) for k in (1, 2)]
-    behind = [mass_matrix(q - k * step * dq, beta) for k in (1, 2)]
-    rate = (8.0 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12.0 * step)
-    coriolis, _ = coriolis_and_gravity(q.T, dq.T, beta)
-    power = np.einsum("ni,nij,nj->n", dq, rate, dq) - 2.0 * np.sum(dq * coriolis.T, axis=-1)
-    np.testing.assert_allclose(power, 0.0, atol=1e-8)
-
-
-@given(beta=feasible_betas(), seed=seeds)
-def test_forward_dynamics_inverts_inverse_dynamics(beta, seed):
+@given(beta=feasible_betas(), seed=seeds, steepness=st.floats(5.0, 60.0))
+def test_forward_dynamics_inverts_inverse_dynamics(beta, seed, steepness):
     rng = np.random.default_rng(seed)
     q, dq, ddq, tau = rng.uniform(-5.0, 5.0, (4, 2, 20))
-    torque = inverse_dynamics(q, dq, ddq, beta)
-    np.testing.assert_allclose(forward_dynamics(q.T, dq.T, torque.T, beta).T, ddq, rtol=0, atol=1e-10)
-    acceleration = forward_dynamics(q.T, dq.T, tau.T, beta).T
-    np.testing.assert_allclose(inverse_dynamics(q, dq, acceleration, beta), tau, rtol=0, atol=1e-10)
-
-
-@pytest.mark.parametrize("steepness", [5.0, 60.0])
-def test_forward_and_inverse_dynamics_share_the_friction_steepness(steepness):
-    q, dq, ddq = np.array([[0.3], [1.0]]), np.array([[0.02], [-0.03]]), np.array([[1.0], [-2.0]])
-    torque = inverse_dynamics(q, dq, ddq, N1, steepness)
-    np.testing.assert_allclose(forward_dynamics(q.T, dq.T, torque.T, N1, steepness).T, ddq, atol=1e-12)
-    assert not np.allclose(torque, inverse_dynamics(q, dq, ddq, N1), atol=1e-3)
+    torque = inverse_dynamics(q, dq, ddq, beta, steepness)
+    np.testing.assert_allclose(forward_dynamics(q.T, dq.T, torque.T, beta, steepness).T, ddq, rtol=0, atol=1e-10)
+    acceleration = forward_dynamics(q.T, dq.T, tau.T, beta, steepness).T
+    np.testing.assert_allclose(inverse_dynamics(q, dq, acceleration, beta, steepness), tau, rtol=0, atol=1e-10)
 
 
 def energy(arm, q, dq):
@@ -189,20 +156,6 @@ def energy(arm, q, dq):
     kinetic = kinetic + 0.5 * arm.j2 * w12**2
     height1, height2 = -arm.lc1 * np.cos(q[0]), -arm.l1 * np.cos(q[0]) - arm.lc2 * np.cos(q12)
     return kinetic + STANDARD_GRAVITY * (arm.m1 * height1 + arm.m2 * height2)
-
-
-def test_energy_is_conserved_without_friction():
-    beta = frictionless(ARM)
-
-    def rate(_, state):
-        q, dq = state[:2], state[2:]
-        return np.concatenate([dq, forward_dynamics(q, dq, np.zeros(2), beta)])
-
-    start = np.array([2.5, -1.0, 1.0, -3.0])  # high enough to tumble
-    run = solve_ivp(rate, (0.0, 5.0), start, method="DOP853", rtol=1e-12, atol=1e-12)
-    total = energy(ARM, run.y[:2], run.y[2:])
-    assert np.ptp(run.y[1]) > np.pi  # the motion is a large one
-    np.testing.assert_allclose(total, energy(ARM, start[:2], start[2:]), rtol=0, atol=1e-8)
 
 
 @pytest.mark.slow
@@ -224,23 +177,6 @@ def test_energy_grows_by_the_work_of_the_torque_less_that_of_friction():
     assert loss[-1] > 0.5
     assert (np.diff(loss) >= -1e-12).all()
     np.testing.assert_allclose(gain, work - loss, rtol=0, atol=1e-8)
-
-
-@given(seed=seeds, a=st.floats(-3.0, 3.0), b=st.floats(-3.0, 3.0))
-def test_torque_is_linear_in_beta(seed, a, b):
-    rng = np.random.default_rng(seed)
-    q, dq, ddq = rng.uniform(-3.0, 3.0, (3, 2, 12))
-    one, two = rng.uniform(0.0, 3.0, (2, 9))
-    mixed = inverse_dynamics(q, dq, ddq, a * one + b * two)
-    parts = a * inverse_dynamics(q, dq, ddq, one) + b * inverse_dynamics(q, dq, ddq, two)
-    np.testing.assert_allclose(mixed, parts, rtol=0, atol=1e-10)
-
-
-def test_identification_trajectory_excites_all_nine_parameters():
-    motion = identification_trajectory()
-    y = regressor(motion.q, motion.dq, motion.ddq).reshape(-1, 9)
-    singular = np.linalg.svd(y / np.linalg.norm(y, axis=0), compute_uv=False)
-    assert singular[-1] > 1e-2 * singular[0]
 
 
 def test_friction_is_viscous_plus_coulomb_tanh_of_velocity():

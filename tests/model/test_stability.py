@@ -170,17 +170,3 @@ def test_the_energy_function_falls_along_a_free_motion(start):
     assert (v > 0).all()
     assert (np.diff(v) < 0).all()
     assert v[-1] < 0.5 * v[0]
-
-
-@pytest.mark.parametrize("name", ["rho", "epsilon", "gamma", "friction_steepness"])
-@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
-def test_settings_must_be_positive(name, value):
-    with pytest.raises(ValueError, match=name):
-        LyapunovSettings(**{name: value})
-
-
-def test_wrong_shapes_are_refused():
-    with pytest.raises(ValueError, match="one set"):
-        stability_constants(np.zeros((2, 9)))
-    with pytest.raises(ValueError, match="9 parameters"):
-        stability_constants(np.zeros(8))

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq_1
+from ownarm_problem import loaded
 
 from repro.config import load_config
 from repro.identification.bootstrap import bootstrap
 from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import Description
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 
@@ -30,7 +30,7 @@ def slow():
 def made(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options) for log in logs]
+    problems = [make_problem(loaded(log), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 

@@ -145,21 +145,6 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
     assert kept == tree(tmp_path / "fresh")
 
 
-@pytest.mark.usefixtures("small_figures")
-def test_overwriting_keeps_what_is_not_ours(tmp_path):
-    out = tmp_path / "out"
-    (out / "deep").mkdir(parents=True)
-    foreign = {"notes.txt": "mine", "arm.png": "x", "deep/parameters.json": "{}"}
-    for name, content in foreign.items():
-        (out / name).write_text(content)
-    (out / "parameters.json").write_text("an earlier run")
-    check_folder(out, overwrite=True)
-    write_result(out, *example(), ARM)
-    assert everything(out) == sorted(["deep", *foreign, *FILES])
-    assert {name: (out / name).read_text() for name in foreign} == foreign
-    assert json.loads((out / "parameters.json").read_text())["recommended"] == "consistent"
-
-
 def test_a_folder_that_cannot_be_used_is_refused(tmp_path):
     full, file = tmp_path / "full", tmp_path / "file"
     full.mkdir()
@@ -189,15 +174,6 @@ def test_a_folder_in_the_place_of_a_result_leaves_all_as_it_was(tmp_path):
     with pytest.raises(InputError, match=r"b\.csv: found a folder"):
         fill_folder(tmp_path / "out", fill)
     assert everything(tmp_path) == ["out", "out/b.csv"]
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
-def test_a_folder_without_permission_is_refused(tmp_path):
-    locked = tmp_path / "locked"
-    locked.mkdir(mode=0o500)
-    for out in (locked, locked / "new"):
-        with pytest.raises(InputError, match="Permission denied"):
-            check_folder(out, overwrite=True)
 
 
 @pytest.mark.usefixtures("small_figures")

@@ -17,8 +17,6 @@ from ownarm_example import BETA, ERRORS, LOGS, VERDICTS, example_curves, example
 from PIL import Image
 
 from repro.exhibits import style
-from repro.identification.extra_terms import FrictionTerm
-from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.model.parameters import NAMES, UNITS
 from repro.ownarm import figures as figures_module
 from repro.ownarm.figures import (
@@ -31,18 +29,15 @@ from repro.ownarm.figures import (
     figures_of,
     ordered_titles,
 )
-from repro.ownarm.page import FILES, render_page, sentence, symbols
+from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import (
     PARAMETER_COLUMNS,
     SCORE_COLUMNS,
     parameters_table,
-    percent,
     rounded,
     scores_table,
-    significant,
 )
-from repro.ownarm.text import ALLOWED, summary
 
 pytestmark = pytest.mark.slow
 TIMES = style.TIMES
@@ -62,11 +57,6 @@ def text(figures):
 @pytest.fixture(scope="module")
 def page(text):
     return Page(text)
-
-
-def show(**changes):
-    """The page of a changed result, without figures."""
-    return Page(render_page(example_result(**changes), Curves(), {}))
 
 
 def test_the_recommended_parameters_stand_each_in_its_row(page):
@@ -117,34 +107,6 @@ def test_scores_are_in_percent_and_the_best_prediction_is_marked(page):
     assert not any(cell.get("best") for row in fitted for cell in row)
 
 
-def test_only_what_differs_in_print_is_called_best():
-    same = method("one", "One"), method("two", "Two")
-    text = render_page(example_result(methods=same, recommended="one"), Curves(), {})
-    assert 'class="best"' not in text
-    worse = method("one", "One"), method("two", "Two", 1.1, None)
-    text = render_page(example_result(methods=worse, recommended="two"), Curves(), {})
-    best = re.findall(r'class="best">([^<]+)<', text)
-    assert {"9.4", "17.1", "99.1", "97.1", "0.0310", "0.0870"} <= set(best)
-    assert not {"10.3", "5.9"} & set(best)
-
-
-def test_warnings_facts_notes_and_files_are_there(page):
-    result = example_result()
-    assert all(warning in page.one("warnings")["text"] for warning in (*result.warnings, *result.log.warnings))
-    logs = page.one("logs")["text"]
-    for log in (result.log, *result.validation_logs):
-        assert log.name in logs
-        assert all(name in logs and value in logs for name, value in log.facts)
-        assert all(note in logs for note in log.notes)
-    notes = page.one("notes")["text"]
-    assert all(note in notes for known in result.methods for note in known.notes)
-    cited = page.one("files")["text"]
-    assert all(known.citation in cited for known in result.methods)
-    links = [item["href"] for item in page.all("a") if not item["href"].startswith("#")]
-    assert list(dict.fromkeys(links)) == list(FILES)
-    assert "None." in show(warnings=(), log=replace(result.log, warnings=())).one("warnings")["text"]
-
-
 def test_a_hostile_name_is_text():
     result = example_result(arm=HOSTILE, reason=HOSTILE, warnings=(HOSTILE,))
     logs = replace(result.log, name=HOSTILE, facts=((HOSTILE, HOSTILE),), notes=(HOSTILE,), warnings=(HOSTILE,))
@@ -189,33 +151,6 @@ def test_the_same_result_gives_the_same_bytes(figures, text):
     assert set(again) == {"parameters", "cutoff", "overlay-0", "spectra-0"}
     assert all(figures[name] == content for name, content in again.items())
     assert render_page(example_result(), example_curves(), figures) == text
-
-
-def test_friction_that_was_taken_is_a_row_of_its_own_on_page_and_terminal():
-    terms = (FrictionTerm("load1", 0.0618, 0.005, 0.23, True), FrictionTerm("load2", 0.056, 0.008, 0.11, False))
-    result = example_result(friction=(terms,))
-    row = (
-        "riction beyond Eq. 1 of joint 1: 0.0618 +- 0.01 of its load; subtracting it reduces "
-        "the cross-validated squared error by 23 %"
-    )
-    for text in (render_page(result, Curves(), {}), summary(result)):
-        assert text.count(row) == 1
-        assert "beyond Eq. 1 of joint 2" not in text  # a warning, where it is left out
-
-
-def test_intervals_come_with_the_effects_that_they_allow_for_and_how_they_are_made():
-    claims = example_result()
-    bare = method("ols", "Least squares", parameters=parameters(1.0, claims=False), claims_intervals=False)
-    none = example_result(methods=(bare,), recommended="ols")
-    assert set(UNMODELLED_EFFECTS) and all(effect in ALLOWED for effect in UNMODELLED_EFFECTS)
-    assert (ALLOWED in summary(claims), ALLOWED in summary(none)) == (True, False)
-    page, without = (Page(render_page(result, Curves(), {})) for result in (claims, none))
-    assert ALLOWED[1:] in page.one("verdict")["text"]
-    assert page.one("intervals")["tag"] == "h3"
-    for text in ("moving-block pairs bootstrap", "delete-a-group jackknife", "type B", "SIMEX"):
-        assert text in page.one("methods")["text"]
-    links = [[e["href"] for e in one.elements if e.get("href") == "#intervals"] for one in (page, without)]
-    assert links[0] and not links[1]
 
 
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
@@ -270,16 +205,6 @@ def test_print_is_within_a_tenth_of_the_standard_error(estimate, error):
     assert not re.fullmatch(r"-0(\.0*)?", shown.estimate)
 
 
-def test_significant_digits_percent_and_words():
-    assert [significant(value) for value in (0.0, 0.03104, 1234.0, -2.0, 3e-7, 0.9999)] == [
-        "0", "0.0310", "1234", "-2.00", f"3.00{TIMES}10⁻⁷", "1.00",
-    ]  # fmt: skip
-    assert [percent(value) for value in (0.0574, 1.2, 1e5)] == ["5.7", "120.0", f"1.00{TIMES}10⁷"]
-    assert sentence("b2 is negative") == "b2 is negative."
-    assert sentence("why") == "Why."
-    assert symbols("I1 < k2, not k21") == "<i>I</i><sub>1</sub> &lt; <i>k</i><sub>2</sub>, not k21"
-
-
 # Tables
 
 
@@ -331,37 +256,6 @@ def test_figures_look_as_they_did(name, image_regression):
         every_figure(simulated=True)[name].savefig(picture, format="png", dpi=75)
     # Percent of all brightness: rounding moves a few pixels by a level; a line a tenth wider moves hundreds by tens.
     image_regression.check(picture.getvalue(), diff_threshold=2e-3, basename=f"look-{name}")
-
-
-def test_curves_are_the_numbers_given():
-    signals = example_curves().signals[0]
-    titles = ordered_titles(example_result())
-    figure = drawn(draw_overlay, signals, ["consistent", "ols"], titles)
-    for joint in range(2):
-        torque, residual = figure.axes[4 * joint], figure.axes[4 * joint + 2]
-        measured, rebuilt = torque.lines
-        np.testing.assert_array_equal(measured.get_ydata(), signals.tau[joint])
-        np.testing.assert_array_equal(rebuilt.get_ydata(), signals.rebuilt["consistent"][joint])
-        np.testing.assert_allclose(
-            residual.lines[0].get_ydata(), signals.tau[joint] - signals.rebuilt["consistent"][joint]
-        )
-        close = figure.axes[4 * joint + 1]
-        assert len(close.lines) == 3
-        assert set(close.lines[0].get_xdata()) < set(signals.t)
-    strokes = {(line.get_color(), line.get_linestyle()) for line in figure.axes[1].lines}
-    assert len(strokes) == 3
-
-
-def test_every_estimate_is_on_its_panel_or_named_at_its_edge():
-    wild = method("wild", "Wild", parameters=parameters(1.0, b2=870.0))
-    result = example_result(methods=(*example_result().methods, wild))
-    figure = drawn(draw_parameters, result)
-    panel = next(axes for axes in figure.axes if axes.get_xlabel().startswith("$b_2$"))
-    low, high = panel.get_xlim()
-    assert high < 1.0
-    assert [text.get_text() for text in panel.texts] == ["870"]
-    for known in result.methods[:3]:
-        assert low < known.parameters[6].estimate < high
 
 
 def test_long_logs_and_many_logs_stay_light(monkeypatch):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ownarm_example import method, score
-from ownarm_log import exciting
-from ownarm_problem import ARM, made, problem_of
+from ownarm_problem import problem_of
+from regression_example import exciting
 
 from repro.model.parameters import NAMES
 from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
@@ -95,25 +95,6 @@ def test_a_short_log_is_warned_of():
         assert any("short" in line for line in lines) == short
 
 
-def test_friction_that_is_known_is_not_said_to_be_hard_to_tell_apart():
-    problem = problem_of(exciting(50), delay=0.0)
-    slow = replace(TELLING, friction_correlation=(-0.99, 0.0))
-    known = [replace(p, estimate=1.0, low=0.9, high=1.1) for p in GOOD.parameters]
-    assert warnings(problem, (replace(GOOD, parameters=tuple(known)),), "a", slow) == ()
-    for place in (5, 7):
-        vague = [replace(p, low=0.4, high=1.6) if k == place else p for k, p in enumerate(known)]
-        assert len(warnings(problem, (replace(GOOD, parameters=tuple(vague)),), "a", slow)) == 1
-
-
-def test_a_delay_beyond_what_is_looked_at_is_warned_of(tmp_path):
-    problem = made(tmp_path, late=0.05)
-    assert problem.estimates_delay
-    assert any("delay" in line for line in warnings(problem, (GOOD,), "a", TELLING))
-    given = made(tmp_path, replace(ARM, delay=0.05), late=0.05)
-    assert not given.estimates_delay
-    assert not any("delay" in line for line in warnings(given, (GOOD,), "a", TELLING))
-
-
 def test_a_joint_without_torque_is_named():
     problem = problem_of(exciting(50), delay=0.0)
     assert not list(undriven(problem, GOOD))
@@ -183,15 +164,6 @@ def note(*methods):
     assert replace(noted[0], notes=methods[0].notes) == methods[0]
     assert noted[0].notes[: len(methods[0].notes)] == methods[0].notes
     return "; ".join(noted[0].notes[len(methods[0].notes) :])
-
-
-def test_a_network_is_compared_with_the_best_of_least_squares():
-    good, better, bad = (network(error, name=name) for error, name in ((0.2, "a"), (0.1, "b"), (0.3, "c")))
-    told = note(network(0.05), good, better, bad)
-    assert told == "mean validation error 0.5 times that of the best least squares (b)"
-    assert "1.19 times" in note(network(0.119), good, better)
-    # Consistent or not: the best is the best.
-    assert "(b)" in note(network(0.05), good, replace(better, consistent=False))
 
 
 @pytest.mark.parametrize(

@@ -5,19 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_example import example_curves, example_result
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, loaded, silent
 from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import Description, quantisation_step
+from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test, assemble, fit_all
-from repro.ownarm.page import render_page
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
-from repro.ownarm.result import RecoveredParameter, SelfTest
+from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.selftest import self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
 
@@ -43,7 +40,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
     tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
     tau += NOISE * rng.normal(size=tau.shape)
     raw = Log(name="log.csv", t=t, q=STEP * np.rint(q / STEP), tau=tau)
-    return LoadedLog(uniform(raw), Description(raw.name, ()), raw)
+    return replace(loaded(uniform(raw)), recorded=raw)
 
 
 def problem_of(*told, options=OPTIONS):
@@ -125,7 +122,7 @@ def test_rounded_time_stamps_are_no_jitter():
     told = recorded()
     t = np.round(np.arange(told.log.t.size) / 210.0, 3)
     raw = replace(told.recorded, t=t)
-    (ready,) = problem_of(LoadedLog(uniform(raw), told.description, raw)).logs
+    (ready,) = problem_of(replace(told, log=uniform(raw), recorded=raw)).logs
     made = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert made.recorded.t == pytest.approx(t)
     rough = [np.std(np.diff(q, 3), axis=-1) for q in (made.recorded.q, raw.q)]
@@ -150,15 +147,3 @@ def test_the_recommended_method_with_intervals_is_outcome():
     assert test.real == pytest.approx(best.fit.relative_rms)
     mute = replace(result, methods=tuple(replace(m, claims_intervals=False) for m in result.methods))
     assert add_self_test(mute, problem, ARM, OPTIONS, silent) == mute
-
-
-def test_the_page_has_a_section_where_it_was_asked_for():
-    rows = tuple(RecoveredParameter(name, 1.25, 1.5, 1.0, 2.0, 4, 5) for name in NAMES[:-1])
-    rows += (RecoveredParameter(NAMES[-1], 0.0, 0.0, 0.0, 0.0, 0, 0),)
-    test = SelfTest("consistent", 5, rows, (0.012, 0.034), (0.074, 0.034), (0.026, 1.0), True)
-    page = render_page(example_result(selftest=test), example_curves(), {})
-    assert page.count('id="self-test"') == 1
-    assert "would be 1.2/3.4 %; it is 7.4/3.4 %: noise explains 3/100 % of its square" in page
-    assert page.count('<td class="right">4 of 5</td>') == 8
-    assert page.count("none claimed</td>") == 1
-    assert "self-test" not in render_page(example_result(), example_curves(), {})

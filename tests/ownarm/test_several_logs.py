@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 from log_example import BETA, motion
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, loaded, silent
 from regression_example import log_from
 
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.ownarm.evaluate import assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 
@@ -20,7 +19,7 @@ def told(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
     rng = np.random.default_rng(seed)
     log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
     q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
-    return LoadedLog(Log(name=name, t=log.t, q=q, tau=tau), Description(name, ()))
+    return loaded(Log(name=name, t=log.t, q=q, tau=tau))
 
 
 def result_of(*logs):
@@ -52,7 +51,7 @@ def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
     noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
     wrong = Log(name="slow.csv", t=wrong.t, q=wrong.q, tau=(wrong.tau + noise) * np.array([[1.0], [1.12]]))
-    slow = LoadedLog(wrong, Description("slow.csv", ()))
+    slow = loaded(wrong)
     assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
     first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
     assert {fault.name: pytest.approx(fault.value, abs=0.05) for fault in first.faults} == {"scale2": 1.12}
@@ -66,7 +65,7 @@ def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
     def poor(name, seed, noise, scale=1.0):
         log = log_from(lambda t: tuple(0.15 * x for x in motion(t + 3.0 * seed)), seconds=6.0)
         torque = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
-        return LoadedLog(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])), Description(name, ()))
+        return loaded(Log(name=name, t=log.t, q=log.q, tau=torque * np.array([[1.0], [scale]])))
 
     logs = poor("a.csv", 5, 0.3), poor("b.csv", 6, 0.3), poor("c.csv", 7, 0.1, scale=1.6)
     assert not make_problem(logs[2], (), ARM, OPTIONS).logs[0].faults

@@ -1,7 +1,6 @@
 """Verdicts on parameters, and calibration errors as lines of the arm file."""
 
 import re
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.identification.extra_terms import CalibrationError, correct_calibration
+from repro.identification.calibration import CalibrationError, correct_calibration
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
@@ -19,9 +18,7 @@ from repro.ownarm.text import (
     DIFFERENT_ERRORS,
     NOT_EXCITED,
     arm_lines,
-    calibration_lines,
     calibration_warnings,
-    detection_limits,
     verdict,
 )
 
@@ -88,16 +85,6 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
     np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
 
 
-def test_each_calibration_error_has_its_size_its_effect_and_what_else_it_may_be():
-    lines = calibration_lines((*ERRORS, replace(ERRORS[1], instead={"zero1": 0.05, "scale2": 1.4})), Arm())
-    assert "joint 1 is -2.9 +- 0.23 degrees" in lines[0]
-    assert "from 9.0 to 5.0 %" in lines[0]
-    assert "offset of 0.2 +- 0.02 N m" in lines[2]
-    assert "1.5 +- 0.02 times" in lines[3]
-    assert "zero of joint 1: -2.9 degrees, or the scale of the torque of joint 2: 1.4 times" in lines[4]
-    assert calibration_lines((), Arm()) == ()
-
-
 @pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
 def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apart):
     def log(zero):
@@ -105,14 +92,3 @@ def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apar
         return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
 
     assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
-
-
-def test_detection_limits_have_units():
-    logs = [SimpleNamespace(name=name) for name in ("a.csv", "b.csv", "c.csv")]
-    hidden = ({"zero1": np.radians(2.5), "zero2": None, "offset1": 0.035, "scale2": 0.38}, {}, {"zero1": None})
-    first, third = detection_limits(SimpleNamespace(fitted_logs=logs, more_logs=logs[1:], hidden=hidden))
-    assert first.partition(": ")[2] == (
-        "zero of joint 1 up to 2.5 degrees, zero of joint 2 of any size, "
-        "offset of the torque of joint 1 up to 0.035 N m, scale of the torque of joint 2 up to 38 %"
-    )
-    assert third.startswith("c.csv")

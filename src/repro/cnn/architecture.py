@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from repro.errors import InputError
 from repro.files import read_tensors
 
-Recipe = Literal["streamed", "paper"]
-RECIPES: tuple[Recipe, ...] = get_args(Recipe)
+ScheduleName = Literal["streamed", "paper"]
+SCHEDULES: tuple[ScheduleName, ...] = get_args(ScheduleName)
 Precision = Literal["auto", "float32", "bfloat16"]
 
 #: Columns of the history of a training run.
@@ -76,15 +76,17 @@ class PaperSchedule:
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    """Recipe and budget of a training run."""
+    """ScheduleName and budget of a training run."""
 
-    recipe: Recipe = "streamed"  # fresh samples with Muon and a falling rate, or the paper's fixed set and descent
+    recipe: ScheduleName = (
+        "streamed"  # fresh samples with Muon and a falling rate, or the paper's fixed set and descent
+    )
     steps: int = 4_000  # of the optimiser
     batch: int = 64  # images in a step
-    learning_rate: float = 5e-3  # peak of the streamed recipe, which falls to zero
+    learning_rate: float = 5e-3  # peak of the streamed schedule, which falls to zero
     warmup: int = 400  # steps over which the streamed rate rises, or a quarter of all if that is less
     seed: int = 1  # of weights and samples
-    test_samples: int = 1024  # size of the held-out set of the streamed recipe
+    test_samples: int = 1024  # size of the held-out set of the streamed schedule
     log_every: int = 500  # steps between rows of the history
     checkpoint_every: int = 500
     precision: Precision = "auto"  # of layers 1 to 4 and of Muon's wide products; auto: bfloat16 if native
@@ -98,10 +100,10 @@ def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None)
     """
     weights, metadata = read_tensors(path, "weights of a network")
     header = [*metadata.values()]
-    expected, found = settings.weights, {name: w.shape for name, w in weights.items()}
-    if expected != found:
-        wrong = sorted(n for n in expected.keys() | found.keys() if expected.get(n) != found.get(n))[0]
-        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
+    expected, shapes = settings.weights, {name: w.shape for name, w in weights.items()}
+    if expected != shapes:
+        wrong = sorted(n for n in expected.keys() | shapes.keys() if expected.get(n) != shapes.get(n))[0]
+        raise InputError.at(f"{path}: {wrong}", shapes.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
     if fact is not None and header != [fact]:
         raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{fact}, of the network asked for")
     for name, weight in weights.items():

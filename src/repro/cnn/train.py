@@ -24,7 +24,7 @@ from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.files import read_tensors, write_tensors
 from repro.streams import Stream, stream
 
-#: Fraction of the streamed recipe's steps in which layer 1 learns: its gradient is a third of a step, and stopping it
+#: Fraction of the streamed schedule's steps in which layer 1 learns: its gradient is a third of a step, and stopping it
 #: after a seventh costs next to no loss.
 LAYER1_FRACTION = 0.15
 #: Version of the training code. Increase it when a change outside the settings alters results, so that old checkpoints
@@ -89,8 +89,8 @@ class Trained:
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """A way of training: everything that the streamed and the paper's recipe do differently."""
+class Schedule:
+    """A way of training: everything that the streamed and the paper's schedule do differently."""
 
     optimisers: list[torch.optim.Optimizer]  # to be stepped together
     rate: Callable[[int], float]  # learning rate of a step
@@ -100,12 +100,12 @@ class Recipe:
     layer1_steps: float  # steps in which layer 1 learns
 
 
-def make_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Recipe:
-    """Build the recipe that the settings name, and set the weights that it starts from."""
-    return (paper_recipe if s.recipe == "paper" else streamed_recipe)(net, motion, data, s)
+def make_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
+    """Build the schedule that the settings name, and set the weights that it starts from."""
+    return (paper_schedule if s.recipe == "paper" else streamed_schedule)(net, motion, data, s)
 
 
-def paper_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Recipe:
+def paper_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
     """Gradient descent on a fixed set, from which batches are drawn with replacement (Section IV-B)."""
     fixed = draw_samples(stream(s.seed, Stream.FIXED_SET), s.paper.images, motion, data)
     cut = round(s.paper.train_share * s.paper.images)
@@ -113,7 +113,7 @@ def paper_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s:
     def part(index: slice | NDArray[np.int64]) -> Samples:
         return Samples(fixed.u[index], fixed.v[index], fixed.residual[index])
 
-    return Recipe(
+    return Schedule(
         [torch.optim.SGD(net.parameters(), lr=s.paper.learning_rate)],
         lambda step: s.paper.learning_rate + s.paper.learning_rate_slope * step,
         lambda step: part(stream(s.seed, Stream.TRAIN_STEP, step).integers(cut, size=s.batch)),
@@ -123,7 +123,7 @@ def paper_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s:
     )
 
 
-def streamed_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Recipe:
+def streamed_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
     """Fresh samples at every step; Muon on the weights, Adam on the biases, at a rate that rises, then falls to zero.
 
     Muon's orthogonalised steps give a lower loss than Adam after the same number of samples.
@@ -134,7 +134,7 @@ def streamed_recipe(net: FactoredCNN, motion: SampledMotion, data: DataSettings,
     weights = [p for p in net.parameters() if p.ndim > 1]
     biases = [p for p in net.parameters() if p.ndim == 1]
     warmup = max(min(s.warmup, s.steps // 4), 1)
-    return Recipe(
+    return Schedule(
         [
             torch.optim.Adam(biases, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
             Muon(weights, s.learning_rate, net.dtype),
@@ -177,62 +177,40 @@ def train(
 ) -> Trained:
     """Train the network.
 
-    Parameters
-    ----------
-    motion : SampledMotion
-        Regressors of the identification trajectory.
-    data : DataSettings
-        Distribution of the samples.
-    network : NetworkSettings
-        Sizes.
-    settings : TrainingSettings
-        Recipe and budget.
-    checkpoint : Path or None
-        Where to save progress; if a file of the same run is there, training continues from it.
-    report : callable
-        Called with steps done, steps in all and the latest training loss.
-
-    Returns
-    -------
-    Trained
-        Network and history.
-
-    Raises
-    ------
-    InputError
-        If the checkpoint is damaged.
+    If `checkpoint` is a file of the same run, training continues from it; a damaged one raises InputError. `report` is
+    called with steps done, steps in all and the latest training loss.
     """
     settings = replace(settings, precision=on_this_processor(settings.precision))
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)
-    recipe = make_recipe(net, motion, data, settings)
+    schedule = make_schedule(net, motion, data, settings)
     run = fingerprint(motion, data, network, settings)
-    progress = load_checkpoint(checkpoint, net, recipe.optimisers, run) if checkpoint else Progress()
+    progress = load_checkpoint(checkpoint, net, schedule.optimisers, run) if checkpoint else Progress()
     began = time.perf_counter() - progress.seconds
     loss_sum, rows = progress.loss_sum, [*progress.rows]
     for step in range(progress.step, settings.steps):
-        rate = recipe.rate(step)
-        for group in (g for o in recipe.optimisers for g in o.param_groups):
+        rate = schedule.rate(step)
+        for group in (g for o in schedule.optimisers for g in o.param_groups):
             group["lr"] = rate
-        net.conv1.requires_grad_(step < recipe.layer1_steps)
-        u, v, residual = _tensors(recipe.batch(step))
+        net.conv1.requires_grad_(step < schedule.layer1_steps)
+        u, v, residual = _tensors(schedule.batch(step))
         net.zero_grad()
         loss = sigmoid_loss(net(u, v), residual, network.sigmoid_gain)
-        (recipe.gradient_gain * loss).backward()  # type: ignore[no-untyped-call]
-        for optimiser in recipe.optimisers:
+        (schedule.gradient_gain * loss).backward()  # type: ignore[no-untyped-call]
+        for optimiser in schedule.optimisers:
             optimiser.step()
         done = step + 1
         loss_sum += float(loss.detach())
         if done % settings.log_every == 0 or done == settings.steps:
             since = (done - 1) % settings.log_every + 1
-            rows.append((done, rate, loss_sum / since, evaluate(net, recipe.test), time.perf_counter() - began))
+            rows.append((done, rate, loss_sum / since, evaluate(net, schedule.test), time.perf_counter() - began))
             loss_sum = 0.0
         if done % 50 == 0 or done == settings.steps:
             report(done, settings.steps, float(loss.detach()))
         if checkpoint and done % settings.checkpoint_every == 0 and done < settings.steps:
             saved = Progress(done, loss_sum, time.perf_counter() - began, rows)
-            save_checkpoint(checkpoint, net, recipe.optimisers, saved, run)
+            save_checkpoint(checkpoint, net, schedule.optimisers, saved, run)
     table = np.array(rows, dtype=np.float64)
     return Trained(net, table[:, :4], table[:, 4])
 

@@ -14,7 +14,7 @@ from repro.errors import InputError
 if TYPE_CHECKING:
     from repro.fpga.capture import Capture
     from repro.fpga.channel_errors import ErrorRates
-    from repro.signals.programs import Program
+    from repro.signals.programs import ReferenceTrajectory
 
 
 def simulate_arguments(parser: argparse.ArgumentParser) -> None:
@@ -147,7 +147,7 @@ def _is_address(url: str) -> bool:
         return False
 
 
-def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
+def program_of(config: Mapping[str, Any], trajectory: str) -> "ReferenceTrajectory":
     """Give the motion of a name or of a table ``FILE.csv``, within the limits of the arm."""
     from repro.pipeline.experiment import check_program, program_from_config
     from repro.signals.programs import PROGRAMS
@@ -164,7 +164,7 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "Program":
     return program
 
 
-def read_program(path: Path) -> "Program":
+def read_program(path: Path) -> "ReferenceTrajectory":
     """Read the motion of a table."""
     import numpy as np
     import pandas as pd
@@ -172,7 +172,7 @@ def read_program(path: Path) -> "Program":
     from repro.documents import read_bytes
     from repro.files import read_csv
     from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
-    from repro.signals.programs import MEMORY_SAMPLES, Program
+    from repro.signals.programs import MEMORY_SAMPLES, ReferenceTrajectory
 
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
@@ -190,7 +190,7 @@ def read_program(path: Path) -> "Program":
     if not 2 <= len(table) <= MEMORY_SAMPLES:
         expected = f"a motion of 2 to {MEMORY_SAMPLES}, as many as the board's memory has"
         raise InputError.at(str(path), f"{len(table) or 'no'} rows", expected)
-    return Program(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)
+    return ReferenceTrajectory(path.stem, np.stack(columns), 0, len(table), SAMPLING_PERIOD)
 
 
 def decode_arguments(parser: argparse.ArgumentParser) -> None:

@@ -90,34 +90,10 @@ def bootstrap(
     replicates: int = REPLICATES,
     report: Callable[[int, int], None] = lambda *_: None,
 ) -> Uncertainty:
-    """Compute standard errors and 95 % intervals of a method.
+    """Compute standard errors and 95 % intervals of a method on the regression that gave the estimate `first`.
 
-    Parameters
-    ----------
-    method : Method
-        Repeated on each replicate.
-    regression : Regression
-        Its regression.
-    first : Estimate
-        Its estimate.
-    perturbations : mapping of Perturbation
-        The same log with other choices, see `repro.identification.sensitivity`.
-    rng : numpy.random.Generator
-        Draws the blocks.
-    replicates : int
-        Number of them.
-    report : callable
-        Called with replicates done and in all.
-
-    Returns
-    -------
-    Uncertainty
-        Standard errors and intervals.
-
-    Raises
-    ------
-    NoSolutionError
-        If the method has no solution on most replicates, or on the log through another filter.
+    `report` is called with replicates done and in all. NoSolutionError is raised if the method has no solution on most
+    replicates, or on the log through another filter.
     """
     n, beta = regression.t.size, first.beta
     length = block_length(regression.tau - regression.y @ beta, regression.h)

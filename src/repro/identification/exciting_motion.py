@@ -210,8 +210,10 @@ def design(
 ) -> Motion:
     """Find the motion with the largest information from random starts, by L-BFGS with penalties.
 
-    It is at `limits.rest` without speed and acceleration at both ends. `times` are the sampling periods that it lasts,
-    and the period, s.
+    It lasts `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, has
+    one sample more than periods, and satisfies the limits between samples too. `harmonics`, at least 3, is the highest
+    multiple of the lowest frequency; `noise` (2,) the standard deviation of each torque, N m. `report` is called with
+    the searches done and in all.
     """
     (steps, h), rest = times, limits.rest
     # Series that are zero at time 0 with both derivatives are the null space of their values there.

@@ -1,22 +1,20 @@
-"""Terms that extend Eq. 1: calibration errors and further friction, chosen by cross-validation.
+"""Terms that extend Eq. 1, chosen by cross-validation: further friction, and the columns of calibration errors.
 
-A wrong zero position turns gravity, an offset of the torque is always there, and a wrong torque constant of one joint
-shows because both joints share I2, I3 and g2. Friction may be in proportion to the load, and larger near rest
-(Stribeck). Each such term is a candidate column next to the nine of the regressor (`CALIBRATION`, `FRICTION`). Of all
-subsets of the candidates that one is chosen that predicts blocks of the log from the other blocks best, where each
-column must reduce the squared error by `MIN_ERROR_REDUCTION`. A chosen term must also be `MIN_Z_SCORE` standard errors
-away from no effect. Other logs of the arm, to which none of the terms applies, may take part in the fit.
+Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate column next to
+the nine of the regressor (`FRICTION`, and `CALIBRATION` of `repro.identification.calibration`). The chosen subset of
+the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the squared error
+by `MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other logs of the
+arm, to which none of the terms applies, may take part in the fit.
 
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from repro.identification.filtering import (
@@ -41,12 +39,6 @@ MIN_Z_SCORE = 4.0
 MIN_REPORTED_REDUCTION = 0.05
 #: Blocks of the log in cross-validation.
 BLOCKS = 6
-#: Most iterations of Gauss-Newton, and step in standard errors at which they end.
-MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1
-#: Zero (rad) beyond which it is no calibration error but another convention of the log, see `repro.logs.conventions`.
-MAX_ZERO = 0.25
-#: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
-MAX_SCALE = 3.0
 #: Difference of the position with which the columns of a zero position are made, rad.
 ZERO_DIFFERENCE = 1e-4
 #: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
@@ -111,13 +103,6 @@ class Kind:
     max_step: float = np.inf  # longest step of Gauss-Newton, as columns are valid near the log that they are made on
 
 
-#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of joint 2 over the one
-#: that Eq. 1 shares with joint 1.
-CALIBRATION: dict[str, Kind] = {
-    "zero": Kind(zero_position, "rad", max_step=0.1),
-    "offset": Kind(offset, "N m"),
-    "scale": Kind(scale, "1", (2,), 1.0, 0.3),
-}
 #: Friction in proportion to the load, and friction at rest on top of k.
 FRICTION: dict[str, Kind] = {"load": Kind(load_friction, "1"), "stribeck": Kind(stribeck, "N m")}
 
@@ -127,25 +112,16 @@ def term_names(kinds: Mapping[str, Kind]) -> tuple[str, ...]:
     return tuple(f"{name}{joint}" for name, kind in kinds.items() for joint in kind.joints)
 
 
-CALIBRATION_TERMS, FRICTION_TERMS = term_names(CALIBRATION), term_names(FRICTION)
+FRICTION_TERMS = term_names(FRICTION)
 
 
 @dataclass(frozen=True)
 class Term:
     """A term that a log shows."""
 
-    name: str  # of `CALIBRATION_TERMS` or `FRICTION_TERMS`
+    name: str  # of `FRICTION_TERMS` or `repro.identification.calibration.CALIBRATION_TERMS`
     value: float  # in the unit of its kind: a zero is added to the position, an offset subtracted from the torque
     error: float  # standard error of the value
-
-
-@dataclass(frozen=True)
-class CalibrationError(Term):
-    """A calibration error of a log."""
-
-    before: float  # relative RMS error of the rebuilt torque, mean of both joints, with all errors but this corrected
-    after: float  # the same with all errors corrected
-    instead: dict[str, float] = field(default_factory=dict)  # other errors that would explain the log nearly as well
 
 
 @dataclass(frozen=True)
@@ -203,7 +179,7 @@ def weighted_rows(regression: Regression, columns: Array) -> tuple[Array, Array]
 NO_ROWS: Array = np.empty((0, N_NINE + 1))
 
 
-def _reduced(a: Array, b: Array) -> Array:
+def reduced_rows(a: Array, b: Array) -> Array:
     """Reduce rows with the torque as last column to as many as there are columns (QR): least squares stays the same."""
     both = np.concatenate([a, b[..., np.newaxis]], axis=-1).reshape(-1, a.shape[-1] + 1)
     return np.asarray(np.linalg.qr(both, mode="r"))
@@ -211,7 +187,7 @@ def _reduced(a: Array, b: Array) -> Array:
 
 def other_rows(regressions: Sequence[Regression]) -> Array:
     """Reduce other logs, to which no term applies, to rows (m, 10) for the functions below."""
-    each = [_reduced(*weighted_rows(r, np.empty((*r.tau.shape, 0)))) for r in regressions]
+    each = [reduced_rows(*weighted_rows(r, np.empty((*r.tau.shape, 0)))) for r in regressions]
     return np.concatenate([NO_ROWS, *each])
 
 
@@ -233,7 +209,7 @@ def _fit(a: Array, b: Array) -> Array:
 def _blocks(a: Array, b: Array) -> list[Array]:
     """Reduced rows of each block of the log."""
     block = np.arange(b.shape[1]) * BLOCKS // b.shape[1]
-    return [_reduced(a[:, block == k], b[:, block == k]) for k in range(BLOCKS)]
+    return [reduced_rows(a[:, block == k], b[:, block == k]) for k in range(BLOCKS)]
 
 
 def _leave_one_out(blocks: Sequence[Array], columns: Sequence[int], others: Array) -> list[Array]:
@@ -299,140 +275,6 @@ def detection_limits(
         square = ratio * error / max(float(alone @ alone), np.finfo(float).tiny)
         limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(np.sqrt(square))))
     return limits
-
-
-# Calibration errors. Their values follow by Gauss-Newton on the log corrected by them.
-
-
-def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
-    """Correct positions and torques of a log by the values of calibration errors; a missing one has no effect."""
-    if not values:
-        return log
-    zero, constant = (np.array([[values.get(f"{name}{j}", 0.0)] for j in (1, 2)]) for name in ("zero", "offset"))
-    factor = np.array([[1.0], [values.get("scale2", 1.0)]])
-    return replace(log, q=log.q + zero, tau=(log.tau - constant) / factor)
-
-
-def _candidates(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
-    """Columns that are not zero throughout."""
-    return [k for k in range(columns.shape[-1]) if np.any(columns[..., k] * mask)]
-
-
-def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
-    """Regression of a log without standstill, and the columns of all calibration errors."""
-    r = drop_standstill(prepare(log, settings))
-    return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
-
-
-def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, float], others: Array) -> float:
-    """Relative RMS error of least squares of a corrected log and others, mean of its joints that have torque."""
-    regression = drop_standstill(prepare(correct_calibration(log, values), settings))
-    beta = solve(regression.y, regression.tau)
-    if len(others):
-        own = _reduced(*weighted_rows(regression, np.empty((*regression.tau.shape, 0))))
-        both = np.concatenate([own, others])
-        beta = solve(both[np.newaxis, :, :-1], both[np.newaxis, :, -1])
-    error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
-    whole = np.linalg.norm(regression.tau, axis=-1)
-    return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
-
-
-def _gauss_newton(
-    log: Log, settings: FilterSettings, names: Sequence[str], others: Array
-) -> dict[str, tuple[float, float]]:
-    """Values of these calibration errors with their standard errors."""
-    kinds = {name: CALIBRATION[name[:-1]] for name in names}
-    values = {name: kind.neutral for name, kind in kinds.items()}
-    errors = dict.fromkeys(names, np.inf)
-    subset = [CALIBRATION_TERMS.index(name) for name in names]
-    for _ in range(MAX_ITERATIONS):
-        r, columns = _calibration_problem(correct_calibration(log, values), settings)
-        a, b = weighted_rows(r, columns[..., subset])
-        steps, spread = (x[N_NINE:] for x in fit_with_errors(a, b, r.h, others))
-        for name, step, error in zip(names, steps, spread, strict=True):
-            size = values[name] if kinds[name].neutral else 1.0
-            longest = kinds[name].max_step
-            values[name] += size * float(np.clip(step, -longest, longest))
-            errors[name] = abs(size) * float(error)
-        if np.all(np.abs(steps) < MAX_LAST_STEP * spread):
-            break
-    return {name: (values[name], errors[name]) for name in names}
-
-
-def find_calibration_errors(
-    log: Log, settings: FilterSettings, others: Sequence[Regression] = ()
-) -> tuple[CalibrationError, ...]:
-    """Find the calibration errors that a uniformly sampled log shows, in the order of `CALIBRATION_TERMS`.
-
-    `others` are regressions of other logs of the arm, without a calibration error or corrected: they have the same nine
-    parameters.
-    """
-    r, columns = _calibration_problem(log, settings)
-    rows = other_rows(others)
-    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), _candidates(columns, r.mask), rows)]
-    while names:
-        values = _gauss_newton(log, settings, names, rows)
-        errors = [_evaluated(log, settings, values, name, rows) for name in names]
-        rejected = [error for error in errors if not _is_credible(error)]
-        if not rejected:
-            return tuple(_with_rivals(log, settings, error, names, rows) for error in errors)
-        # Gauss-Newton may end far away because of an error that is not there: without it the others converge.
-        least = min(rejected, key=lambda error: error.before - error.after)
-        names = [name for name in names if name != least.name]
-    return ()
-
-
-def _is_credible(error: CalibrationError) -> bool:
-    """Whether a calibration error is well away from none, not too large to be one, and reduces the torque error."""
-    kind = error.name[:-1]
-    away = abs(error.value - CALIBRATION[kind].neutral)
-    small = {"zero": away <= MAX_ZERO, "offset": True, "scale": 1.0 / MAX_SCALE <= error.value <= MAX_SCALE}[kind]
-    return away > MIN_Z_SCORE * error.error and small and error.after < error.before
-
-
-def _evaluated(
-    log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str, others: Array
-) -> CalibrationError:
-    """Add the torque errors with all calibration errors corrected, and with all but this one."""
-    every = {other: value for other, (value, _) in values.items()}
-    without_it = {other: value for other, value in every.items() if other != name}
-    before = _relative_error(log, settings, without_it, others)
-    return CalibrationError(name, *values[name], before, _relative_error(log, settings, every, others))
-
-
-def _with_rivals(
-    log: Log, settings: FilterSettings, error: CalibrationError, names: Sequence[str], others: Array
-) -> CalibrationError:
-    """Add the calibration errors that explain the log nearly as well in place of this one."""
-    instead = {}
-    for other in (name for name in CALIBRATION_TERMS if name not in names):
-        exchanged = [other if name == error.name else name for name in names]
-        rival = _evaluated(log, settings, _gauss_newton(log, settings, exchanged, others), other, others)
-        if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and _is_credible(rival):
-            instead[other] = rival.value
-    return replace(error, instead=instead)
-
-
-def calibration_limits(
-    log: Log, settings: FilterSettings, corrected: Sequence[CalibrationError], others: Sequence[Regression] = ()
-) -> dict[str, float | None]:
-    """Compute the detection limits of the calibration errors that were not corrected, of joints that move.
-
-    They are in rad, N m, or the fraction by which the scale of joint 2 is off; None where an error of any size could be
-    hidden: a zero beyond `MAX_ZERO`, a scale beyond `MAX_SCALE` and an offset beyond the largest torque is no error.
-    """
-    r, columns = _calibration_problem(log, settings)
-    own = [CALIBRATION_TERMS.index(error.name) for error in corrected]
-    candidates = [k for k in _candidates(columns, r.mask) if k not in own]
-    a, b = weighted_rows(r, columns)
-    first, second = np.abs(log.tau).max(axis=-1)
-    most = dict(zip(CALIBRATION_TERMS, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
-    limits = detection_limits(a, b, own, candidates, r.h, other_rows(others))
-    sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
-    return {name: size if size < most[name] else None for name, size in sizes}
-
-
-# Friction.
 
 
 def find_friction(log: Log, settings: FilterSettings, subtract: bool) -> tuple[FrictionTerm, ...]:

@@ -118,24 +118,10 @@ def _interpolated(x: Array, at: Array) -> Array:
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:
-    """Filter, cut and decimate each piece of a log by itself.
+    """Filter, cut and decimate each piece of a uniformly sampled log by itself.
 
-    Parameters
-    ----------
-    log : Log
-        Uniformly sampled. Of a long one the last few samples, at most 1 in 50, may be left out.
-    settings : FilterSettings
-        Filters, delay, cut.
-
-    Returns
-    -------
-    Regression
-        Ready for any method.
-
-    Raises
-    ------
-    ValueError
-        If nothing remains between the cuts.
+    Of a long log the last few samples, at most 1 in 50, may be left out. ValueError is raised if nothing remains
+    between the cuts.
     """
     parts = [_piece(piece, settings) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))

@@ -6,6 +6,7 @@ one joint is therefore no information about that joint's row of Eq. 1, and is ma
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ STANDSTILL_SPEED = 0.02
 MIN_MOVING_FRACTION = 0.2
 #: Fraction of time below which a joint does not move at all.
 IDLE_FRACTION = 0.01
+#: Fields of a regression with a sample on their second axis.
+SIGNALS = ("y", "tau", "q", "dq", "ddq", "mask")
 
 
 @dataclass(frozen=True, eq=False)  # identity hash, so that results can be cached per instance
@@ -38,17 +41,9 @@ class Regression:
 
     def take(self, rows: NDArray[np.intp]) -> "Regression":
         """Select samples by number, in their order; one may come more than once."""
-        return replace(
-            self,
-            t=self.t[rows],
-            y=self.y[:, rows],
-            tau=self.tau[:, rows],
-            q=self.q[:, rows],
-            dq=self.dq[:, rows],
-            ddq=self.ddq[:, rows],
-            mask=self.mask[:, rows],
-            even_odd=None if self.even_odd is None else self.even_odd[:, :, rows],
-        )
+        even_odd = None if self.even_odd is None else self.even_odd[:, :, rows]
+        signals: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in SIGNALS}
+        return replace(self, t=self.t[rows], even_odd=even_odd, **signals)
 
 
 def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) -> Regression:
@@ -57,26 +52,17 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
         return parts[0]
     factors = weights or [1.0] * len(parts)
     begins = np.cumsum([0.0, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])
-    halves = [part.even_odd for part in parts]
-
-    def concatenated(name: str, sizes: Sequence[float]) -> Array:
-        return np.concatenate([getattr(part, name) * size for part, size in zip(parts, sizes, strict=True)], axis=1)
-
-    same = [1.0] * len(parts)
-    return Regression(
-        np.concatenate([part.t - part.t[0] + begin for part, begin in zip(parts, begins, strict=True)]),
-        concatenated("y", factors),
-        concatenated("tau", factors),
-        concatenated("q", same),
-        concatenated("dq", same),
-        concatenated("ddq", same),
-        np.concatenate([part.mask for part in parts], axis=1),
-        parts[0].h,
-        None
-        if any(half is None for half in halves)
-        else np.concatenate(
-            [half * factor for half, factor in zip(halves, factors, strict=True) if half is not None], axis=2
-        ),
+    pairs = list(zip(parts, factors, strict=True))
+    halves = [part.even_odd * factor for part, factor in pairs if part.even_odd is not None]
+    signals: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in SIGNALS
+    }
+    signals |= {name: np.concatenate([getattr(p, name) * f for p, f in pairs], axis=1) for name in ("y", "tau")}
+    return replace(
+        parts[0],
+        t=np.concatenate([part.t - part.t[0] + begin for part, begin in zip(parts, begins, strict=True)]),
+        even_odd=np.concatenate(halves, axis=2) if len(halves) == len(parts) else None,
+        **signals,
     )
 
 

@@ -26,23 +26,9 @@ MAX_STEPS_PER_SAMPLE = 40
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
-    """Compute the similarity (**metr2ev**) of a torque and its rebuilding by each method.
+    """Compute the similarity (**metr2ev**) of a torque (2, N) and its rebuilding from a regressor (2, N, 9).
 
-    Parameters
-    ----------
-    y : array of shape (2, N, 9)
-        Regressor.
-    tau : array of shape (2, N)
-        Torque, N m.
-    estimates : mapping of str to mapping
-        By method, with the parameters in ``beta``.
-    metric : MetricSettings
-        Formulas.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``method, joint, time, frequency, total``, fractions of 1.
+    `estimates` have the parameters of each method in ``beta``. Columns ``method, joint, time, frequency, total``.
     """
     rows = []
     for method, estimate in estimates.items():
@@ -88,25 +74,12 @@ def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
 
 
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
-    """Compute the RMS error of the re-simulated position for several parameter sets.
+    """Compute the RMS error of the re-simulated position for parameter sets (m, 9) on a uniformly sampled log.
 
     An arm without its controller, above all one that hangs and swings, forgets where it started within seconds for any
-    parameters. The simulation therefore restarts from the recorded state at the beginning of each window.
-
-    Parameters
-    ----------
-    log : Log
-        Uniformly sampled.
-    settings : FilterSettings
-        Filter of the states that windows begin from, delay of the torque and lambda of Eq. 1.
-    betas : array of shape (m, 9)
-        Parameter sets.
-
-    Returns
-    -------
-    list of (float, float) or None
-        Median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
-        nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
+    parameters. The simulation therefore restarts from the recorded state at the beginning of each window. The error is
+    the median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
+    nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
     """
     h = period(log)
     steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])

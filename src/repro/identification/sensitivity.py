@@ -139,21 +139,9 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
 
 
 def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare a uniformly sampled log with other choices, by what is different, without standstill.
+    """Prepare a uniformly sampled log with other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
 
-    Parameters
-    ----------
-    log : Log
-        Uniformly sampled.
-    settings : FilterSettings
-        What was chosen.
-    delay_error : float
-        Standard error of the delay, s; 0 where it is known.
-
-    Returns
-    -------
-    dict of Perturbation
-        Other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
+    Standstill is left out. `delay_error` is the standard error of the delay, s; 0 where it is known.
     """
     s = settings
 

@@ -46,23 +46,10 @@ def solve_normal(gram: Array, right: Array, length: Array) -> Array:
 
 
 def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
-    """Compute the parameters with the smallest sum of squared torque errors.
+    """Compute the parameters (9,) with the smallest sum of squared torque errors, from y (2, n, 9) and tau (2, n).
 
-    Where they are not unique, they are those of the smallest length in units of the columns' length.
-
-    Parameters
-    ----------
-    y : array of shape (2, n, 9)
-        Regressor.
-    tau : array of shape (2, n)
-        Torque, N m.
-    weight : array that broadcasts to (2, n), optional
-        Weight of each squared error.
-
-    Returns
-    -------
-    array of shape (9,)
-        A parameter that the motion does not move is 0.
+    `weight` of each squared error broadcasts to (2, n). Where the parameters are not unique, they are those of the
+    smallest length in units of the columns' length; a parameter that the motion does not move is 0.
     """
     if weight is not None:  # one pass less over the rows; the same to rounding
         flat = y.reshape(-1, y.shape[-1])

@@ -107,20 +107,7 @@ def rebuild_torque(y: Array, beta: Array) -> Array:
 
 
 def mass_matrix(q: Array, beta: Array) -> Array:
-    """Compute the inertia matrix M(q) of Eq. 1.
-
-    Parameters
-    ----------
-    q : array of shape (..., 2)
-        Position, rad.
-    beta : array of shape (..., 9)
-        Parameter sets, broadcast against `q`.
-
-    Returns
-    -------
-    array of shape (..., 2, 2)
-        Inertia matrix, kg m^2.
-    """
+    """Compute M(q) of Eq. 1 (..., 2, 2), kg m^2, from positions (..., 2) and parameter sets (..., 9) that broadcast."""
     i1, i2, i3 = (check_beta(beta)[..., k] for k in range(3))
     c2 = np.cos(np.asarray(q)[..., 1])
     m12 = i3 + 0.5 * i2 * c2

@@ -7,15 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from repro.errors import InputError
-from repro.identification.excitation import Identifiability, excitation
-from repro.identification.extra_terms import (
+from repro.identification.calibration import (
     CALIBRATION,
-    FRICTION,
     CalibrationError,
-    FrictionTerm,
     calibration_limits,
     correct_calibration,
     find_calibration_errors,
+)
+from repro.identification.excitation import Identifiability, excitation
+from repro.identification.extra_terms import (
+    FRICTION,
+    FrictionTerm,
     find_friction,
     subtract_friction,
     term_columns,

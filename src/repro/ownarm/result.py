@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from repro.identification.extra_terms import CalibrationError, FrictionTerm
+from repro.identification.calibration import CalibrationError
+from repro.identification.extra_terms import FrictionTerm
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array

@@ -14,7 +14,8 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from repro.identification.bootstrap import bootstrap
-from repro.identification.extra_terms import correct_calibration, values_of
+from repro.identification.calibration import correct_calibration
+from repro.identification.extra_terms import values_of
 from repro.identification.filtering import SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.method import Method
 from repro.identification.regression import joined

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from repro.identification.extra_terms import MIN_Z_SCORE, CalibrationError, FrictionTerm
+from repro.identification.calibration import CalibrationError
+from repro.identification.extra_terms import MIN_Z_SCORE, FrictionTerm
 from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array

@@ -36,7 +36,7 @@ from repro.pipeline.tracked import (
 )
 from repro.progress import Progress
 from repro.settings import signal_settings
-from repro.signals.programs import Program
+from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
 
 #: Set of guesses of the recorded arm; those of simulated arms are 0 and up.
@@ -128,7 +128,7 @@ def _intervals(
     return pd.DataFrame({"parameter": NAMES, "true": true, "centre": centre, "low": low, "high": high})
 
 
-def _torque(q: Array, program: Program, config: Config) -> Array:
+def _torque(q: Array, program: ReferenceTrajectory, config: Config) -> Array:
     signals = signal_settings(config)
     return sample_motion(derived_motion(q, signals), signals, slice(program.n1, program.n2)).torque
 

@@ -24,7 +24,7 @@ from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.kinematics import ArmGeometry
-from repro.signals.programs import PROGRAMS, Program, ProgramSettings, check_limits, permitted_program
+from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
 from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
@@ -51,10 +51,10 @@ def true_parameters(config: Config) -> Array:
     return beta
 
 
-def program_settings(config: Config) -> ProgramSettings:
+def program_settings(config: Config) -> TrajectorySettings:
     """Lengths and filters of the motions, from sections ``signals``, ``arm`` and ``experiment``."""
     s, e = config["signals"], config["experiment"]
-    return ProgramSettings(
+    return TrajectorySettings(
         geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
         duration=s["duration_s"],
         h=s["sampling_period_s"],
@@ -74,12 +74,14 @@ def limits(config: Config) -> tuple[tuple[float, float], float]:
     return (share * first, share * second), config["board"]["speed_limit_rad_s"]
 
 
-def check_program(config: Config, program: Program) -> None:
+def check_program(config: Config, program: ReferenceTrajectory) -> None:
     """Refuse a motion that the arm cannot follow; see `repro.signals.programs.check_limits`."""
     check_limits(program, true_parameters(config), *limits(config))
 
 
-def program_from_config(config: Config, name: str, seed: int | None = None, duration: float | None = None) -> Program:
+def program_from_config(
+    config: Config, name: str, seed: int | None = None, duration: float | None = None
+) -> ReferenceTrajectory:
     """One of the motions, within what the arm can do."""
     if name not in PROGRAMS:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
@@ -87,10 +89,10 @@ def program_from_config(config: Config, name: str, seed: int | None = None, dura
     if duration is not None:
         settings = replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
-    return permitted_program(name, settings, rng, true_parameters(config), *limits(config))
+    return permitted_trajectory(name, settings, rng, true_parameters(config), *limits(config))
 
 
-def metadata_for(program: Program, config: Config) -> CaptureMetadata:
+def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadata:
     """Metadata of a capture of a motion, with the bytes that load it into a board."""
     control = control_constants(config)
     load = encode_program(control, program.q)
@@ -137,7 +139,7 @@ def board_from_config(config: Config, seed: int | None = None) -> Board:
 class Recording:
     """What was measured along one motion."""
 
-    program: Program  # desired positions as the board received them, and where the trajectory proper begins and ends
+    program: ReferenceTrajectory  # positions as the board received them, and the bounds of the trajectory proper
     q: Array  # measured position (rad) and torque (N m)
     tau: Array
 
@@ -151,7 +153,7 @@ class Recording:
 SAME_MOTION = 0.01
 
 
-def check_recorded(capture: Capture, program: Program) -> None:
+def check_recorded(capture: Capture, program: ReferenceTrajectory) -> None:
     """Refuse a capture of another motion than the configuration's."""
     metadata = capture.metadata
     found, expected = (metadata.samples, metadata.n1, metadata.n2), (program.q.shape[1], program.n1, program.n2)
@@ -193,7 +195,7 @@ def acquire(motion: str, out: Path, config: Config) -> None:
         _record(out, program_from_config(config, motion), config)
 
 
-def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
+def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config) -> Capture:
     """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
     board, metadata = board_from_config(config), metadata_for(program, config)
     board.receive(metadata.program + encode_start(metadata.samples))
@@ -207,7 +209,7 @@ def simulate_capture(out: Path, program: Program, config: Config) -> Capture:
     return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
 
 
-def _record(out: Path, program: Program, config: Config) -> None:
+def _record(out: Path, program: ReferenceTrajectory, config: Config) -> None:
     e, metadata = config["experiment"], metadata_for(program, config)
     with raw_file(out, metadata, overwrite=True) as raw:
         data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)

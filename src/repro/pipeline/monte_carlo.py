@@ -32,7 +32,7 @@ from repro.pipeline.job import Config
 from repro.pipeline.tracked import draw_arms, tracking_error
 from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings
-from repro.signals.programs import VALIDATION, Program, check_limits
+from repro.signals.programs import VALIDATION, ReferenceTrajectory, check_limits
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def chatters(recorded: Recording) -> bool:
     return bool((power[..., fast].sum(axis=-1) > CHATTER_SHARE * power.sum(axis=-1)).any())
 
 
-def _may(motion: Program, beta: Array, config: Config) -> bool:
+def _may(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
     """Whether a motion stays within torque and speed of an arm."""
     try:
         check_limits(motion, beta, *limits(config))
@@ -91,9 +91,9 @@ def _may(motion: Program, beta: Array, config: Config) -> bool:
     return True
 
 
-def programs(config: Config, seed: int, duration: float) -> dict[str, Program]:
+def programs(config: Config, seed: int, duration: float) -> dict[str, ReferenceTrajectory]:
     """The motions of one seed and one identification duration."""
-    found: dict[str, Program] = {"ID": program_from_config(config, "ID", duration=duration)}
+    found: dict[str, ReferenceTrajectory] = {"ID": program_from_config(config, "ID", duration=duration)}
     return found | {name: program_from_config(config, name, seed) for name in VALIDATION}
 
 

@@ -24,7 +24,7 @@ from repro.pipeline.experiment import control_constants
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
-from repro.signals.programs import Program, identification_program
+from repro.signals.programs import ReferenceTrajectory, identification_reference
 from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
@@ -37,7 +37,7 @@ Draw = Callable[[np.random.Generator, int, Config], Array]
 class Tracked:
     """Arms and how they tracked Eq. 10."""
 
-    program: Program  # the motion that was sent
+    program: ReferenceTrajectory  # the motion that was sent
     position: NDArray[np.int16]  # counts of encoder and PWM
     pwm: NDArray[np.int16]
     parameters: Array  # of each arm
@@ -83,12 +83,12 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
     return arms[:n]
 
 
-def _program(config: Config) -> Program:
+def _program(config: Config) -> ReferenceTrajectory:
     s, e = config["signals"], config["experiment"]
-    return identification_program(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
+    return identification_reference(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
 
 
-def tracking_error(position: NDArray[np.int16], program: Program) -> Array:
+def tracking_error(position: NDArray[np.int16], program: ReferenceTrajectory) -> Array:
     """Largest error of each arm along the trajectory proper, rad, of encoder counts of shape (K, 2, N)."""
     error: Array = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
     return error

@@ -10,8 +10,8 @@ from scipy.fft import dct, idct
 
 from repro.model.parameters import Array
 
-FrequencyReading = Literal["rad_per_s", "hertz", "index"]
-FREQUENCY_READINGS: tuple[FrequencyReading, ...] = ("rad_per_s", "hertz", "index")
+FrequencyUnit = Literal["rad_per_s", "hertz", "index"]
+FREQUENCY_UNITS: tuple[FrequencyUnit, ...] = ("rad_per_s", "hertz", "index")
 
 
 def spectrum(x: Array) -> Array:
@@ -24,21 +24,21 @@ def spectrum(x: Array) -> Array:
     return np.asarray(dct(x, type=2, norm="ortho", axis=-1))
 
 
-def band_frequency(n: int, h: float, reading: FrequencyReading = "rad_per_s") -> Array:
+def band_frequency(n: int, h: float, unit: FrequencyUnit = "rad_per_s") -> Array:
     """Compute omega (n,) of each DCT-II band k: pi k / (n h), k / (2 n h), or k itself; the paper does not say."""
     if not 0 < h < np.inf:
         raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
     k = np.arange(n, dtype=np.float64)
-    if reading == "rad_per_s":
+    if unit == "rad_per_s":
         return np.pi * k / (n * h)
-    if reading == "hertz":
+    if unit == "hertz":
         return k / (2.0 * n * h)
-    if reading == "index":
+    if unit == "index":
         return k
-    raise ValueError(f"reading: must be one of {FREQUENCY_READINGS}, got {reading!r}.")
+    raise ValueError(f"unit: must be one of {FREQUENCY_UNITS}, got {unit!r}.")
 
 
-def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
+def dct2low(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
     """Low-pass a signal with a Gaussian in the DCT-II domain (Eq. 14).
 
     Parameters
@@ -49,7 +49,7 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
         Sampling period, s.
     c_f : float
         Filter coefficient, not negative; 0 leaves the signal as it is.
-    reading : {"rad_per_s", "hertz", "index"}
+    unit : {"rad_per_s", "hertz", "index"}
         Unit of omega in exp(-c_f omega^2).
 
     Returns
@@ -60,7 +60,7 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
     Raises
     ------
     ValueError
-        If `c_f` is negative or not finite, or `x`, `h` or `reading` is not valid.
+        If `c_f` is negative or not finite, or `x`, `h` or `unit` is not valid.
 
     Examples
     --------
@@ -70,11 +70,11 @@ def dct2low(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
     if not 0 <= c_f < np.inf:
         raise ValueError(f"c_f: the filter coefficient must be finite and not negative, got {c_f}.")
     bands = spectrum(x)
-    gain = np.exp(-c_f * band_frequency(bands.shape[-1], h, reading) ** 2)
+    gain = np.exp(-c_f * band_frequency(bands.shape[-1], h, unit) ** 2)
     return np.asarray(idct(bands * gain, type=2, norm="ortho", axis=-1))
 
 
-def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per_s") -> Array:
+def dct2dev(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
     """Compute the filtered derivative of a signal (Eq. 6).
 
     The backward difference of the first sample would need a sample before it. The second sample's difference stands
@@ -86,7 +86,7 @@ def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
         Signal with at least two samples.
     h : float
         Sampling period, s.
-    c_f, reading
+    c_f, unit
         As for `dct2low`.
 
     Returns
@@ -104,28 +104,13 @@ def dct2dev(x: Array, h: float, c_f: float, reading: FrequencyReading = "rad_per
         raise ValueError("x: a derivative needs at least two samples.")
     difference = np.diff(x, axis=-1)
     difference = np.concatenate([difference[..., :1], difference], axis=-1)
-    return dct2low(difference / h, h, c_f, reading)
+    return dct2low(difference / h, h, c_f, unit)
 
 
 def dct2sub(x: Array, m: int) -> Array:
-    """Subsample a signal to any length by keeping the first M bands of its DCT-II (Fig. 5).
+    """Subsample a signal (..., N) to m samples, 1 <= m <= N, by keeping the first m bands of its DCT-II (Fig. 5).
 
-    Parameters
-    ----------
-    x : array of shape (..., N)
-        Signal.
-    m : int
-        Number of samples to keep, 1 <= M <= N; N need not be a multiple of M.
-
-    Returns
-    -------
-    array of shape (..., m)
-        Subsampled signal, scaled by sqrt(M/N) so that levels stay.
-
-    Raises
-    ------
-    ValueError
-        If `m` is not between 1 and N.
+    It is scaled by sqrt(m/N) so that levels stay. N need not be a multiple of m.
     """
     bands = spectrum(x)
     n = bands.shape[-1]

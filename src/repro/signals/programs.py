@@ -31,7 +31,7 @@ SPEED_LIMIT = 8.0
 
 
 @dataclass(frozen=True)
-class Program:
+class ReferenceTrajectory:
     """Reference trajectory of one recording: the trajectory proper is ``q[:, n1:n2]``, what **cut** keeps."""
 
     name: str
@@ -41,12 +41,8 @@ class Program:
     h: float  # sampling period, s
 
     def __post_init__(self) -> None:
-        """Refuse positions that are not finite, bounds out of order, and more samples than the memory holds."""
-        if self.q.ndim != 2 or self.q.shape[0] != 2 or not np.isfinite(self.q).all():
-            raise ValueError(f"q: must be finite of shape (2, N), got shape {self.q.shape}.")
+        """Refuse more samples than the memory holds."""
         samples = self.q.shape[1]
-        if not 0 <= self.n1 < self.n2 <= samples:
-            raise ValueError(f"n1, n2: must be 0 <= n1 < n2 <= {samples}, got {self.n1} and {self.n2}.")
         if samples > MEMORY_SAMPLES:
             raise InputError.at(
                 f"trajectory {self.name}: length", f"{samples} samples", f"at most the memory's {MEMORY_SAMPLES}"
@@ -54,7 +50,7 @@ class Program:
 
 
 @dataclass(frozen=True)
-class ProgramSettings:
+class TrajectorySettings:
     """Settings of the five reference trajectories."""
 
     geometry: ArmGeometry = field(default_factory=lambda: ArmGeometry(0.165, 0.150))  # for the circle of T2
@@ -70,26 +66,22 @@ class ProgramSettings:
 
 def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
     """Compute positions (2, samples), rad, from rest at q = 0 into a state of two joints, one sample later."""
-    if samples < 1:
-        raise ValueError(f"samples: a lead-in needs at least one, got {samples}.")
     time = h * np.arange(samples, dtype=np.float64)
     return quintic(time, samples * h, np.zeros((3, 2)), np.stack([q, dq, ddq]))
 
 
-def identification_program(
+def identification_reference(
     duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 40, lead_in_s: float = 0.75
-) -> Program:
+) -> ReferenceTrajectory:
     """Build ID: lead-in of `lead_in_s`, margin, trajectory of Eq. 10 over `duration` (s), margin."""
     motion = identification_trajectory(duration, h, margin)
-    if not np.isfinite(lead_in_s):
-        raise ValueError(f"lead_in_s: must be finite, got {lead_in_s}.")
     lead = lead_in(motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0], round(lead_in_s / h), h)
     n1 = lead.shape[1] + margin
     q = np.concatenate([lead, motion.q], axis=1)
-    return Program("ID", q, n1, q.shape[1] - margin, h)
+    return ReferenceTrajectory("ID", q, n1, q.shape[1] - margin, h)
 
 
-Make = Callable[[ProgramSettings, np.random.Generator], Motion]
+Make = Callable[[TrajectorySettings, np.random.Generator], Motion]
 
 
 @dataclass(frozen=True)
@@ -116,18 +108,16 @@ PROGRAMS = ("ID", *VALIDATION)
 SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
 
 
-def program(name: str, settings: ProgramSettings, rng: np.random.Generator) -> Program:
+def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random.Generator) -> ReferenceTrajectory:
     """Build the reference trajectory of this name; only a random motion uses `rng`."""
     s = settings
-    if name not in PROGRAMS:
-        raise ValueError(f"name: must be one of {PROGRAMS}, got {name!r}.")
     if name == "ID":
-        return identification_program(s.duration, s.h, s.margin, s.lead_in)
+        return identification_reference(s.duration, s.h, s.margin, s.lead_in)
     motion = VALIDATION[name].make(s, rng)
-    return Program(name, motion.q, 0, motion.q.shape[1], s.h)
+    return ReferenceTrajectory(name, motion.q, 0, motion.q.shape[1], s.h)
 
 
-def peaks(desired: Program, beta: Array) -> tuple[Array, Array]:
+def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
     """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm.
 
     The speed is that of the steps between samples, the first one from q = 0. The torque is that of the inverse dynamics
@@ -141,7 +131,10 @@ def peaks(desired: Program, beta: Array) -> tuple[Array, Array]:
 
 
 def check_limits(
-    desired: Program, beta: Array, torque_limit: tuple[float, float] = TORQUE_LIMIT, speed_limit: float = SPEED_LIMIT
+    desired: ReferenceTrajectory,
+    beta: Array,
+    torque_limit: tuple[float, float] = TORQUE_LIMIT,
+    speed_limit: float = SPEED_LIMIT,
 ) -> None:
     """Raise InputError if a joint would exceed its torque (N m) or speed (rad/s); call it before anything is sent."""
     speed, torque = peaks(desired, beta)
@@ -153,27 +146,25 @@ def check_limits(
                 raise InputError.at(place, f"{needed[joint]:.4g} {unit}", f"at most {allowed[joint]:g} {unit}")
 
 
-def permitted_program(
+def permitted_trajectory(
     name: str,
-    settings: ProgramSettings,
+    settings: TrajectorySettings,
     rng: np.random.Generator,
     beta: Array,
     torque_limit: tuple[float, float] = TORQUE_LIMIT,
     speed_limit: float = SPEED_LIMIT,
     draws: int = 100,
-) -> Program:
+) -> ReferenceTrajectory:
     """Build a reference trajectory that keeps the limits; draw a random one up to `draws` times.
 
     All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2. With 45 bands, 2 of
     10 do. InputError is raised if the last draw breaks a limit.
     """
-    if draws < 1:
-        raise ValueError(f"draws: must be at least 1, got {draws}.")
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
-        desired = program(name, settings, rng)
+        desired = reference_trajectory(name, settings, rng)
         speed, torque = peaks(desired, beta)
         if (speed <= speed_limit).all() and (torque <= np.asarray(torque_limit)).all():
             return desired
-    desired = program(name, settings, rng)
+    desired = reference_trajectory(name, settings, rng)
     check_limits(desired, beta, torque_limit, speed_limit)
     return desired

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyReading, dct2dev, dct2low
+from repro.signals.dct import FrequencyUnit, dct2dev, dct2low
 
 
 @dataclass(frozen=True)
@@ -46,29 +46,11 @@ def sample_times(duration: float, h: float) -> Array:
 
 
 def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 0) -> Motion:
-    """Compute the trajectory of Eq. 10 with its exact derivatives.
+    """Compute the trajectory of Eq. 10 with its exact derivatives: duration / h + 2 margin samples.
 
-    Played slower or faster it keeps its shape: over `duration` the phase runs from 0 to 3 pi.
-
-    Parameters
-    ----------
-    duration : float
-        s; 3 pi as published.
-    h : float
-        Sampling period, s.
-    margin : int
-        Samples added before the start and after the end, which **cut** of Algorithm 1 removes again
-        together with the filter's edges.
-
-    Returns
-    -------
-    Motion
-        N = duration / h + 2 margin samples; time is 0 where the trajectory proper starts.
-
-    Raises
-    ------
-    ValueError
-        If `margin` is negative or fewer than two samples fit.
+    Played slower or faster it keeps its shape: over `duration` (s) the phase runs from 0 to 3 pi. **cut** of Algorithm
+    1 removes `margin` samples at either end again, with the filter's edges. Time is 0 where the trajectory proper
+    starts.
     """
     if margin < 0:
         raise ValueError(f"margin: must not be negative, got {margin}.")
@@ -89,7 +71,7 @@ def random_trajectory(
     duration: float,
     h: float,
     c_f: float,
-    reading: FrequencyReading,
+    unit: FrequencyUnit,
     low: float = RANDOM_RANGE[0],
     high: float = RANDOM_RANGE[1],
 ) -> Motion:
@@ -100,7 +82,7 @@ def random_trajectory(
     if not -np.inf < low < high < np.inf:
         raise ValueError(f"high: must be finite and above the finite low, got {low} to {high}.")
     t = sample_times(duration, h)
-    q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, reading)
+    q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, unit)
     dq = dct2dev(q, h, 0.0)
     return Motion(t, q, dq, dct2dev(dq, h, 0.0))
 

@@ -7,10 +7,8 @@ from hypothesis import strategies as st
 
 from repro.identification.algorithm1.conformal import (
     MIN_WIDTH,
-    GuessSpread,
     covered,
     distances,
-    novelty_limit,
     spread_of,
     stretch_factors,
 )
@@ -69,17 +67,3 @@ def test_a_motion_is_as_far_as_its_nearest_neighbour():
     assert found[0] == pytest.approx(0.01)
     assert found[-1] == pytest.approx(np.sqrt(np.mean((5 - 1.01) ** 2)) / 5)
     np.testing.assert_allclose(distances(base[:1] * np.arange(1.0, 10.0), motions * np.arange(1.0, 10.0)), [0.0])
-
-
-def test_one_training_motion_in_a_hundred_is_unlike_the_rest():
-    motions = np.random.default_rng(3).standard_normal((300, 2, 20, 9))
-    found = distances(motions)
-    assert 1 <= (found > novelty_limit(motions)).sum() <= 3
-
-
-def test_spread_is_per_arm():
-    known, _ = arms(np.random.default_rng(4), 3)
-    one = spread_of(known[1])
-    many = spread_of(known)
-    assert isinstance(one, GuessSpread)
-    np.testing.assert_array_equal(many.centre[1], one.centre)

@@ -11,10 +11,7 @@ from hypothesis import strategies as st
 from repro.identification.algorithm1.preprocessing import derivatives, filtered, fit2trt, prepare
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.experiment import Recording
-from repro.pipeline.experiment_runs import prepare_recording
 from repro.signals.dct import dct2dev
-from repro.signals.programs import identification_program
 from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -38,24 +35,9 @@ def signal(found, name):
 
 
 def test_fit2trt_by_hand():
-    tau = np.array([[3.0, 0.0], [4.0, 2.0]])  # norms 5 and 2
-    tau_mean = np.array([[6.0, 0.6], [8.0, -0.8]])  # norms 10 and 1
+    tau = np.array([[3.0, 0.0, 1e-12], [4.0, 2.0, 0.0]])  # norms 5 and 2, and a sample without a level
+    tau_mean = np.array([[6.0, 0.6, 7.0], [8.0, -0.8, 7.0]])  # norms 10 and 1
     assert fit2trt(tau, tau_mean) == pytest.approx((10 / 5 + 1 / 2) / 2, rel=1e-15)
-
-
-def test_fit2trt_leaves_out_samples_without_a_level():
-    tau = np.array([[3.0, 0.0, 1e-12], [4.0, 0.0, 0.0]])
-    tau_mean = np.array([[6.0, 7.0, 7.0], [8.0, 7.0, 7.0]])
-    assert fit2trt(tau, tau_mean) == pytest.approx(2.0, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("tau", "mean", "rule"),
-    [(np.zeros((2, 5)), np.ones((2, 5)), "zero throughout"), (np.ones((2, 5)), np.ones((2, 4)), "differ")],
-)
-def test_fit2trt_refuses(tau, mean, rule):
-    with pytest.raises(ValueError, match=rule):
-        fit2trt(tau, mean)
 
 
 @pytest.mark.parametrize("normalise", [False, True])
@@ -155,25 +137,6 @@ def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
     chosen = select(np.stack([0.7 * canonical[::-1], canonical / found.torque_scale]), found, SearchSettings())
     np.testing.assert_allclose(chosen.beta, truth, rtol=1e-9)
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
-
-
-@pytest.mark.parametrize("duration", [3.0, 9.42477796076938, 15.0])
-def test_a_recording_of_any_length_is_prepared_in_the_time_of_training(duration):
-    """The mean torque is stretched to the recording, whose truth in canonical time is found again."""
-    signals = SignalSettings(c_f=0.0)
-    program = identification_program(duration)
-    dq = dct2dev(program.q, program.h, 0.0)
-    tau = inverse_dynamics(program.q, dq, dct2dev(dq, program.h, 0.0), literal.ARMS["N1"])
-    mean = np.stack([np.linspace(1.0, 2.0, 3770), np.linspace(3.0, 1.0, 3770)])
-    found = prepare_recording(Recording(program, program.q, tau), mean, signals)
-    n = program.n2 - program.n1
-    assert found.time_scale == pytest.approx(3770 / n)
-    assert found.regression.tau.shape == (2, n)
-    canonical = in_canonical_time(literal.ARMS["N1"], found.time_scale)
-    chosen = select(canonical[None] / found.torque_scale, found, SearchSettings())
-    np.testing.assert_allclose(chosen.beta, literal.ARMS["N1"], rtol=1e-9)
-    stretched = np.stack([np.linspace(1.0, 2.0, n), np.linspace(3.0, 1.0, n)])
-    assert found.c_p == pytest.approx(fit2trt(found.regression.tau, stretched), rel=1e-3)
 
 
 @pytest.mark.parametrize("cut", [(-1, 400), (0, 60), (400, 460), (300, 200), (N, None), (0, N + 200)])

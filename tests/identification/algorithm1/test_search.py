@@ -94,49 +94,6 @@ def test_batched_search_is_the_listing(seed, normalise, settings):
     assert chosen.similarity == pytest.approx(similarity, abs=1e-4)
 
 
-def test_threshold_ends_an_execution():
-    """The right answer in the second round ends those that got it; the others go on to the limit."""
-    prepared = make()
-    right, poor = N1 / prepared.torque_scale, np.full(9, 0.01)
-    rounds = iter([[poor] * 3, [poor, right, poor], [poor] * 2, [poor] * 2])
-    reader = Stub(lambda guess: np.array(next(rounds)))
-    settings = SearchSettings(executions=3, inner_limit=4)
-    found = search(reader, prepared, settings, np.random.default_rng(0))
-    assert [len(g) for g in reader.guesses] == [3, 3, 2, 2]
-    np.testing.assert_array_equal(np.bincount(found.execution), [4, 2, 4])
-    assert found.images == 10
-    assert (found.similarity > settings.threshold).sum() == 1
-    np.testing.assert_allclose(found.beta[found.similarity.argmax()], right)
-
-
-@pytest.mark.parametrize("limit", [1, 5])
-def test_inner_limit_ends_an_execution(limit):
-    found = search(constant(np.full(9, 0.01)), make(), SearchSettings(4, limit), np.random.default_rng(0))
-    np.testing.assert_array_equal(np.bincount(found.execution), [limit] * 4)
-    assert found.images == 4 * limit
-
-
-def test_search_stops_when_every_execution_is_done():
-    prepared = make()
-    reader = constant(N1 / prepared.torque_scale)
-    found = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(0))
-    assert found.images == reader.images == 7
-    assert len(reader.guesses) == 1
-    again = search(reader, prepared, SearchSettings(7, 20), np.random.default_rng(1))
-    assert (again.images, reader.images) == (7, 14)
-
-
-def test_guesses_come_from_the_range_of_line_17():
-    reader = constant(np.full(9, 0.01))
-    settings = SearchSettings(200, 3, low=0.2, high=0.7)
-    search(reader, make(), settings, np.random.default_rng(0))
-    guesses = np.concatenate(reader.guesses)
-    assert guesses.shape == (600, 9)
-    assert 0.2 <= guesses.min() < 0.21
-    assert 0.69 < guesses.max() <= 0.7
-    assert len(np.unique(guesses)) == guesses.size
-
-
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
 def test_infeasible_estimates_are_never_kept(feasibility):
     """The best fit has a negative parameter, or an inertia matrix that is not positive definite: it must lose."""
@@ -179,23 +136,6 @@ def test_perfect_network_recovers_the_parameters(arm, strength):
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
 
 
-def test_last_line_restores_the_level_of_an_estimate_of_the_right_shape():
-    signals, motion = exact_signals()
-    prepared = make(inverse_dynamics(*motion, N1), signals=signals)
-    for factor in (0.2, 1.0, 5.0):
-        chosen = select(factor * N1[None] / prepared.torque_scale, prepared, SearchSettings())
-        np.testing.assert_allclose(chosen.beta, N1, rtol=1e-10)
-
-
-def test_torque_stronger_by_a_factor_gives_parameters_larger_by_it():
-    weak, strong = make(), make(7.0 * TAU)
-    first, second = run(weak), run(strong)
-    np.testing.assert_allclose(first.beta, second.beta, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(
-        select(second.beta, strong, SEARCH).beta, 7.0 * select(first.beta, weak, SEARCH).beta, rtol=1e-4
-    )
-
-
 def test_selection_takes_the_most_similar_on_the_full_rate_signals():
     prepared = make()
     right = N1 / prepared.torque_scale
@@ -236,11 +176,3 @@ def test_estimates_are_those_of_single_images_and_the_plain_network(scale, norma
 @pytest.mark.parametrize("batch", [1, 7, 20, 1000])
 def test_size_of_the_batches_does_not_matter(batch):
     np.testing.assert_allclose(reader(batch=batch).estimate(GUESSES), reader().estimate(GUESSES), rtol=0, atol=1e-5)
-
-
-def test_images_are_counted():
-    ours = reader(batch=7)
-    assert ours.images == 0
-    ours.estimate(GUESSES)
-    ours.estimate(GUESSES[:3])
-    assert ours.images == 23

@@ -53,8 +53,8 @@ def fit2trt(tau: Array, tau_mean: Array) -> float:
 
 def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array]:
     """Differentiate a position (2, N) twice (lines 1 and 2)."""
-    dq = dct2dev(q, settings.h, settings.c_f, settings.reading)
-    return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.reading)
+    dq = dct2dev(q, settings.h, settings.c_f, settings.omega_unit)
+    return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.omega_unit)
 
 
 def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: SignalSettings) -> Regression:
@@ -67,30 +67,14 @@ def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: Sign
 def filtered(q: Array, tau: Array, settings: SignalSettings, n1: int = 0, n2: int | None = None) -> Regression:
     """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples n1 to n2 - 1.
 
-    Parameters
-    ----------
-    q, tau : arrays of shape (2, N)
-        Measured position, rad, and torque, N m.
-    settings : SignalSettings
-        Sampling period and filter.
-    n1, n2 : int
-        First sample kept and the one after the last; all by default.
-
-    Returns
-    -------
-    Regression
-        In recorded time.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ, values are not finite, or the cut is empty.
+    `q` and `tau` (2, N) are measured. The regression is in recorded time. ValueError is raised if shapes differ, values
+    are not finite, or the cut is empty.
     """
     q, tau = check_motion(q, tau)
     n2 = q.shape[-1] if n2 is None else n2
     if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
         raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
-    tau = dct2low(tau, settings.h, settings.c_f, settings.reading)  # line 3
+    tau = dct2low(tau, settings.h, settings.c_f, settings.omega_unit)  # line 3
     position, velocity, acceleration = (x[:, n1:n2] for x in derivatives(q, settings))
     return regression_of((position, velocity, acceleration), tau[:, n1:n2], settings)  # line 4
 
@@ -102,25 +86,12 @@ def prepare(
     time_scale: float = 1.0,
     image_motion: tuple[Array, Array, Array] | None = None,
 ) -> PreparedSignals:
-    """Apply lines 5 to 12 of Algorithm 1.
+    """Apply lines 5 to 12 of Algorithm 1 to cut and filtered signals in recorded time.
 
-    Parameters
-    ----------
-    recorded : Regression
-        Cut and filtered signals in recorded time.
-    tau_mean : array of shape (2, N)
-        Mean torque of the training data at the same samples.
-    settings : SignalSettings
-        Length of the subsampled signals.
-    time_scale : float
-        Canonical time over recorded time, for a trajectory that was run slower or faster than in training.
-    image_motion : tuple of three arrays of shape (2, N), optional
-        Motion in recorded time that f of the image is taken on, an extension of ours; the measured one by default.
-
-    Returns
-    -------
-    PreparedSignals
-        Signals for the search.
+    `tau_mean` (2, N) is the mean torque of the training data at the same samples. `time_scale` is canonical time over
+    recorded time, for a trajectory that was run slower or faster than in training. `image_motion` (three arrays of
+    shape (2, N), in recorded time) is the motion that f of the image is evaluated on, an extension of ours; the
+    measured one by default.
     """
     steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
     c_p = fit2trt(recorded.tau, tau_mean)  # line 5

@@ -100,28 +100,11 @@ def refine(
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Move the best candidates, pass by pass.
+    """Move the best of the candidates (m, 9), pass by pass, in units of the largest torque.
 
-    Parameters
-    ----------
-    estimator : ResidualEstimator or None
-        Network and torque. None: a control, whose moved guesses are candidates without the network.
-    candidates : array of shape (m, 9)
-        From `restart` or `uniform_guesses`, in units of the largest torque.
-    signals : PreparedSignals
-        Signals that candidates are compared on.
-    search : SearchSettings
-        Range of guesses, the check of line 22 and the metric.
-    settings : RefinementSettings
-        Budget and moves.
-    rng : numpy.random.Generator
-        Source of the moves, left unchanged: refinement and control make the same ones.
-
-    Returns
-    -------
-    array of shape (k, 9)
-        The ``settings.keep`` most similar of `candidates` and of every physically possible one of every pass, best
-        first; none if there was no candidate to start from.
+    Returns the ``settings.keep`` most similar (k, 9) of `candidates` and of every physically possible one of every
+    pass, best first; none without a candidate to start from. Without an estimator it is a control, whose moved guesses
+    are candidates without the network. `rng` is left unchanged: refinement and control make the same moves.
     """
     if not len(candidates):
         return candidates

@@ -88,26 +88,10 @@ class ResidualEstimator:
 def search(
     estimator: ResidualEstimator, signals: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> Candidates:
-    """Lines 8 to 29: repeat guess, image, CNN and evaluation.
+    """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
 
     All executions advance together, one guess each a round, so that the network evaluates them as one batch.
     Each execution has its own random stream, so the guesses are those of the listing run one by one.
-
-    Parameters
-    ----------
-    estimator : ResidualEstimator
-        Network and torque.
-    signals : PreparedSignals
-        Signals after line 12.
-    settings : SearchSettings
-        Constants.
-    rng : numpy.random.Generator
-        Parent of the executions' streams.
-
-    Returns
-    -------
-    Candidates
-        Every physically possible estimate.
     """
     possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)

@@ -1,0 +1,189 @@
+"""Calibration errors of a log: found, evaluated against rival explanations, and corrected.
+
+A wrong zero position turns gravity, an offset of the torque is always there, and a wrong torque constant of one joint
+shows because both joints share I2, I3 and g2. `repro.identification.extra_terms` selects among their columns; their
+values follow by Gauss-Newton on the corrected log.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.identification.extra_terms import (
+    MIN_ERROR_REDUCTION,
+    MIN_Z_SCORE,
+    N_NINE,
+    Kind,
+    Term,
+    best_subset,
+    detection_limits,
+    fit_with_errors,
+    offset,
+    other_rows,
+    reduced_rows,
+    scale,
+    term_columns,
+    term_names,
+    weighted_rows,
+    zero_position,
+)
+from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.regression import Regression, drop_standstill
+from repro.identification.solve import solve
+from repro.logs.log import Log
+from repro.model.parameters import Array
+
+#: Most iterations of Gauss-Newton, and step in standard errors at which they end.
+MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1
+#: Zero (rad) beyond which it is no calibration error but another convention of the log, see `repro.logs.conventions`.
+MAX_ZERO = 0.25
+#: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
+MAX_SCALE = 3.0
+#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of joint 2 over the one
+#: that Eq. 1 shares with joint 1.
+CALIBRATION: dict[str, Kind] = {
+    "zero": Kind(zero_position, "rad", max_step=0.1),
+    "offset": Kind(offset, "N m"),
+    "scale": Kind(scale, "1", (2,), 1.0, 0.3),
+}
+CALIBRATION_TERMS = term_names(CALIBRATION)
+
+
+@dataclass(frozen=True)
+class CalibrationError(Term):
+    """A calibration error of a log."""
+
+    before: float  # relative RMS error of the rebuilt torque, mean of both joints, with all errors but this corrected
+    after: float  # the same with all errors corrected
+    instead: dict[str, float] = field(default_factory=dict)  # other errors that would explain the log nearly as well
+
+
+def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
+    """Correct positions and torques of a log by the values of calibration errors; a missing one has no effect."""
+    if not values:
+        return log
+    zero, constant = (np.array([[values.get(f"{name}{j}", 0.0)] for j in (1, 2)]) for name in ("zero", "offset"))
+    factor = np.array([[1.0], [values.get("scale2", 1.0)]])
+    return replace(log, q=log.q + zero, tau=(log.tau - constant) / factor)
+
+
+def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
+    """Columns that are not zero throughout."""
+    return [k for k in range(columns.shape[-1]) if np.any(columns[..., k] * mask)]
+
+
+def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
+    """Regression of a log without standstill, and the columns of all calibration errors."""
+    r = drop_standstill(prepare(log, settings))
+    return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
+
+
+def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, float], others: Array) -> float:
+    """Relative RMS error of least squares of a corrected log and others, mean of its joints that have torque."""
+    regression = drop_standstill(prepare(correct_calibration(log, values), settings))
+    beta = solve(regression.y, regression.tau)
+    if len(others):
+        own = reduced_rows(*weighted_rows(regression, np.empty((*regression.tau.shape, 0))))
+        both = np.concatenate([own, others])
+        beta = solve(both[np.newaxis, :, :-1], both[np.newaxis, :, -1])
+    error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
+    whole = np.linalg.norm(regression.tau, axis=-1)
+    return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
+
+
+def _gauss_newton(
+    log: Log, settings: FilterSettings, names: Sequence[str], others: Array
+) -> dict[str, tuple[float, float]]:
+    """Values of these calibration errors with their standard errors."""
+    kinds = {name: CALIBRATION[name[:-1]] for name in names}
+    values = {name: kind.neutral for name, kind in kinds.items()}
+    errors = dict.fromkeys(names, np.inf)
+    subset = [CALIBRATION_TERMS.index(name) for name in names]
+    for _ in range(MAX_ITERATIONS):
+        r, columns = _calibration_problem(correct_calibration(log, values), settings)
+        a, b = weighted_rows(r, columns[..., subset])
+        steps, spread = (x[N_NINE:] for x in fit_with_errors(a, b, r.h, others))
+        for name, step, error in zip(names, steps, spread, strict=True):
+            size = values[name] if kinds[name].neutral else 1.0
+            longest = kinds[name].max_step
+            values[name] += size * float(np.clip(step, -longest, longest))
+            errors[name] = abs(size) * float(error)
+        if np.all(np.abs(steps) < MAX_LAST_STEP * spread):
+            break
+    return {name: (values[name], errors[name]) for name in names}
+
+
+def find_calibration_errors(
+    log: Log, settings: FilterSettings, others: Sequence[Regression] = ()
+) -> tuple[CalibrationError, ...]:
+    """Find the calibration errors that a uniformly sampled log shows, in the order of `CALIBRATION_TERMS`.
+
+    `others` are regressions of other logs of the arm, without a calibration error or corrected: they have the same nine
+    parameters.
+    """
+    r, columns = _calibration_problem(log, settings)
+    rows = other_rows(others)
+    candidates = _nonzero_columns(columns, r.mask)
+    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, rows)]
+    while names:
+        values = _gauss_newton(log, settings, names, rows)
+        errors = [_evaluated(log, settings, values, name, rows) for name in names]
+        rejected = [error for error in errors if not _is_credible(error)]
+        if not rejected:
+            return tuple(_with_rivals(log, settings, error, names, rows) for error in errors)
+        # Gauss-Newton may end far away because of an error that is not there: without it the others converge.
+        least = min(rejected, key=lambda error: error.before - error.after)
+        names = [name for name in names if name != least.name]
+    return ()
+
+
+def _is_credible(error: CalibrationError) -> bool:
+    """Whether a calibration error is well away from none, not too large to be one, and reduces the torque error."""
+    kind = error.name[:-1]
+    away = abs(error.value - CALIBRATION[kind].neutral)
+    small = {"zero": away <= MAX_ZERO, "offset": True, "scale": 1.0 / MAX_SCALE <= error.value <= MAX_SCALE}[kind]
+    return away > MIN_Z_SCORE * error.error and small and error.after < error.before
+
+
+def _evaluated(
+    log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str, others: Array
+) -> CalibrationError:
+    """Add the torque errors with all calibration errors corrected, and with all but this one."""
+    every = {other: value for other, (value, _) in values.items()}
+    without_it = {other: value for other, value in every.items() if other != name}
+    before = _relative_error(log, settings, without_it, others)
+    return CalibrationError(name, *values[name], before, _relative_error(log, settings, every, others))
+
+
+def _with_rivals(
+    log: Log, settings: FilterSettings, error: CalibrationError, names: Sequence[str], others: Array
+) -> CalibrationError:
+    """Add the calibration errors that explain the log nearly as well in place of this one."""
+    instead = {}
+    for other in (name for name in CALIBRATION_TERMS if name not in names):
+        exchanged = [other if name == error.name else name for name in names]
+        rival = _evaluated(log, settings, _gauss_newton(log, settings, exchanged, others), other, others)
+        if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and _is_credible(rival):
+            instead[other] = rival.value
+    return replace(error, instead=instead)
+
+
+def calibration_limits(
+    log: Log, settings: FilterSettings, corrected: Sequence[CalibrationError], others: Sequence[Regression] = ()
+) -> dict[str, float | None]:
+    """Compute the detection limits of the calibration errors that were not corrected, of joints that move.
+
+    They are in rad, N m, or the fraction by which the scale of joint 2 is off; None where an error of any size could be
+    hidden: a zero beyond `MAX_ZERO`, a scale beyond `MAX_SCALE` and an offset beyond the largest torque is no error.
+    """
+    r, columns = _calibration_problem(log, settings)
+    own = [CALIBRATION_TERMS.index(error.name) for error in corrected]
+    candidates = [k for k in _nonzero_columns(columns, r.mask) if k not in own]
+    a, b = weighted_rows(r, columns)
+    first, second = np.abs(log.tau).max(axis=-1)
+    most = dict(zip(CALIBRATION_TERMS, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
+    limits = detection_limits(a, b, own, candidates, r.h, other_rows(others))
+    sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
+    return {name: size if size < most[name] else None for name, size in sizes}
