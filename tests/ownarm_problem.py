@@ -60,7 +60,7 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
     return path
 
 
-def made(folder, arm=ARM, options=None, **log):
+def prepared_from_file(folder, arm=ARM, options=None, **log):
     options = options or Options(("ordinary",), folder)
     return make_problem(load_log(write_log(folder / "log.csv", **log), arm), (), arm, options)
 

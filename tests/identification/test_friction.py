@@ -18,18 +18,13 @@ SETTINGS = FilterSettings(cutoff=4.0, delay=0.004)
 RIGID = np.where(np.arange(9) < 5, BETA, 0.0)
 
 
-def late(t):
-    """The motion when the torque recorded at `t` acts."""
-    return motion(t + SETTINGS.delay)
-
-
 def load_friction(t):
-    q, dq, ddq = late(t)
+    q, dq, ddq = motion(t + SETTINGS.delay)  # when the torque recorded at `t` acts
     return np.abs(inverse_dynamics(q, dq, ddq, RIGID)) * np.tanh(20.0 * dq)
 
 
 def stribeck(t):
-    dq = late(t)[1]
+    dq = motion(t + SETTINGS.delay)[1]
     return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
 
 
@@ -40,8 +35,8 @@ def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02):
 
 
 def ready_of(log, friction):
-    told = loaded(log)
-    return make_problem(told, (told,), ARM, Options(("ordinary",), "unused", friction=friction))
+    log = loaded(log)
+    return make_problem(log, (log,), ARM, Options(("ordinary",), "unused", friction=friction))
 
 
 @pytest.mark.parametrize(

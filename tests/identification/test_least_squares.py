@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from experiment_example import CAPTURES, full_config
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from log_example import BETA
 from regression_example import beta_of, hostile, noisy_problem, random_regressor, regression_of, slope
 from scipy.optimize import least_squares
@@ -13,7 +12,6 @@ from strategies import seeds
 
 from repro.identification.least_squares import (
     METHODS,
-    MIN_EIGENVALUE_RATIO,
     PENALTIES,
     choose_penalty,
     refit_parsimonious,
@@ -23,21 +21,10 @@ from repro.identification.method import Estimate
 from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import mass_matrix, regressor
 from repro.model.parameters import is_positive_definite
-from repro.pipeline.experiment import read_recording
-from repro.settings import signal_settings
 
 pytestmark = pytest.mark.slow
 
 # Ordinary.
-
-
-def test_ordinary_is_numpy_s_on_the_stored_identification_run():
-    config = full_config()
-    signals = read_recording(CAPTURES / "ID.bin", config).regression(signal_settings(config))
-    expected = np.linalg.lstsq(signals.y.reshape(-1, 9), signals.tau.reshape(-1))[0]
-    np.testing.assert_allclose(solve(signals.y, signals.tau), expected, rtol=1e-7, atol=1e-11)
-    arm = np.array(config["arm"]["parameters"])
-    np.testing.assert_allclose(solve(signals.y, signals.y @ arm), arm, rtol=1e-9)
 
 
 # Robust.
@@ -195,16 +182,6 @@ def test_consistent_is_the_minimum_over_factors_of_the_inertia(seed):
     assert np.linalg.eigvalsh(pseudo_inertia(found)).min() > 0.99 * margin
     assert np.linalg.norm(r @ (scale * found) - c) ** 2 < 2.0 * least.cost + 1e-7 * (c @ c)
     np.testing.assert_allclose(scale * found, scale * expected, rtol=0, atol=1e-4 * np.linalg.norm(c))
-
-
-@given(seeds)
-@settings(max_examples=20)
-def test_consistent_is_ordinary_where_that_is_consistent(seed):
-    regression = noisy_problem(seed, 60, 5e-3)
-    ordinary, found = beta_of("ordinary", regression), METHODS["consistent"].estimate(regression)
-    assume(is_positive_definite(ordinary - MIN_EIGENVALUE_RATIO * np.array([1.0, 0, 0.5, 0, 0, 0, 0, 0, 0])))
-    np.testing.assert_allclose(found.beta, ordinary, rtol=1e-7)
-    assert found.notes == ("consistent without being held",)
 
 
 # Parsimonious.

@@ -104,10 +104,10 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
 
 
 def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
-    [made] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
+    [columns] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
     turned = type(LOG)("log.csv", LOG.t, LOG.q + each(0.0, 0.01), LOG.tau)
     change = (prepare(turned, SETTINGS).y - prepare(LOG, SETTINGS).y) @ BETA / 0.01
-    np.testing.assert_allclose(made[..., 1], change, atol=0.02 * np.abs(change).max())
+    np.testing.assert_allclose(columns[..., 1], change, atol=0.02 * np.abs(change).max())
 
 
 def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_logs():

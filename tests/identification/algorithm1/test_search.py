@@ -38,23 +38,9 @@ def run(prepared, settings=SEARCH, seed=3, network=NETWORK):
     return search(reader, prepared, settings, np.random.default_rng(seed))
 
 
-class Stub:
-    """Reader that answers with a function of the guesses, and keeps them."""
-
-    def __init__(self, answer):
-        self.images = 0
-        self.guesses = []
-        self._answer = answer
-
-    def estimate(self, guess):
-        self.images += len(guess)
-        self.guesses.append(guess)
-        return self._answer(guess)
-
-
 def constant(*rows):
-    """Stub that answers with the given estimates in turn, whatever the guesses."""
-    return Stub(lambda guess: np.stack([rows[k % len(rows)] for k in range(len(guess))]))
+    """Estimator that answers with the given estimates in turn, whatever the guesses."""
+    return literal.Estimator(lambda guess: np.stack([rows[k % len(rows)] for k in range(len(guess))]))
 
 
 def exact_signals():
