@@ -32,7 +32,7 @@ def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=
     """What a perfect recorder writes if the torque acts `delay` later than it is recorded."""
     t = np.arange(round(seconds * rate)) / rate
     tau = inverse_dynamics(*motion(t + delay), beta, steepness)
-    return Log("log.csv", t, motion(t)[0], tau)
+    return Log(name="log.csv", t=t, q=motion(t)[0], tau=tau)
 
 
 def resting(joint, at, rate=200.0, seconds=12.0, noise=0.02, seed=0):
@@ -41,7 +41,7 @@ def resting(joint, at, rate=200.0, seconds=12.0, noise=0.02, seed=0):
     q, dq, ddq = log_example.motion(t)
     q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
     tau = inverse_dynamics(q, dq, ddq, BETA) + noise * np.random.default_rng(seed).normal(size=q.shape)
-    return Log("log.csv", t, q, tau)
+    return Log(name="log.csv", t=t, q=q, tau=tau)
 
 
 def regression_of(y, tau, h=H, even_odd=None):

@@ -60,7 +60,7 @@ def stopped():
     dq, ddq = dq * pace, ddq * pace**2 + dq * np.gradient(pace, t)
     tau = inverse_dynamics(q, dq, ddq, BETA)
     tau[:, pace < 1e-3] += 0.5
-    return Log("log.csv", t, q, tau), (7.0, 10.0)
+    return Log(name="log.csv", t=t, q=q, tau=tau), (7.0, 10.0)
 
 
 @pytest.fixture(scope="module")

@@ -44,7 +44,7 @@ def held():
             return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], u, BETA)])
 
         x = solve_ivp(derivative, (0.0, 1.0 / RATE), x, rtol=1e-8, atol=1e-10).y[:, -1]
-    return Log("held.csv", t, q, tau)
+    return Log(name="held.csv", t=t, q=q, tau=tau)
 
 
 def error(log, beta, settings=HELD):

@@ -39,7 +39,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
     q = np.stack([np.interp(t, log.t, joint) for joint in log.q]) + np.array([[zero], [0.0]])
     tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
     tau += NOISE * rng.normal(size=tau.shape)
-    raw = Log("log.csv", t, STEP * np.rint(q / STEP), tau)
+    raw = Log(name="log.csv", t=t, q=STEP * np.rint(q / STEP), tau=tau)
     return replace(loaded(uniform(raw)), recorded=raw)
 
 

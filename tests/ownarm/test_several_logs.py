@@ -19,7 +19,7 @@ def noisy_log(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
     rng = np.random.default_rng(seed)
     log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
     q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
-    return loaded(Log(name, log.t, q, tau))
+    return loaded(Log(name=name, t=log.t, q=q, tau=tau))
 
 
 def result_of(*logs):
@@ -50,7 +50,7 @@ def test_each_log_has_its_own_delay_and_faults(two):
 def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
     noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
-    wrong = Log("slow.csv", wrong.t, wrong.q, (wrong.tau + noise) * np.array([[1.0], [1.12]]))
+    wrong = Log(name="slow.csv", t=wrong.t, q=wrong.q, tau=(wrong.tau + noise) * np.array([[1.0], [1.12]]))
     slow = loaded(wrong)
     assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
     first, second = make_problem(slow, (), ARM, OPTIONS, (noisy_log("a.csv", 0),)).logs
@@ -65,7 +65,7 @@ def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
     def poor(name, seed, noise, scale=1.0):
         log = log_from(lambda t: tuple(0.15 * x for x in motion(t + 3.0 * seed)), seconds=6.0)
         torque = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
-        return loaded(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])))
+        return loaded(Log(name=name, t=log.t, q=log.q, tau=torque * np.array([[1.0], [scale]])))
 
     logs = poor("a.csv", 5, 0.3), poor("b.csv", 6, 0.3), poor("c.csv", 7, 0.1, scale=1.6)
     assert not make_problem(logs[2], (), ARM, OPTIONS).logs[0].faults

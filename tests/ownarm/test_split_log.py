@@ -62,7 +62,7 @@ def test_one_delay_one_zero_and_the_parameters_of_all_pieces(whole):
 def test_each_piece_is_filtered_as_if_it_were_alone():
     r = recording(T)
     keep = (T < 11.0) | (T > 13.0)
-    log = uniform(Log("log.csv", T[keep], r.q[:, keep], r.tau[:, keep]))
+    log = uniform(Log(name="log.csv", t=T[keep], q=r.q[:, keep], tau=r.tau[:, keep]))
     both, parts = prepare(log, FilterSettings()), [prepare(piece, FilterSettings()) for piece in log.pieces]
     for name in ("y", "tau", "q", "dq", "ddq"):
         together = np.concatenate([getattr(part, name) for part in parts], axis=1)
