@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from repro.errors import InputError
+from repro.errors import InputError, require
 from repro.files import check_folder
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 from repro.identification.scores import integrate
@@ -286,6 +286,7 @@ def identify(
     names = choose_methods(method, len(logs), self_test)
     options = Options(names, Path(cache).expanduser(), filter, cutoff, seed, steps, friction)
     if set(names) & set(NETWORKS):
+        require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
     _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]

@@ -1,5 +1,7 @@
 """The one exception a user is meant to read."""
 
+from importlib.util import find_spec
+
 
 class InputError(ValueError):
     """Something the user gave is wrong: the message is one line naming file, field, found and expected.
@@ -11,3 +13,10 @@ class InputError(ValueError):
     def at(cls, place: str, found: object, expected: str) -> "InputError":
         """Build the message ``place: found ..., expected ...``."""
         return cls(f"{place}: found {found}, expected {expected}")
+
+
+def require(package: str, extra: str, place: str) -> None:
+    """Refuse what needs a package that an extra of the project installs."""
+    if find_spec(package) is None:
+        expected = f"the extra {extra}: python -m pip install '.[{extra}]' in the project's folder"
+        raise InputError.at(place, f"no package {package}", expected)
