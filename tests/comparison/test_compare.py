@@ -147,7 +147,7 @@ def test_what_is_no_run_is_one_line(tmp_path, capsys):
         assert capsys.readouterr().err.count("\n") == 1
     (a / "tables/table10.csv").write_text("case,total\nID\n")
     assert main(["compare", str(a), str(a)]) == 2
-    assert "line 2: found another number of fields" in capsys.readouterr().err
+    assert "line 2: found 1 fields, expected 2, as in the header" in capsys.readouterr().err
 
 
 def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measure):
