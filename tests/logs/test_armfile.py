@@ -86,7 +86,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         (f"gravity: 1{'0' * 400}\n", "line 1: gravity: found '1000"),
     ],
 )
-def test_an_arm_file_that_is_wrong_is_told_in_one_line(tmp_path, content, found):
+def test_an_arm_file_that_is_wrong_is_reported_in_one_line(tmp_path, content, found):
     path = tmp_path / "arm.yaml"
     path.write_text(content)
     with pytest.raises(InputError) as caught:

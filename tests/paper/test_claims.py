@@ -13,19 +13,15 @@ from repro.errors import InputError
 from repro.paper.audit import findings
 from repro.paper.claims import (
     BETTER,
-    COLUMNS,
     CONTRADICTS,
     DIFFERS,
-    EQUIVALENCE,
     HARDWARE,
     INCONCLUSIVE,
-    NONE,
     NOT_COMPARABLE,
     NOT_RUN,
     PREDICTION,
     PRINT,
     REPRODUCED,
-    VERDICTS,
     Basis,
     Margin,
     OurValue,
@@ -194,27 +190,6 @@ def test_a_number_on_one_side_only_is_refused():
         judge_all([number], {f"{number.id}@refinement": side})
 
 
-@pytest.mark.slow
-def test_every_published_number_of_the_papers_own_is_there_once(published, config, folder):
-    rows = compute(published, config, Results(folder))
-    assert tuple(rows.columns) == COLUMNS
-    own = [number.id for number in published if number.kind != "other-work"]
-    assert [name for name in rows["id"] if "@" not in name] == own
-    assert len(own) >= 190 and rows["id"].is_unique
-    extended = [name for name in rows["id"] if "@" in name]
-    # Totals of Table 7 and of Algorithm 1 in Table 10, five statements about all of them, and the central claim.
-    assert sum(name.endswith("@refinement") for name in extended) == 8 + 10 + 5 + 1
-    # Of the arm alone.
-    assert sum(name.endswith("@tracked") for name in extended) == 10 + 3 + 1
-    assert len(extended) == 24 + 14
-    assert set(rows["basis"]) == set(Basis)
-    assert set(rows["verdict"]) <= set(VERDICTS)
-    assert rows.loc[rows["verdict"] != HARDWARE, "target"].str.len().gt(0).all()
-    known = rows[rows["verdict"].isin([REPRODUCED, BETTER, DIFFERS, INCONCLUSIVE, NOT_COMPARABLE])]
-    assert known[["ours", "difference", "tolerance"]].notna().all(axis=None)
-    assert set(known["tolerance_from"]) == {PRINT, PREDICTION, EQUIVALENCE, NONE}
-
-
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
@@ -261,13 +236,10 @@ def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, publishe
         "table10/T2/least-squares/total/joint2",
     }
     assert noted == totals | {"section1a/random-trajectories", "section4a/band-high", "appendix/domain"}
-    assert "98.65 % x 89.69 % = 88.479 %" in claims.loc["table10/T2/least-squares/total/joint2", "note"]
     assert (claims.loc[sorted(noted), "asserted"] == "").all()
     # What ours differs by is all that the paper contradicts itself by; a difference of many points stays one.
     assert set(claims.index[claims["verdict"] == CONTRADICTS]) == noted - totals
     assert not claims.loc[sorted(totals), "verdict"].isin([CONTRADICTS]).any()
-    assert claims.loc["table04/N2/true/I1", "verdict"] == REPRODUCED
-    assert "not possible" in claims.loc["table04/N2/true/I1", "note"]
 
 
 def altered(folder, name, column, value, **wanted):
