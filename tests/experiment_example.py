@@ -7,15 +7,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
-from exhibit_examples import coverage_frame, intervals_frame, ranks_frame
-from factorial_example import factorial_scores
 
-from repro.files import write_csv, write_json
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.experiment import Recording, control_constants, metadata_for, program_from_config, true_parameters
-from repro.pipeline.experiment_runs import every_seed
 
 ROOT = Path(__file__).resolve().parent.parent
 CAPTURES = ROOT / "data" / "captures"
@@ -25,13 +21,6 @@ ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
 ON_ID = {1: 0.6, 2: 0.8, 3: 0.97}
 MEDIAN = 2
 LEAST_SQUARES = 1.1
-#: Variants of Algorithm 1 with the motions of the training and of line 18 crossed: estimate of each over the true
-#: parameters, and its total minus that of Algorithm 1 on ID and on T1 to T4.
-CROSSED = {
-    "+desired": (0.95, -0.02, 0.025),
-    "+tracked-measured": (0.96, -0.11, -0.03),
-    "+tracked": (0.97, 0.02, 0.01),
-}
 
 
 def full_config():
@@ -86,12 +75,6 @@ def identification(seed, true):
     return {"seed": seed, "variant": "published", "arms": {"ID": arm}}
 
 
-def crossed_identification(seed, true, suffix):
-    """What one run of a variant without a refinement leaves."""
-    methods = {f"algorithm1{suffix}": {"beta": (CROSSED[suffix][0] * true).tolist()}}
-    return {"seed": seed, "variant": suffix[1:], "arms": {"ID": {"true": true.tolist(), "methods": methods}}}
-
-
 def least_squares_run(true):
     """What least squares leaves: no seed of its own, and the truth beside it."""
     names = ("least-squares", "bounded", "consistent")
@@ -105,8 +88,7 @@ def score_table(runs):
     for motion in MOTIONS:
         for run in runs:
             for method in run["arms"]["ID"]["methods"]:
-                above = CROSSED.get(method.removeprefix("algorithm1"), (0.0, 0.0, 0.0))[1 if motion == "ID" else 2]
-                total = ON_ID[run["seed"]] + above
+                total = ON_ID[run["seed"]]
                 rows += [(motion, method, run["seed"], joint, total, 1.0, total) for joint in (1, 2)]
     return pd.DataFrame(rows, columns=["case", "method", "seed", "joint", "time", "frequency", "total"])
 
@@ -136,66 +118,3 @@ def spread_table(config, difference=0.02):
     ]
     scores = ["time", "frequency", "total"]
     return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "chatter", "seed", *scores])
-
-
-def experiment_inputs(folder, config):
-    """Inputs of every figure and table of the experiment by name, as the stages before would leave them."""
-    true = true_parameters(config)
-    runs = [identification(seed, true) for seed in ERROR]
-    runs += [crossed_identification(seed, true, suffix) for suffix in CROSSED for seed in ERROR]
-    runs.append(least_squares_run(true))
-    for k, run in enumerate(runs):
-        write_json(folder / f"experiment{k}.json", run)
-    write_csv(folder / "experiment.csv", score_table(every_seed(runs)))
-    for k, duration in enumerate(config["spread"]["durations_s"]):
-        table = spread_table(config)
-        write_csv(folder / f"scores-{k}.csv", table[table["duration"] == duration])
-    for motion in MOTIONS:
-        capture(folder, motion, config)
-    checked = {"coverage": coverage_frame(), "ranks": ranks_frame(), "intervals": intervals_frame()}
-    for name, table in checked.items():
-        write_csv(folder / f"{name}.csv", table)
-    estimates = {"identifications": sorted(folder.glob("experiment*.json")), "scores": [folder / "experiment.csv"]}
-
-    def captures(*motions):
-        return {"captures": [folder / f"{motion}.{end}" for motion in motions for end in ("bin", "json")]}
-
-    of_causes = factorial_scores()
-    write_csv(folder / "factorial.csv", of_causes)
-    names = ["omega", "back_emf", "metric", "block", "arm"]
-    references = of_causes.drop_duplicates(names)[[*names, "id", "validation"]]
-    write_csv(folder / "references.csv", references.assign(reader="bounded", image_motion=np.nan))
-    factorial = {"scores": [folder / "factorial.csv"], "references": [folder / "references.csv"]}
-    arms = {
-        name: {"true": beta, "methods": {"algorithm1": {"beta": [0.9 * value for value in beta]}}}
-        for name, beta in config["numeric"]["arms"].items()
-    }
-    write_json(folder / "numeric-1.json", {"variant": "published", "seed": 1, "arms": arms})
-    on_id = {"captures": captures("ID")["captures"], **estimates}
-    validation = {"captures": captures(*MOTIONS[1:])["captures"], **estimates}
-    spread = {"scores": sorted(folder.glob("scores-*.csv"))}
-    return {
-        "fig18": {},
-        "fig19": on_id,
-        "fig20": on_id,
-        "fig21": captures(*MOTIONS[1:]),
-        "fig22": captures(*MOTIONS[1:]),
-        "fig23": validation,
-        "fig24": validation,
-        "spread": spread,
-        "why": {"scores": estimates["scores"]},
-        "factorial": factorial,
-        "factorial_cells": factorial,
-        "both_metrics": {
-            "captures": captures(*MOTIONS)["captures"],
-            "arm": estimates["identifications"],
-            "numeric": [folder / "numeric-1.json"],
-        },
-        "coverage": {name: [folder / f"{name}.csv"] for name in ("coverage", "ranks")},
-        "intervals": {"intervals": [folder / "intervals.csv"]},
-        "table08": captures("ID"),
-        "table09": estimates,
-        "table10": {"scores": estimates["scores"]},
-        "stability": estimates,
-        "verdict": spread,
-    }

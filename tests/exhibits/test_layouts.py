@@ -17,7 +17,7 @@ from exhibit_examples import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.exhibits import markup
+from repro.exhibits import markup, variants
 
 
 @given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
@@ -86,17 +86,6 @@ def test_formulas_within_sentences(tmp_path: Path) -> None:
     assert "| I₃ - λ\\_R1^max ≥ -2 \N{MULTIPLICATION SIGN} 10⁻³ m² & 5 %, g\\_f → exp(x) |" in md
 
 
-SHOWN = {
-    "id_mean": "Identification trajectory",
-    "validation_mean": "Validation trajectory",
-    "arm_id": "ID",
-    "arm_validation": "Mean over T1 to T4",
-    "arm_refined": "Algorithm 1 + refinement",
-    "arm_least_squares": "Least squares",
-    "arm_true": "True parameters",
-}
-
-
 @pytest.mark.slow
 def test_marks_and_written_numbers_are_the_values_given() -> None:
     frame = FRAMES["ablation"]()
@@ -104,25 +93,10 @@ def test_marks_and_written_numbers_are_the_values_given() -> None:
     marked = {line.get_label(): line.get_xdata() for axes in figure.axes for line in axes.lines}
     written = {float(text.get_text()) for axes in figure.axes for text in axes.texts}
     far = frame["value"] < 0.8
-    for quantity, label in SHOWN.items():
+    shown = {quantity: label for panel in variants._PANELS.values() for quantity, (label, _) in panel.items()}
+    for quantity, label in shown.items():
         rows = frame[(frame["quantity"] == quantity) & ~far]
         np.testing.assert_allclose(marked[label], 100.0 * rows["value"])
     assert written == {round(100.0 * value, 2) for value in frame["value"][far]}
     assert len(written) == 3
     assert all(axes.get_xlim()[0] > 80.0 for axes in figure.axes)
-
-
-def test_table_holds_the_numbers_by_question(tmp_path: Path) -> None:
-    frame = TABLES["ablation"]()
-    tex, md = laid_out(tmp_path, "ablation", frame.iloc[::-1])
-    for row in frame.itertuples():
-        cells = [f"{row.steps}", f"{1e4 * row.held_out_loss:.2f}", *(f"{100 * value:.2f}" for value in row[5:])]
-        assert f"| {row.reading} | " + " | ".join(cells) + " |" in md
-        assert f"{row.reading} & " + " & ".join(f"${cell}$" for cell in cells) in tex
-    rows = [line for line in md.splitlines() if line.startswith("|")][2:]
-    assert rows[0].startswith("| **Default**")
-    assert rows[1].startswith("| as configured |")
-    assert sum("**" in row for row in rows) == frame["question"].nunique()
-    caption = md.splitlines()[0]
-    for words in ("literal Algorithm 1", "median of the seeds", "Simulated arm", "no network of its own"):
-        assert words in caption

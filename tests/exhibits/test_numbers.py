@@ -8,142 +8,82 @@ import pandas as pd
 import pytest
 import torch
 import yaml
-from experiment_example import experiment_inputs, short_config
+from exhibit_examples import EXHIBITS
+from factorial_example import factorial_references, factorial_scores
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
-from repro.cnn.network import FactoredCNN, SignalCNN, save_network
+from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue, network_training, numeric_tests, style, variants
-from repro.files import read_csv, write_csv, write_json
+from repro.exhibits import catalogue, network_training, numeric_tests, style
+from repro.files import write_csv
 from repro.model.dynamics import inverse_dynamics
-from repro.paper.metric_search import RandomMotion, band_number_motion, compare_motions, rank_candidates, score_motions
 from repro.pipeline.model_card import architecture
-from repro.pipeline.numeric import score_estimates, validation_motion
-from repro.pipeline.variants import VARIANTS
-from repro.settings import metric_settings, numeric_settings, signal_settings
+from repro.settings import numeric_settings, signal_settings
+from repro.signals.programs import PROGRAMS
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
-EXPERIMENT = short_config()
 SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
 N = 3770
+RECIPES = ("algorithm1", "algorithm1+paper-recipe")
 H = 2.5e-3
 
-#: What the estimate of each seed is to the true parameters; seed 3 is the median.
-ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
-MEDIAN = 3
 
-
-def identification(seed, suffix=""):
-    arms = {}
-    for name, beta in NUMERIC.arms.items():
-        estimate = (ERROR[seed] * beta).tolist()
-        methods = {f"algorithm1{suffix}": estimate}
-        if not suffix:
-            methods["algorithm1+refinement"] = beta.tolist()
-        arms[name] = {"true": beta.tolist(), "methods": {m: {"beta": b} for m, b in methods.items()}}
-    return {"seed": seed, "variant": suffix, "arms": arms}
-
-
-RUNS = [identification(seed) for seed in ERROR]
+def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
+    labels = [exhibit.label for exhibit in catalogue.EXHIBITS if exhibit.label[-1].isdigit()]
+    assert labels == [*(f"Table {n}" for n in range(1, 11)), *(f"Figure {n}" for n in range(1, 25))]
+    names = [(exhibit.kind, exhibit.name) for exhibit in catalogue.EXHIBITS]
+    assert len(set(names)) == len(names)
+    assert len({exhibit.target for exhibit in catalogue.EXHIBITS}) == len(names)
 
 
 @pytest.fixture(scope="module")
-def scores():
-    return score_estimates(RUNS, SIGNALS, NUMERIC, metric_settings(CONFIG))
-
-
-@pytest.fixture(scope="module")
-def inputs(tmp_path_factory, scores):
-    """Every input that a figure or a table may ask for, as the stages before would leave it."""
-    folder = tmp_path_factory.mktemp("results")
-    runs = [*RUNS, *(identification(seed, "+tracked") for seed in ERROR)]
-    for k, run in enumerate(runs):
-        write_json(folder / f"run{k}.json", run)
-    tracked = score_estimates(runs[3:], SIGNALS, NUMERIC, metric_settings(CONFIG))
-    write_csv(folder / "numeric.csv", scores)
-    write_csv(folder / "tracked.csv", tracked)
-    history = pd.DataFrame(
-        {"step": [100, 200], "learning_rate": 0.1, "train_loss": [0.02, 0.01], "test_loss": [0.03, 0.015]}
-    )
-    write_csv(folder / "training.csv", history)
-    torch.manual_seed(0)
-    save_network(folder / "cnn.safetensors", FactoredCNN(NetworkSettings(hidden=(4, 3))), {})
-    searched = score_motions(0, repeats=1, motions=(RandomMotion(3770, 10.0), band_number_motion(2000)))
-    write_csv(folder / "search.csv", rank_candidates(searched))
-    write_csv(folder / "motions.csv", compare_motions(searched))
-    files = sorted(folder.glob("run*.json"))
-    numbers = {"id_mean": 0.97, "id_lowest": 0.96, "validation_mean": 0.98}
-    numbers |= {"arm_id": 0.5, "arm_validation": 0.4, "arm_refined": 0.94, "arm_least_squares": 0.93, "arm_true": 0.95}
-    paper = pd.concat([scores.assign(method="algorithm1+paper-recipe", total=0.5), scores.assign(method="other")])
-    write_csv(folder / "paper.csv", paper)
-    arm = scores.query("trajectory == 'ID' and case == 'N1'").drop(columns="trajectory")
-    write_csv(folder / "arm.csv", pd.concat([arm.assign(case=case) for case in ("ID", "T1", "T2", "T3", "T4")]))
-    write_csv(folder / "later.csv", history.assign(step=history["step"] * 100, test_loss=history["test_loss"] * 2))
-    for name in VARIANTS:
-        write_json(folder / "results" / f"{name}.json", numbers)
-    results, losses = sorted((folder / "results").glob("*.json")), [folder / "training.csv"] * len(VARIANTS)
-    write_csv(folder / "ablation.csv", variants.readings_table.numbers({"results": results, "losses": losses}, CONFIG))
-    shared = {
-        "history": [folder / "training.csv"],
-        "weights": [folder / "cnn.safetensors"],
-        "search": [folder / "search.csv"],
-        "motions": [folder / "motions.csv"],
-        "results": results,
-        "losses": losses,
-        "table": [folder / "ablation.csv"],
-        "experiment": [folder / "arm.csv"],
-        "histories": [folder / "training.csv", folder / "later.csv"],
+def optional(tmp_path_factory):
+    """Inputs of the exhibits that the golden run leaves out."""
+    folder = tmp_path_factory.mktemp("optional")
+    cells = itertools.product(("N1", "N2", "N3", "N4", *PROGRAMS), RECIPES, (1, 2, 3), ("ID", "validation"), (1, 2))
+    scores = pd.DataFrame(cells, columns=["case", "method", "seed", "trajectory", "joint"])
+    totals = 0.1 * scores["seed"] + 0.3 * (scores["trajectory"] != "ID")
+    scores = scores.assign(time=totals, frequency=1.0, total=totals)
+    of_arm = scores["case"].isin(PROGRAMS)
+    history = {"step": [100, 200], "learning_rate": 0.1, "train_loss": [0.02, 0.01], "test_loss": [0.03, 0.015]}
+    frames = {
+        "factorial": factorial_scores(),
+        "references": factorial_references(),
+        "scores": scores[~of_arm],
+        "arm": scores[of_arm & (scores["trajectory"] == "ID")],
+        "history": pd.DataFrame(history),
     }
-    figures = {"identifications": files[:3], "scores": [folder / "numeric.csv"], **shared}
-    tables = {"identifications": files, "scores": [folder / "numeric.csv", folder / "tracked.csv"], **shared}
-    return {"figures": figures, "tables": tables}
+    for name, frame in frames.items():
+        write_csv(folder / f"{name}.csv", frame)
+    files = {name: [folder / f"{name}.csv"] for name in frames}
+    factorial = {"scores": files["factorial"], "references": files["references"]}
+    recipe = {"scores": files["scores"], "experiment": files["arm"], "histories": 2 * files["history"]}
+    return {"factorial": factorial, "factorial_cells": factorial, "paper_recipe": recipe}
 
 
-#: Other kernels and another order of sums move what is computed, and what a hundred thousand rows sum up, by less.
-COMPUTED = {"rtol": 1e-6, "atol": 1e-9}
-
-
-def some_of(frame):
-    """A few rows of each curve of a long table, with the number of its rows; the whole of a short one."""
-    frame = frame.reset_index(drop=True)
-    if len(frame) > 120:
-        text = [column for column in frame if not pd.api.types.is_numeric_dtype(frame[column])]
-        groups = frame.groupby(text, sort=False) if text else [((), frame)]
-        n = {key: len(rows) for key, rows in groups}
-        places = [rows.index[[0, int(0.37 * (n[key] - 1)), int(0.71 * (n[key] - 1)), -1]] for key, rows in groups]
-        frame = frame.loc[np.concatenate(places)].assign(rows=np.repeat(list(n.values()), 4))
-        frame = frame.iloc[:: -(-len(frame) // 400)]
-    return frame.reset_index(drop=True)
-
-
-def through_csv(frame, folder):
-    write_csv(folder / "frame.csv", frame)
-    return read_csv(folder / "frame.csv")
-
-
-@pytest.fixture(scope="module")
-def experiment(tmp_path_factory):
-    """Inputs of the experiment's outputs, by name."""
-    return experiment_inputs(tmp_path_factory.mktemp("experiment"), EXPERIMENT)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("exhibit", catalogue.EXHIBITS, ids=lambda each: each.target)
-def test_each_exhibit_shows_the_numbers_of_its_inputs_and_of_its_sections(
-    inputs, experiment, tmp_path, dataframe_regression, exhibit
-):
-    whole = EXPERIMENT if exhibit.name in experiment else CONFIG
-    given = experiment.get(exhibit.name, inputs[f"{exhibit.kind}s"])
-    frame = exhibit.numbers(given, {section: whole[section] for section in exhibit.sections})
-    dataframe_regression.check(some_of(frame), f"{exhibit.kind}-{exhibit.name}", default_tolerance=COMPUTED)
+@pytest.mark.parametrize(
+    ("kind", "name", "rows"),
+    [
+        ("table", "factorial", 57),
+        ("figure", "factorial", 57),
+        ("table", "factorial_cells", 72),
+        ("table", "paper_recipe", 36),
+        ("figure", "paper_recipe", 4),
+    ],
+)
+def test_optional_exhibits_are_computed_and_drawn(optional, kind, name, rows):
+    exhibit = EXHIBITS[kind, name]
+    frame = exhibit.numbers(optional[name], {section: CONFIG[section] for section in exhibit.sections})
+    assert len(frame) == rows
+    if name == "paper_recipe" and kind == "table":
+        assert frame["total"].tolist() == [0.2] * 36  # the median seed on the identification trajectory
     with style.house_style():
-        shown = exhibit.draw(through_csv(frame, tmp_path))
-    assert "\\toprule" in shown.tex("") if exhibit.kind == "table" else shown.axes or shown.subfigs
+        assert exhibit.draw(frame)
 
 
 def curve(frame, panel, series):
@@ -263,26 +203,6 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
         assert {tuple(place) for place in np.argwhere(power > 0.5).tolist()} == expected
         np.testing.assert_allclose([power[place] for place in expected], 1.0, rtol=1e-5)
         assert np.sort(power.ravel())[-len(expected) - 1] < 1e-9
-
-
-CASES = ("N1", "N2", "N3", "N4")
-
-
-def test_a_cosine_of_one_hertz_shows_at_one_hertz():
-    """The frequency axis: a DCT-II band k is k half periods over the signal."""
-    duration = N * H
-    k = round(2 * 1.0 * duration)
-    assert k / (2 * duration) == pytest.approx(1.0, abs=0.03)
-    x = np.cos(np.pi * k * (np.arange(N) + 0.5) / N)
-    assert np.argmax([abs(band(x, j)) for j in range(60)]) == k
-
-
-def test_the_validation_trajectory_drawn_is_that_of_the_seed_that_stands_for_n1(inputs):
-    frame = numeric_tests.fig16.numbers(inputs["figures"], CONFIG)
-    motion = validation_motion(SIGNALS, NUMERIC, MEDIAN)
-    for j in (0, 1):
-        np.testing.assert_allclose(curve(frame, "position", f"joint{j + 1}")[1], motion.q[j], rtol=1e-12)
-        np.testing.assert_allclose(curve(frame, "acceleration", f"joint{j + 1}")[1], motion.ddq[j], rtol=1e-12)
 
 
 def test_the_architecture_is_that_of_the_paper():

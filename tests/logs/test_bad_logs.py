@@ -274,7 +274,7 @@ def test_a_free_fall_is_no_other_reading(seed):
         q.append(x)
         v = v + h * forward_dynamics(x, v, np.zeros(2), BETA)
         x = x + h * v
-    log = Log("fall.csv", h * np.arange(len(q)), np.array(q).T, 0.01 * rng.normal(size=(2, len(q))))
+    log = Log(name="fall.csv", t=h * np.arange(len(q)), q=np.array(q).T, tau=0.01 * rng.normal(size=(2, len(q))))
     warnings = diagnose(log)
     assert len(warnings) <= 1
     assert all("this log can only test the motion" in line for line in warnings)

@@ -27,8 +27,6 @@ from repro.pipeline.variants import (
 from repro.settings import of_network, signal_settings
 from repro.signals.metric import metr2ev
 
-#: Motion of line 18 by reading.
-MOTION_READINGS = {"default": "measured", "desired": "desired", "tracked": "desired", "tracked-measured": "measured"}
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 TINY = copy.deepcopy(CONFIG)
@@ -90,27 +88,6 @@ def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name)
 )
 def test_a_reading_takes_the_network_that_is_trained_for_it(name, files):
     assert network_files(name) == files
-
-
-def test_readings_are_read_as_they_are_called():
-    recipe, ranges = (configuration_of(CONFIG, VARIANTS[name]) for name in ("recipe-paper", "recipe-ranges"))
-    assert recipe["training"] == ranges["training"]
-    assert ranges["training"]["recipe"] == "paper"
-    assert (recipe["data"]["prior"], ranges["data"]["prior"]) == (CONFIG["data"]["prior"], "published")
-    motions = {name: configuration_of(CONFIG, VARIANTS[name])["algorithm1"]["image_motion"] for name in MOTION_READINGS}
-    assert motions == MOTION_READINGS
-    trained_on = {name: configuration_of(CONFIG, VARIANTS[name])["data"]["motions"] for name in MOTION_READINGS}
-    assert trained_on == {"default": "ideal", "desired": "ideal", "tracked": "tracked", "tracked-measured": "tracked"}
-    formulas = [
-        configuration_of(CONFIG, VARIANTS[name])["metric"]["time_formula"] for name in ("default", "metric-energy")
-    ]
-    assert formulas == ["mean-square", "energy"]
-
-
-def test_every_open_question_of_the_notes_has_a_reading():
-    questions = {reading.question for reading in VARIANTS.values()}
-    for word in ("omega", "motion", "ranges", "label", "time factor", "physically", "recipe", "L_exe"):
-        assert any(word in question for question in questions), word
 
 
 def true_on_validation():

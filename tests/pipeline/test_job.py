@@ -66,14 +66,6 @@ def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
     assert log.read_text(encoding="utf-8").endswith("half done\n")
 
 
-def test_progress_of_libraries_is_left_out_but_not_their_warnings(log, capsys):
-    with job(str(log)):
-        logging.getLogger("fontTools.subset").info("name pruned")
-        logging.getLogger("fontTools.subset").warning("no such glyph")
-    assert capsys.readouterr().err == "no such glyph\n"
-    assert "name pruned" not in log.read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize("failure", [None, InputError(MESSAGE), RuntimeError("x")])
 def test_logging_is_left_as_it_was(log, failure):
     before = list(logging.getLogger().handlers)

@@ -15,7 +15,6 @@ from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.experiment_runs import every_seed
 from repro.pipeline.numeric import (
     MEAN_ARMS,
     identify_arms,
@@ -23,7 +22,6 @@ from repro.pipeline.numeric import (
     mean_training_torque,
     motion_of,
     score_estimates,
-    validation_motion,
 )
 from repro.settings import NumericSettings
 from repro.signals.metric import MetricSettings, metr2ev
@@ -45,13 +43,6 @@ def run_of(seed, estimates):
     """Identification result with the given estimates of N1 by method."""
     methods = {method: {"beta": np.asarray(beta).tolist()} for method, beta in estimates.items()}
     return {"variant": "published", "seed": seed, "arms": {"N1": {"true": ARMS["N1"].tolist(), "methods": methods}}}
-
-
-def test_true_parameters_score_one_everywhere():
-    scores = score_estimates([run_of(s, {"algorithm1": ARMS["N1"]}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
-    assert len(scores) == 2 * 2 * 2  # seeds, trajectories, joints
-    for column in ("time", "frequency", "total"):
-        np.testing.assert_allclose(scores[column], 1.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
@@ -77,16 +68,6 @@ def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     on_validation = scores[scores["trajectory"] == "validation"].groupby("joint")["total"].nunique()
     assert (on_id == 1).all()  # the same motion for every seed
     assert (on_validation == 2).all()
-
-
-def test_validation_motions_differ_by_seed_and_repeat():
-    one, again, two = (validation_motion(SIGNALS, NUMERIC, seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(one.q, again.q)
-    assert not np.allclose(one.q, two.q)
-    assert one.q.shape == (2, 3770)
-    assert one.q.min() > 0.0  # filtered numbers from 0 to 1
-    assert one.q.max() < 1.0
-    assert np.sqrt(np.mean(one.dq**2)) < 1.0  # rad/s: a motion that an arm could follow
 
 
 def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
@@ -164,12 +145,6 @@ def test_a_perfect_network_needs_one_image_for_each_execution(found):
         assert arm["methods"]["algorithm1+refinement+tracked"]["images"] == 4 + 5 + 2 * 9
 
 
-def test_the_scores_of_a_perfect_network_are_near_one(found):
-    scores = score_estimates([found], SIGNALS, NUMERIC, METRIC)
-    assert scores["total"].min() > 0.97
-    assert scores[scores["trajectory"] == "ID"]["total"].min() > 0.99
-
-
 @pytest.fixture(scope="module")
 def untrained():
     torch.manual_seed(3)
@@ -184,18 +159,6 @@ def test_the_same_seed_gives_the_same_result_and_another_another(untrained):
     assert one["arms"] != other["arms"]
 
 
-@pytest.mark.parametrize(
-    ("variant", "suffix"), [("published", ""), ("tracked", "+tracked"), ("paper-recipe", "+paper-recipe")]
-)
-def test_methods_are_named_after_the_network(untrained, variant, suffix):
-    result = identify(untrained, experiment(variant=variant, data=DataSettings()), 1)
-    assert result["variant"] == variant
-    for arm in result["arms"].values():
-        of_network = [f"algorithm1{step}{suffix}" for step in ("", "+local-search", "+refinement")]
-        without_network = [] if suffix else ["differential-evolution"]
-        assert list(arm["methods"]) == of_network + without_network
-
-
 def test_without_passes_there_is_algorithm_1_alone(untrained):
     literal = experiment(refinement=RefinementSettings(restarts=5, keep=9, passes=0), variant="tracked")
     result = identify(untrained, literal, 1)
@@ -204,12 +167,6 @@ def test_without_passes_there_is_algorithm_1_alone(untrained):
         assert list(arm["methods"]) == ["algorithm1+tracked"]
         # The search is the same whether it is refined afterwards or not.
         assert arm["methods"]["algorithm1+tracked"] == whole["arms"][name]["methods"]["algorithm1+tracked"]
-
-
-def test_an_arm_s_result_does_not_depend_on_the_arms_after_it(untrained):
-    both = identify(untrained, experiment(), 1)
-    alone = identify(untrained, experiment(numeric=replace(NUMERIC, arms={"N1": ARMS["N1"]})), 1)
-    assert alone["arms"]["N1"] == both["arms"]["N1"]
 
 
 def test_refinement_never_ends_below_algorithm_1(untrained, found):
@@ -284,14 +241,3 @@ def test_bounded_least_squares_keeps_a_parameter_at_zero():
     assert methods["least-squares"]["beta"][6] < 0.0
     assert methods["bounded"]["beta"][6] == 0.0
     assert min(methods["bounded"]["beta"]) >= 0.0
-
-
-def test_least_squares_is_scored_on_the_motion_of_every_seed():
-    seeded = [run_of(s, {"algorithm1": ARMS["N1"]}) for s in (4, 2)]
-    scores = score_estimates(every_seed([*seeded, LEAST_SQUARES]), SIGNALS, NUMERIC, METRIC)
-    least_squares = scores[scores["method"] == "least-squares"]
-    assert sorted(set(least_squares["seed"])) == [2, 4]
-    assert least_squares["total"].between(0.99, 0.9999).all()
-    different = least_squares[least_squares["case"] == "N1"].groupby(["trajectory", "joint"])["total"].nunique()
-    assert (different["ID"] == 1).all()
-    assert (different["validation"] == 2).all()

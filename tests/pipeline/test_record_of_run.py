@@ -90,13 +90,6 @@ def test_every_file_is_there_with_its_hash_and_size():
         assert int(entity["contentSize"]) == len(Path(name).read_bytes())
 
 
-def test_files_of_the_crate_have_their_paths_and_others_say_where_they_lie():
-    found = files(record()[1])
-    assert found["results/tables/table10.csv"]["@id"] == "tables/table10.csv"
-    assert found["paper_figures/t.png"]["@id"] == "arcp://name,repro/paper_figures/t.png"
-    assert found[LONG]["@id"].endswith("/%C3%A4%20b.csv")
-
-
 def test_a_job_says_what_it_read_and_made_and_what_that_took():
     _, graph = record()
     job = graph["#job-table10"]
@@ -120,15 +113,6 @@ def test_the_record_defines_its_words_and_knows_whom_it_names():
     assert named - graph.keys() == {"https://w3id.org/ro/crate/1.1"}
 
 
-def test_a_file_that_is_gone_is_not_in_the_record():
-    Path("paper_figures/t.png").unlink()
-    Path("results/claims.csv").unlink()
-    _, graph = record()
-    assert files(graph).keys().isdisjoint({"paper_figures/t.png", "results/claims.csv"})
-    assert "#job-table10" in graph
-    assert "#job-claims" not in graph
-
-
 def test_another_run_in_the_folder_below_is_another_record():
     note("fig01", [], ["results/smoke/fig01.csv"], "results/smoke")
     write("results/smoke/fig01.csv", "1")
@@ -136,12 +120,6 @@ def test_another_run_in_the_folder_below_is_another_record():
     assert "#job-fig01" not in record()[1]
     other = record(Path("results/smoke"))[1]
     assert [key for key in other if key.startswith("#job")] == ["#job-fig01", "#job-fig01-s"]
-
-
-def test_nothing_is_written_where_no_job_is_known():
-    write_crate(Path("elsewhere"), Path("workflow"), [], recorded_jobs(Path("elsewhere")))
-    write_costs(Path("elsewhere"), recorded_jobs(Path("elsewhere")))
-    assert not Path("elsewhere").exists()
 
 
 def test_a_claim_costs_all_that_its_number_hangs_on():

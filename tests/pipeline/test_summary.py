@@ -59,18 +59,6 @@ def test_the_median_seed_on_the_identification_trajectory_stands_for_a_case(tota
     assert chosen == {(case, method): expected for case in CASES for method in TWO}
 
 
-def test_each_case_and_method_has_its_own_seed():
-    best = dict(zip(itertools.product(CASES, TWO), (1, 2, 3, 1), strict=True))
-    scores = make_scores(
-        (1, 2, 3),
-        lambda case, method, seed, *_: (1.0, 0.5 if seed == best[case, method] else 0.9 if seed == 1 else 0.1 * seed),
-    )
-    chosen = median_seeds(scores)
-    for key, seed in best.items():
-        levels = {s: 0.5 if s == seed else 0.9 if s == 1 else 0.1 * s for s in (1, 2, 3)}
-        assert chosen[key] == sorted(levels, key=levels.get)[1]
-
-
 @pytest.mark.slow
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6))
@@ -154,15 +142,6 @@ def test_a_block_of_one_run_is_of_the_seed_that_is_the_median_on_id_and_medians_
     assert (table.loc[~one, "total_sd"] > 0).all()
 
 
-def test_each_method_has_a_run_of_its_own_seed():
-    tracked = {case: {4 - seed: both for seed, both in by_seed.items()} for case, by_seed in TOTALS.items()}
-    tracked["ID"][1] = (0.25, 0.75)  # the middle of 0.35, 0.5 and 0.55
-    frames = [arm_totals(("algorithm1",), TOTALS), arm_totals(("algorithm1+tracked",), tracked)]
-    table = experiment_table(pd.concat(frames), "ID").set_index("method")
-    assert table.loc["algorithm1/one-run", "total"].tolist() == [0.3, 0.8, 0.9, 0.1]
-    assert table.loc["algorithm1+tracked/one-run", "total"].tolist() == [0.25, 0.75, 0.4, 0.4]
-
-
 def test_a_method_without_a_place_in_the_tables_is_refused_in_one_line():
     with pytest.raises(InputError, match=r"^results: method: found guessing, expected one of algorithm1, "):
         similarity_table(random_scores((1,), methods=("guessing",)), "ID")
@@ -198,12 +177,3 @@ def test_parameters_are_those_of_the_seed_that_the_similarity_is_of():
     for _, group in table.groupby(["case", "method"]):
         assert tuple(group["parameter"]) == NAMES
         assert tuple(group["unit"]) == UNITS
-
-
-def test_parameters_of_several_networks_share_a_table_in_the_order_of_the_methods():
-    own = ("algorithm1+tracked",)
-    runs = [*make_runs((1, 2), own, variant="tracked"), *make_runs((1, 2))]
-    scores = pd.concat([random_scores((1, 2), methods=own), random_scores((1, 2))])
-    table = parameter_table(runs, scores, ("N2", "N1"))
-    seen = list(dict.fromkeys(zip(table["method"], table["case"], strict=True)))
-    assert seen == list(itertools.product(["algorithm1", *own, "algorithm1+refinement"], ("N1", "N2")))

@@ -4,12 +4,6 @@ rule ablation_train:
     output:
         weights=f"{R}/ablation/{{trained}}.safetensors",
         history=f"{R}/ablation/{{trained}}.csv",
-    log:
-        f"{R}/logs/ablation_train-{{trained}}.log",
-    benchmark:
-        f"{R}/benchmarks/ablation_train-{{trained}}.tsv"
-    conda:
-        "../../envs/repro.yaml"
     resources:
         mem_mb=3000,
         runtime=90,
@@ -29,12 +23,6 @@ rule ablation_run:
         captures=captures(PROGRAMS),
     output:
         f"{R}/ablation/readings/{{reading}}.json",
-    log:
-        f"{R}/logs/ablation_run-{{reading}}.log",
-    benchmark:
-        f"{R}/benchmarks/ablation_run-{{reading}}.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("ablation_run.py"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),

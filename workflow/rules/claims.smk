@@ -10,12 +10,6 @@ rule claims:
         ),
         f"{R}/claims.md",
         f"{R}/claims.sha256",
-    log:
-        f"{R}/logs/claims.log",
-    benchmark:
-        f"{R}/benchmarks/claims.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("claims.py"),
         config=ledger_sections(),
@@ -32,12 +26,6 @@ rule verify:
         ledger=[f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"],
     output:
         f"{R}/verified.txt",
-    log:
-        f"{R}/logs/verify.log",
-    benchmark:
-        f"{R}/benchmarks/verify.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("verify.py"),
         config={**ledger_sections(), "claims": config["claims"]},

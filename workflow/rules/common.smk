@@ -150,3 +150,13 @@ def ledger_sources():
 def ledger_sections():
     """Settings that are held against published ones."""
     return sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
+
+
+# What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.
+BEFORE = {"suffix": "", "seed": "-seed", "search": "-search"}
+
+
+def file_stem(rule):
+    """Name of a rule's log and benchmark: its own with the wildcards of its output."""
+    wildcards = dict.fromkeys(re.findall(r"\{(\w+)", str(rule.output[0])))
+    return "".join([rule.name, *(f"{BEFORE.get(each, '-')}{{{each}}}" for each in wildcards)])

@@ -8,13 +8,7 @@ rule check_coverage:
         coverage=f"{R}/coverage/coverage.csv",
         ranks=f"{R}/coverage/ranks.csv",
         intervals=f"{R}/coverage/intervals.csv",
-    log:
-        f"{R}/logs/check_coverage.log",
-    benchmark:
-        f"{R}/benchmarks/check_coverage.tsv"
     priority: LONG
-    conda:
-        "../../envs/repro.yaml"
     resources:
         runtime=30,
     params:

@@ -1,13 +1,7 @@
 rule simulate_tracked:
     output:
         f"{R}/data/tracked.safetensors",
-    log:
-        f"{R}/logs/simulate_tracked.log",
-    benchmark:
-        f"{R}/benchmarks/simulate_tracked.tsv"
     priority: AWAITED
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("simulate_tracked.py"),
         config=sections("signals", "data", "board", "experiment"),
@@ -20,13 +14,7 @@ rule simulate_tracked:
 rule mean_torque:
     output:
         f"{R}/data/mean_torque.csv",
-    log:
-        f"{R}/logs/mean_torque.log",
-    benchmark:
-        f"{R}/benchmarks/mean_torque.tsv"
     priority: AWAITED
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("mean_torque.py"),
         config=sections("signals", "data", "image", "training"),

@@ -82,12 +82,6 @@ for (module, *sources), exhibits in TOGETHER.items():
             **{key: files for source in sources for key, files in SOURCES[source].items()},
         output:
             **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
-        log:
-            f"{R}/logs/{drawing}.log",
-        benchmark:
-            f"{R}/benchmarks/{drawing}.tsv"
-        conda:
-            "../../envs/repro.yaml"
         params:
             *code("exhibits.py", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],

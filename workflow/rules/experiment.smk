@@ -11,15 +11,9 @@ rule acquire:
         f"{R}/experiment/{{motion}}.bin",
         f"{R}/experiment/{{motion}}.program",
         f"{R}/experiment/{{motion}}.json",
-    log:
-        f"{R}/logs/acquire-{{motion}}.log",
-    benchmark:
-        f"{R}/benchmarks/acquire-{{motion}}.tsv"
     priority: AWAITED
     # A port hangs on the computer where the run is started.
     localrule: True
-    conda:
-        "../../envs/repro.yaml"
     resources:
         serial_port=int(SERIAL),
     params:
@@ -42,13 +36,7 @@ rule identify_experiment:
             seed=config["experiment"]["search_seeds"],
             allow_missing=True,
         ),
-    log:
-        f"{R}/logs/identify_experiment{{suffix}}.log",
-    benchmark:
-        f"{R}/benchmarks/identify_experiment{{suffix}}.tsv"
     priority: LONG
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("identify_experiment.py"),
         seeds=config["experiment"]["search_seeds"],
@@ -65,12 +53,6 @@ rule identify_least_squares:
         captures=captures(["ID"]),
     output:
         f"{R}/identification/experiment-least-squares.json",
-    log:
-        f"{R}/logs/identify_least_squares.log",
-    benchmark:
-        f"{R}/benchmarks/identify_least_squares.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("identify_least_squares.py"),
         config=sections(*ARM),
@@ -87,12 +69,6 @@ rule score_experiment:
         identifications=lambda wildcards: experiment_identifications(wildcards.suffix),
     output:
         f"{R}/validation/experiment{{suffix}}.csv",
-    log:
-        f"{R}/logs/score_experiment{{suffix}}.log",
-    benchmark:
-        f"{R}/benchmarks/score_experiment{{suffix}}.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("score_experiment.py"),
         config=sections(*ARM, "metric"),
@@ -105,13 +81,7 @@ rule score_experiment:
 rule simulate_spread:
     output:
         f"{R}/spread/recordings.safetensors",
-    log:
-        f"{R}/logs/simulate_spread.log",
-    benchmark:
-        f"{R}/benchmarks/simulate_spread.tsv"
     priority: LONG
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("simulate_spread.py"),
         config=sections(*ARM, "data", "spread"),
@@ -128,13 +98,7 @@ rule score_spread:
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
         f"{R}/spread/scores-{{index}}.csv",
-    log:
-        f"{R}/logs/score_spread-{{index}}.log",
-    benchmark:
-        f"{R}/benchmarks/score_spread-{{index}}.tsv"
     priority: LONG
-    conda:
-        "../../envs/repro.yaml"
     resources:
         runtime=30,
     params:

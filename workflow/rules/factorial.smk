@@ -1,12 +1,6 @@
 rule simulate_factorial:
     output:
         f"{R}/factorial/recordings.safetensors",
-    log:
-        f"{R}/logs/simulate_factorial.log",
-    benchmark:
-        f"{R}/benchmarks/simulate_factorial.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("simulate_factorial.py"),
         config=sections(*ARM, "data", "factorial"),
@@ -21,13 +15,7 @@ rule train_factorial:
         motions=factorial_motions,
     output:
         f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
-    log:
-        f"{R}/logs/train_factorial-{{cell}}-seed{{seed}}.log",
-    benchmark:
-        f"{R}/benchmarks/train_factorial-{{cell}}-seed{{seed}}.tsv"
     priority: TRAINING
-    conda:
-        "../../envs/repro.yaml"
     resources:
         mem_mb=3000,
         runtime=90,
@@ -48,12 +36,6 @@ rule score_factorial:
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
         f"{R}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
-    log:
-        f"{R}/logs/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.log",
-    benchmark:
-        f"{R}/benchmarks/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.tsv"
-    conda:
-        "../../envs/repro.yaml"
     resources:
         runtime=60,
     params:
@@ -70,12 +52,6 @@ rule score_factorial_references:
         f"{R}/factorial/recordings.safetensors",
     output:
         f"{R}/factorial/references.csv",
-    log:
-        f"{R}/logs/score_factorial_references.log",
-    benchmark:
-        f"{R}/benchmarks/score_factorial_references.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("score_factorial_references.py"),
         config=factorial_sections(),

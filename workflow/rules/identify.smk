@@ -8,13 +8,7 @@ rule identify_numeric:
             seed=config["numeric"]["seeds"],
             allow_missing=True,
         ),
-    log:
-        f"{R}/logs/identify_numeric{{suffix}}.log",
-    benchmark:
-        f"{R}/benchmarks/identify_numeric{{suffix}}.tsv"
     priority: LONG
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("identify_numeric.py"),
         seeds=config["numeric"]["seeds"],
@@ -29,12 +23,6 @@ rule identify_numeric:
 rule identify_numeric_least_squares:
     output:
         f"{R}/identification/numeric-least-squares.json",
-    log:
-        f"{R}/logs/identify_numeric_least_squares.log",
-    benchmark:
-        f"{R}/benchmarks/identify_numeric_least_squares.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("identify_numeric_least_squares.py"),
         config=sections("signals", "numeric"),

@@ -7,12 +7,6 @@ rule search_metric:
         bounds=f"{R}/metric/bounds.csv",
         torque_bounds=f"{R}/metric/torque_bounds.csv",
         least_squares_torque=f"{R}/metric/least_squares_torque.csv",
-    log:
-        f"{R}/logs/search_metric.log",
-    benchmark:
-        f"{R}/benchmarks/search_metric.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("search_metric.py"),
         config=sections("metric_search"),

@@ -11,12 +11,6 @@ rule report:
         templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
         f"{R}/report/index.html",
-    log:
-        f"{R}/logs/report.log",
-    benchmark:
-        f"{R}/benchmarks/report.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("report.py"),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},

@@ -10,13 +10,7 @@ rule train:
             caption="../report/training.rst",
         ),
         card=f"{R}/model/model-card{{suffix}}.md",
-    log:
-        f"{R}/logs/train{{suffix}}.log",
-    benchmark:
-        f"{R}/benchmarks/train{{suffix}}.tsv"
     priority: TRAINING
-    conda:
-        "../../envs/repro.yaml"
     # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
     resources:
         mem_mb=3000,

@@ -7,12 +7,6 @@ rule score_numeric:
         ],
     output:
         f"{R}/validation/numeric{{suffix}}.csv",
-    log:
-        f"{R}/logs/score_numeric{{suffix}}.log",
-    benchmark:
-        f"{R}/benchmarks/score_numeric{{suffix}}.tsv"
-    conda:
-        "../../envs/repro.yaml"
     params:
         *code("score_numeric.py"),
         config=sections("signals", "metric", "numeric"),
