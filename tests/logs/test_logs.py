@@ -6,8 +6,7 @@ from fake_board import CONTROL, frames_of, metadata, motion
 from log_example import assert_same, columns, recording, text
 from realdata import NAMES, log_file, needs_real_data
 
-from repro.fpga.capture import write_capture
-from repro.fpga.recording import to_table
+from repro.fpga.capture import to_table, write_capture
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
