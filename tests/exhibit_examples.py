@@ -22,7 +22,7 @@ from repro.exhibits.schematics import words
 from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
-from repro.pipeline.variants import VARIANTS, ablation_figure
+from repro.pipeline.interpretations import VARIANTS, ablation_figure
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 CASES = ("N1", "N2", "N3", "N4")

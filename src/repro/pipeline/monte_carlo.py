@@ -16,7 +16,6 @@ import pandas as pd
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.model.parameters import Array
 from repro.pipeline.experiment import (
@@ -128,7 +127,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     true = kept.get("parameters", np.empty(0))
     if true.shape != (len(seeds), 9):
         raise InputError.at(f"{path}: parameters", "another shape or nothing", f"an array of shape ({len(seeds)}, 9)")
-    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    control = control_constants(config)
     found = []
     for k, seed in enumerate(seeds):
         recordings = {}
@@ -141,7 +140,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
                 raise InputError.at(f"{path}: {key}", "another shape", f"arrays of shape {expected}")
             position, pwm, desired = shaped
             sent = replace(program, q=desired.astype(np.float64))
-            recordings[name] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
+            recordings[name] = Recording.of_counts(sent, position, pwm, control)
         found.append(Specimen(seed, k % config["spread"]["arms"], true[k], recordings))
     return found
 
@@ -149,10 +148,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
 def score_specimens(
     networks: Sequence["Algorithm1"], recordings: Path, index: int, tau_mean: Array, config: Config
 ) -> pd.DataFrame:
-    """Similarity of every method on every motion of every specimen, for identification duration `index`.
-
-    Columns ``case, joint, method, duration, arm, chatter, seed, time, frequency, total``.
-    """
+    """Similarity of every method on every motion of every specimen, for identification duration `index`."""
     signals, duration = signal_settings(config), config["spread"]["durations_s"][index]
     specimens = read_spread(recordings, config, index)
     progress = Progress(f"spread, identification of {duration:.4g} s")

@@ -83,23 +83,15 @@ UNITS = {"s": "s", "cpu_time": "s", "max_rss": "MiB"}
 
 @dataclass(frozen=True)
 class Job:
-    """One job, with the name of its log; of its files those that are still there.
-
-    Attributes
-    ----------
-    started, ended : float
-        Seconds since 1970.
-    usage : mapping of str to float
-        What it took, in `UNITS`; a job of a blink has its wall time alone.
-    """
+    """One job, with the name of its log; of its files those that are still there."""
 
     name: str
     rule: str
     inputs: tuple[Path, ...]
     outputs: tuple[Path, ...]
-    started: float
+    started: float  # seconds since 1970
     ended: float
-    usage: Mapping[str, float]
+    usage: Mapping[str, float]  # in `UNITS`; a job of a blink has its wall time alone
 
 
 def recorded_jobs(results: Path, state: Path = Path(".snakemake")) -> dict[str, Job]:
