@@ -197,12 +197,12 @@ def cells_layout(frame: pd.DataFrame) -> Table:
     }
     names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
     rows = []
-    told_names = frame[names].astype(object).fillna("").astype(str)
-    for row in frame.assign(**{name: told_names[name] for name in names}).to_dict("records"):
-        told = [plain(words.get(row[name], row[name])) for name in names]
+    level_texts = frame[names].astype(object).fillna("").astype(str)
+    for row in frame.assign(**{name: level_texts[name] for name in names}).to_dict("records"):
+        level_cells = [plain(words.get(row[name], row[name])) for name in names]
         error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
         met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)
-        rows.append([*told, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
+        rows.append([*level_cells, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
     caption = plain(
         "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
         "estimates over the largest torque, and executions of 100 that met the threshold."

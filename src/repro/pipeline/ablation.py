@@ -20,8 +20,8 @@ from repro.settings import data_settings, metric_settings, numeric_settings, sig
 def train_variant(name: str, weights: str, history: str, tracked: str, checkpoint: str, config: Config) -> None:
     """Write weights and history of a network that no table has."""
     reading = VARIANTS[name]
-    said, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
-    train_and_keep(said, Path(weights), Path(history), checkpoint, c, tracked)
+    label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
+    train_and_keep(label, Path(weights), Path(history), checkpoint, c, tracked)
     Path(checkpoint).unlink(missing_ok=True)
 
 

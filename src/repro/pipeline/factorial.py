@@ -261,13 +261,13 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
     cnn = leveled[leveled["reader"] == "cnn"]
     plain = leveled[leveled["reader"] == "plain"]
     of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])
-    asked: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
+    comparisons: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
         ("cnn", cnn, OF_CNN, [*((name,) for name in OF_CNN), *combinations(OF_CNN, 2)]),
         ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
         ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
     ]
     rows: list[dict[str, Any]] = []
-    for of, frame, factors, chosen in asked:
+    for of, frame, factors, chosen in comparisons:
         for effect in chosen:
             for response in RESPONSES:
                 if response == "error" and "metric" in effect:

@@ -62,12 +62,12 @@ def spread_arms(config: Config) -> Array:
     count = config["spread"]["arms"]
     drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
     drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
-    able = [beta for beta in drawn if all(_may(motion, beta, config) for motion in motions)]
+    capable = [beta for beta in drawn if all(_is_within_limits(motion, beta, config) for motion in motions)]
     fastest = min(motions[: len(config["spread"]["durations_s"])], key=lambda motion: motion.q.shape[1])
-    plant = Plant(np.stack([true_parameters(config), *able]), fastest.h)
+    plant = Plant(np.stack([true_parameters(config), *capable]), fastest.h)
     position, _ = simulate(plant, control_constants(config), fastest.q)
     tracked = tracking_error(position, fastest) <= config["data"]["tracked"]["largest_error_rad"]
-    arms = np.stack([true_parameters(config), *(beta for beta, ok in zip(able, tracked[1:], strict=True) if ok)])
+    arms = np.stack([true_parameters(config), *(beta for beta, ok in zip(capable, tracked[1:], strict=True) if ok)])
     if len(arms) < count:
         raise InputError.at("spread.arms", count, f"at most {len(arms)}, of {DRAWN * count} drawn ones that can")
     return arms[:count]
@@ -81,7 +81,7 @@ def chatters(recorded: Recording) -> bool:
     return bool((power[..., fast].sum(axis=-1) > CHATTER_SHARE * power.sum(axis=-1)).any())
 
 
-def _may(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
+def _is_within_limits(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
     """Whether a motion stays within torque and speed of an arm."""
     try:
         check_limits(motion, beta, *limits(config))
