@@ -7,6 +7,7 @@ here: they agree within `TRAINED`. What simulates chattering arms again has the 
 
 import argparse
 import base64
+import difflib
 import gzip
 import hashlib
 import json
@@ -31,7 +32,7 @@ SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
-def parameters() -> dict[str, dict[str, object]]:
+def parameters() -> dict[str, dict[str, list[str]]]:
     """Rule, inputs and parameters of each file of the run, as Snakemake recorded them; digests of code are left out."""
     here = f"{Path.cwd()}/"
     recorded = {}
@@ -41,9 +42,10 @@ def parameters() -> dict[str, dict[str, object]]:
         name = base64.urlsafe_b64decode(str(path.relative_to(".snakemake/metadata")).replace("/", "")).decode()
         if name.startswith((str(RUN), str(FIGURES))):
             record = json.loads(path.read_text(encoding="utf-8"))
-            given = [value for value in record["params"] if not re.fullmatch(r"(['\"]).+ [0-9a-f]{12}\1", value)]
+            digest = re.compile(r"(['\"]).+ [0-9a-f]{12}\1")
+            given = sorted(value.replace(here, "") for value in record["params"] if not digest.fullmatch(value))
             inputs = sorted(file.replace(here, "") for file in record["input"])
-            recorded[name] = {"rule": record["rule"], "input": inputs, "params": sorted(given)}
+            recorded[name] = {"rule": [record["rule"]], "input": inputs, "params": given}
     return recorded
 
 
@@ -124,14 +126,26 @@ def faults(folder: Path) -> Iterator[str]:
         kept, now = kept_json(name), found[name]
         yield from (f"{name}: {key}: in one of the two runs alone" for key in sorted(kept.keys() ^ now.keys()))
         for key in sorted(kept.keys() & now.keys()):
-            if name != "pages":
+            if name == "rules":
+                yield from changes(key, kept[key], now[key])
+            elif name == "files":
                 if kept[key] != now[key]:
-                    yield f"{name}: {key}: found {now[key]}, kept {kept[key]}"
+                    yield f"{key}: found {now[key]}, kept {kept[key]}"
             elif len(kept[key]) != len(now[key]):
                 yield f"{key}: found {len(now[key])} lines, kept {len(kept[key])}"
             else:
                 lines = zip(kept[key], now[key], strict=True)
                 yield from (f"{key}: found {b!r}, kept {a!r}" for a, b in lines if not like(a, b))
+
+
+def changes(file: str, kept: dict[str, list[str]], now: dict[str, list[str]]) -> Iterator[str]:
+    """One line for each input or parameter of a file's rule that came or went."""
+    for kind, before in kept.items():
+        for values, others, change in ((now[kind], before, "new"), (before, now[kind], "gone")):
+            for value in (value for value in values if value not in others):
+                other = difflib.get_close_matches(value, others, 1, 0.5)
+                at = next((k for k, (a, b) in enumerate(zip(value, *other, strict=False)) if a != b), 0) if other else 0
+                yield f"{file}: {kind}: {change}: {'...' * (at > 30)}{value[max(at - 30, 0) : at + 90]}"
 
 
 def _allowed(table: str, difference: Difference) -> float:

@@ -18,8 +18,8 @@ PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
-    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "messages", "metric", "ordinary"),
-    *("programs", "reference", "spread", "stored_networks"),
+    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "least_squares", "messages", "metric"),
+    *("monte_carlo", "networks", "programs", "reference"),
 )
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")

@@ -84,7 +84,8 @@ def planar_logs(kind: str, count: int) -> Iterator[tuple[np.ndarray, Log]]:
         arm, m = planar_arms.draw_arm(rng), planar_arms.draw_motion(rng)
         further = planar_effect(kind, arm, m, rng)
         coarse = 8.0 if kind.startswith("coarse") else 1.0
-        yield arm.beta, Log(f"planar {k}", m.t, *planar_arms.record(arm, m, further, rng, coarse))
+        q, tau = planar_arms.record(arm, m, further, rng, coarse)
+        yield arm.beta, Log(name=f"planar {k}", t=m.t, q=q, tau=tau)
 
 
 @cache
@@ -122,7 +123,7 @@ def board_logs(kind: str, count: int) -> Iterator[tuple[np.ndarray, Log]]:
             step = 8.0 * planar_arms.ENCODER
             tau = tau + 0.08 * np.sqrt(np.mean(tau**2, axis=-1, keepdims=True)) * rng.normal(size=tau.shape)
             q = step * np.rint(q / step)
-        yield beta, Log(log.name, log.t, q, tau)
+        yield beta, Log(name=log.name, t=log.t, q=q, tau=tau)
 
 
 GENERATORS: dict[str, Callable[[str, int], Iterator[tuple[np.ndarray, Log]]]] = {

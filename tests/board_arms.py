@@ -64,4 +64,5 @@ def recorded(arms, desired, unmodelled=NOTHING, ripple_phase=(0.0, 0.0)):
     position, pwm = simulate(Plant(arms, H, unmodelled, ripple_phase), control, desired)
     t = H * np.arange(desired.shape[-1])
     torque = pwm * control.torque_per_count[:, None]
-    return [Log(f"arm {k}", t, position[k] * RADIANS_PER_COUNT, torque[k], simulated=True) for k in range(len(arms))]
+    q = position * RADIANS_PER_COUNT
+    return [Log(name=f"arm {k}", t=t, q=q[k], tau=torque[k], simulated=True) for k in range(len(arms))]

@@ -55,7 +55,7 @@ def text(table, digits=9):
 
 def log_of(r, **changes):
     """The recording as a log."""
-    return Log("log.csv", r.t, r.q, r.tau, r.dq, **changes)
+    return Log(name="log.csv", t=r.t, q=r.q, tau=r.tau, dq=r.dq, **changes)
 
 
 def assert_same(log, r, q=1e-12, tau=1e-12, dq=1e-12):

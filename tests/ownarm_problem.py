@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from log_example import BETA, columns, log_of, motion, recording, text
-from ownarm_log import H, exact, other_motion
+from regression_example import H, exact, other_motion
 
 from repro.identification.excitation import excitation
 from repro.identification.filtering import Cutoff, FilterSettings
@@ -60,7 +60,7 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
     return path
 
 
-def made(folder, arm=ARM, options=None, **log):
+def prepared_from_file(folder, arm=ARM, options=None, **log):
     options = options or Options(("ordinary",), folder)
     return make_problem(load_log(write_log(folder / "log.csv", **log), arm), (), arm, options)
 

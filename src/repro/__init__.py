@@ -1,3 +1,86 @@
-"""Reproduction of a CNN-based parameter identification of a two-joint robot arm."""
+"""Reproduction of a CNN-based parameter identification of a two-joint robot arm.
+
+The names below are the public API; everything else may change. They are loaded when they are first used.
+"""
+
+import importlib
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from repro.api import Identification, identify
+    from repro.cnn.image import images
+    from repro.cnn.network import load_network
+    from repro.errors import InputError
+    from repro.fpga.capture import read_capture
+    from repro.identification.algorithm1.published import algorithm1
+    from repro.identification.exciting_motion import excite
+    from repro.logs.armfile import Arm, read_arm
+    from repro.logs.load import read_log
+    from repro.logs.log import Log
+    from repro.model.dynamics import inverse_dynamics, regressor
+    from repro.signals.dct import dct2dev as differentiate
+    from repro.signals.dct import dct2low as low_pass
+    from repro.signals.metric import metr2ev as similarity
 
 __version__ = "0.1.0"
+
+#: Module and name of each public object.
+_PUBLIC = {
+    "Arm": ("repro.logs.armfile", "Arm"),
+    "Identification": ("repro.api", "Identification"),
+    "InputError": ("repro.errors", "InputError"),
+    "Log": ("repro.logs.log", "Log"),
+    "algorithm1": ("repro.identification.algorithm1.published", "algorithm1"),
+    "differentiate": ("repro.signals.dct", "dct2dev"),
+    "excite": ("repro.identification.exciting_motion", "excite"),
+    "identify": ("repro.api", "identify"),
+    "images": ("repro.cnn.image", "images"),
+    "inverse_dynamics": ("repro.model.dynamics", "inverse_dynamics"),
+    "load_network": ("repro.cnn.network", "load_network"),
+    "low_pass": ("repro.signals.dct", "dct2low"),
+    "read_arm": ("repro.logs.armfile", "read_arm"),
+    "read_capture": ("repro.fpga.capture", "read_capture"),
+    "read_log": ("repro.logs.load", "read_log"),
+    "regressor": ("repro.model.dynamics", "regressor"),
+    "similarity": ("repro.signals.metric", "metr2ev"),
+}
+
+__all__ = [  # noqa: RUF022  (by use)
+    "identify",
+    "Identification",
+    "Log",
+    "read_log",
+    "Arm",
+    "read_arm",
+    "excite",
+    "regressor",
+    "inverse_dynamics",
+    "similarity",
+    "low_pass",
+    "differentiate",
+    "images",
+    "load_network",
+    "algorithm1",
+    "read_capture",
+    "InputError",
+]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401
+    """Load a public name; without NumPy so far, under the numeric contract, as the command does."""
+    try:
+        module, attribute = _PUBLIC[name]
+    except KeyError:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
+    if "numpy" not in sys.modules:
+        from repro import contract  # noqa: PLC0415
+
+        contract.hold(os.environ)
+    return getattr(importlib.import_module(module), attribute)
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return [*__all__, "__version__"]

@@ -11,7 +11,7 @@ from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.network import load_network, save_network
 from repro.cnn.train import Progress, load_checkpoint, make_schedule, save_checkpoint
 from repro.errors import InputError
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow
@@ -134,16 +134,3 @@ def test_truncated_checkpoint_is_refused(tmp_path, keep):
     with pytest.raises(InputError) as caught:
         load_checkpoint(path, network, optimisers, "run")
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("content", ["another run", "weights alone"])
-def test_state_of_another_run_is_left_aside(tmp_path, content):
-    path = tmp_path / "state.safetensors"
-    network, optimisers = stepped(0)
-    if content == "another run":
-        save_checkpoint(path, literal.untrained(OTHER_SIZES), [], Progress(2), "another run")
-    else:
-        save_network(path, network, {})
-    before = [p.clone() for p in network.parameters()]
-    assert load_checkpoint(path, network, optimisers, "run") == Progress(0, 0.0, 0.0, [])
-    assert all(torch.equal(a, b) for a, b in zip(before, network.parameters(), strict=True))

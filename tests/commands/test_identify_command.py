@@ -225,7 +225,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
         (["log.csv", "log.csv", "-o", "out"], "the same log twice"),
         (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),
-        (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache"),
+        (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "cache: log.csv"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, capsys, arguments, expected):

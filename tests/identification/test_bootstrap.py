@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, autoregressive, exact, exciting
+from regression_example import H, autoregressive, exact, exciting
 
 from repro.identification.bootstrap import GROUPS, block_length, bootstrap, resample
 from repro.identification.least_squares import METHODS
@@ -162,10 +162,16 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
         return ORDINARY.estimate(regression).beta
 
     chooser = replace(ORDINARY, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
-    told = []
+    reports = []
     as_good = {"filters": Perturbation((r, r))}
     bootstrap(
-        chooser, r, chooser.estimate(r), as_good, np.random.default_rng(0), 15, lambda k, total: told.append((k, total))
+        chooser,
+        r,
+        chooser.estimate(r),
+        as_good,
+        np.random.default_rng(0),
+        15,
+        lambda k, total: reports.append((k, total)),
     )
     assert seen == [0.7] * (15 + GROUPS + 2)
-    assert told == [(k, 15) for k in range(1, 16)]
+    assert reports == [(k, 15) for k in range(1, 16)]

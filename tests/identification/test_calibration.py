@@ -22,7 +22,7 @@ CLEAN = log_from(motion, seconds=20.0)
 
 def noisy(seed, log=CLEAN, size=0.03):
     rng = np.random.default_rng(seed)
-    return Log(log.name, log.t, log.q, log.tau + size * rng.normal(size=log.tau.shape))
+    return Log(name=log.name, t=log.t, q=log.q, tau=log.tau + size * rng.normal(size=log.tau.shape))
 
 
 def spoilt(log, **faults):
@@ -30,7 +30,7 @@ def spoilt(log, **faults):
     zero = np.array([[faults.get("zero1", 0.0)], [faults.get("zero2", 0.0)]])
     offset = np.array([[faults.get("offset1", 0.0)], [faults.get("offset2", 0.0)]])
     scale = np.array([[1.0], [faults.get("scale2", 1.0)]])
-    return Log(log.name, log.t, log.q - zero, scale * log.tau + offset)
+    return Log(name=log.name, t=log.t, q=log.q - zero, tau=scale * log.tau + offset)
 
 
 @pytest.mark.slow
@@ -144,7 +144,7 @@ def test_correcting_undoes_what_spoils(name):
 
 def test_a_joint_that_never_moves_has_no_fault_of_its_own():
     log = noisy(2)
-    still = Log(log.name, log.t, log.q * [[1.0], [0.0]], log.tau)
+    still = Log(name=log.name, t=log.t, q=log.q * [[1.0], [0.0]], tau=log.tau)
     assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_calibration_errors(still, SETTINGS))
     assert {*calibration_limits(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}
 

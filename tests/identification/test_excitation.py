@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, exact, exciting, regression_of
+from regression_example import H, exact, exciting, regression_of
 
 from repro.identification.excitation import excitation, torque_fraction
 from repro.model.parameters import NAMES
@@ -60,32 +60,32 @@ def combinations(words):
 @pytest.mark.parametrize("pace", [1.0, 0.3, 0.05, 2.0])
 def test_rank_and_condition_are_those_of_the_columns_of_unit_length(pace):
     r = exact(slowed(pace))
-    told = excitation(r)
+    result = excitation(r)
     a, moved = unit_length(r)
     assert moved.size == 9
-    assert told.rank == np.linalg.matrix_rank(a) == 9
-    assert told.condition == pytest.approx(np.linalg.cond(a), rel=1e-9)
-    assert told.base_parameters == NAMES
+    assert result.rank == np.linalg.matrix_rank(a) == 9
+    assert result.condition == pytest.approx(np.linalg.cond(a), rel=1e-9)
+    assert result.base_parameters == NAMES
 
 
 @pytest.mark.parametrize(("joint", "at"), [(0, 0.0), (0, 0.5), (1, 0.0), (1, 0.7), (1, np.pi / 2)])
 def test_base_parameters_in_words_are_what_the_motion_determines(joint, at):
     r = with_joint_fixed(joint, at)
-    told = excitation(r)
+    result = excitation(r)
     a, _ = unit_length(r)
-    c = combinations(told.base_parameters)
-    assert told.rank == np.linalg.matrix_rank(a, tol=1e-4) == len(c) < 9
-    assert np.linalg.matrix_rank(c) == told.rank
+    c = combinations(result.base_parameters)
+    assert result.rank == np.linalg.matrix_rank(a, tol=1e-4) == len(c) < 9
+    assert np.linalg.matrix_rank(c) == result.rank
     # What the combinations do not see moves no torque ...
     basis = np.linalg.svd(c)[2]
-    hidden, seen = basis[told.rank :], basis[: told.rank]
-    assert hidden.shape == (9 - told.rank, 9)
+    hidden, seen = basis[result.rank :], basis[: result.rank]
+    assert hidden.shape == (9 - result.rank, 9)
     assert np.abs(hidden @ rows_of(r).T).max() < 3e-3 * np.abs(seen @ rows_of(r).T).max()
     # ... and whatever moves a torque is seen: no direction of the seen ones is lost.
-    assert np.linalg.matrix_rank(rows_of(r) @ seen.T, tol=1e-4 * np.linalg.norm(rows_of(r))) == told.rank
+    assert np.linalg.matrix_rank(rows_of(r) @ seen.T, tol=1e-4 * np.linalg.norm(rows_of(r))) == result.rank
     # Two parameter sets that agree in the combinations give the same torque, two that do not give another.
     rng = np.random.default_rng(3)
-    other = BETA + rng.normal(size=9 - told.rank) @ hidden
+    other = BETA + rng.normal(size=9 - result.rank) @ hidden
     assert c @ other == pytest.approx(c @ BETA, abs=1e-9)
     assert r.y @ other == pytest.approx(r.y @ BETA, abs=3e-3 * np.abs(r.tau).max())
     assert np.abs(r.y @ (BETA + 0.3 * seen[-1]) - r.tau).max() > 0.01
@@ -103,25 +103,25 @@ def test_base_parameters_in_words_are_what_the_motion_determines(joint, at):
 )
 def test_a_parameter_is_determined_where_no_other_can_stand_in_for_it(joint, at, alone):
     r = exciting(N) if joint is None else with_joint_fixed(joint, at)
-    told = excitation(r)
-    assert {name for name, by_itself in zip(NAMES, told.determined, strict=True) if by_itself} == alone
+    result = excitation(r)
+    assert {name for name, by_itself in zip(NAMES, result.determined, strict=True) if by_itself} == alone
     a = rows_of(r)
     for k, name in enumerate(NAMES):
         others = np.delete(a, k, axis=1)
         left = a[:, k] - others @ np.linalg.lstsq(others, a[:, k], rcond=1e-8)[0]
         assert (np.linalg.norm(left) > 1e-3 * np.linalg.norm(a[:, k])) == (name in alone)
-        assert (name in told.base_parameters) == (name in alone)
+        assert (name in result.base_parameters) == (name in alone)
 
 
 def test_no_motion_at_all_tells_nothing():
     still = regression_of(np.zeros((2, 50, 9)), np.zeros((2, 50)))
     assert (torque_fraction(still, BETA) == 0.0).all()
-    told = excitation(still)
-    assert told.rank == 0
-    assert told.condition == np.inf
-    assert told.friction_correlation == (0.0, 0.0)
-    assert told.determined == (False,) * 9
-    assert told.base_parameters == ()
+    result = excitation(still)
+    assert result.rank == 0
+    assert result.condition == np.inf
+    assert result.friction_correlation == (0.0, 0.0)
+    assert result.determined == (False,) * 9
+    assert result.base_parameters == ()
 
 
 def test_friction_correlation_is_that_of_the_least_squares_covariance():
@@ -138,11 +138,11 @@ def test_exactly_collinear_friction_has_a_correlation_of_minus_one(ratio):
     r = exciting(300)
     y = r.y.copy()
     y[..., 7:9] = ratio * y[..., 5:7]
-    told = excitation(regression_of(y, r.tau))
-    assert told.friction_correlation == pytest.approx((-1.0, -1.0), abs=1e-3)
+    result = excitation(regression_of(y, r.tau))
+    assert result.friction_correlation == pytest.approx((-1.0, -1.0), abs=1e-3)
     y[..., 7:9] *= -1.0
     assert excitation(regression_of(y, r.tau)).friction_correlation == pytest.approx((1.0, 1.0), abs=1e-3)
-    assert told.determined == (True,) * 5 + (False,) * 4
+    assert result.determined == (True,) * 5 + (False,) * 4
 
 
 def test_torque_share_by_hand():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import minimize_scalar
 
 from repro.errors import InputError
 from repro.identification.exciting_motion import Envelope, design, expected_accuracy, published
@@ -139,27 +138,6 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
     assert (np.abs(errors) < half[:, None]).mean(axis=1) == pytest.approx(np.full(9, 0.95), abs=0.015)
     assert condition == pytest.approx(np.linalg.cond(a / np.linalg.norm(a, axis=0)), rel=1e-9)
     assert log_det == pytest.approx(tells(motion), rel=1e-12)
-
-
-def test_eq_10_keeps_its_shape():
-    """Each joint is two sines, the second at 2.5 times the frequency with a tenth of the amplitude."""
-    theirs = published(Envelope(Arm(position_limit=((-2, 2), (-1, 1)), speed_limit=(9.0, 9.0))), (STEPS, H), 0.5, NOISE)
-    assert theirs.time.size == STEPS
-    reach = np.ptp(theirs.q, axis=1)
-    assert reach[0] / reach[1] == pytest.approx(2.0, rel=1e-3)  # as their ranges
-
-    def fit(pace):
-        waves = [f(k * pace * theirs.time) for k in (1.0, 2.5) for f in (np.cos, np.sin)]
-        a = np.stack([np.ones(STEPS), *waves], axis=1)
-        coefficients = np.linalg.lstsq(a, theirs.q.T, rcond=None)[0]
-        return np.hypot(coefficients[1::2], coefficients[2::2]), np.abs(a @ coefficients - theirs.q.T).max()
-
-    top = 2.0 * np.pi * 0.5 / 2.5
-    coarse = min(np.linspace(0.5 * top, top, 100), key=lambda pace: fit(pace)[1])
-    pace = minimize_scalar(lambda p: fit(p)[1], bounds=(coarse - 0.01, coarse + 0.01), method="bounded").x
-    sizes, left = fit(pace)
-    assert left < 1e-4
-    assert sizes[1] / sizes[0] == pytest.approx([0.1, 0.1], rel=1e-3)
 
 
 @pytest.mark.parametrize(

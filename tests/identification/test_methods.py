@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import beta_of, hostile, log_from, noisy_problem, problem, resting
+from regression_example import beta_of, hostile, log_from, noisy_problem, regression_of, resting
 from scipy.optimize import nnls
 from strategies import seeds
 
-from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.filters import FILTERS
+from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill
@@ -83,7 +82,7 @@ def test_estimates_are_those_of_an_independent_solver(name, still, seed, at):
         q[still], dq[still], ddq[still] = at, 0.0, 0.0
     y = regressor(q, dq, ddq)
     tau = y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, 60))
-    found = beta_of(name, problem(y, tau))
+    found = beta_of(name, regression_of(y, tau))
     np.testing.assert_allclose(found, independent(name, y, tau), rtol=1e-6, atol=1e-8)
     assert (found[~y.any(axis=(0, 1))] == 0.0).all()
 
@@ -148,7 +147,7 @@ def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
     halves = np.stack([y, y])
     halves[..., unmoved] = 1e-13 * rng.normal(size=(2, 2, 80, unmoved.size)) ** 9
     y[..., unmoved] = halves[..., unmoved].mean(0)
-    regression = problem(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), halves)
+    regression = regression_of(y, y @ BETA + 1e-3 * rng.normal(size=(2, 80)), even_odd=halves)
     beta, moved = beta_of(name, regression), np.setdiff1d(np.arange(9), unmoved)
     np.testing.assert_allclose(beta[moved], BETA[moved], rtol=0.1)
     assert (beta[[5 + joint, 7 + joint]] == 0.0).all()

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from ownarm_log import CUTOFF, H, regression_of
-from regression_example import beta_of, noisy_problem, problem
+from regression_example import CUTOFF, H, beta_of, noisy_problem, regression_of
 from strategies import seeds
 
 from repro.identification.filtering import FilterSettings, prepare
@@ -23,7 +22,7 @@ from repro.model.dynamics import inverse_dynamics
 
 def parts(seed, sizes=(30, 50, 40)):
     rng = np.random.default_rng(seed)
-    return [problem(rng.normal(size=(2, n, 9)), rng.normal(size=(2, n))) for n in sizes]
+    return [regression_of(rng.normal(size=(2, n, 9)), rng.normal(size=(2, n))) for n in sizes]
 
 
 @given(seeds)
@@ -61,7 +60,7 @@ def stopped():
     dq, ddq = dq * pace, ddq * pace**2 + dq * np.gradient(pace, t)
     tau = inverse_dynamics(q, dq, ddq, BETA)
     tau[:, pace < 1e-3] += 0.5
-    return Log("log.csv", t, q, tau), (7.0, 10.0)
+    return Log(name="log.csv", t=t, q=q, tau=tau), (7.0, 10.0)
 
 
 @pytest.fixture(scope="module")

@@ -8,25 +8,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, log_of, motion, recording
-from ownarm_log import exciting, regression_of
+from regression_example import exciting, regression_of
 from scipy.integrate import solve_ivp
 
-from repro.fpga.controller import ControlConstants, simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.plant import Plant
 from repro.identification.filtering import FilterSettings
 from repro.identification.scores import WINDOW, position_errors, relative_rms, similarity
 from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
-from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.programs import identification_reference
 
 RATE = 200.0
 #: A drive that holds each sample acts half a period late.
 HELD = FilterSettings(delay=0.5 / RATE)
-BOARD_PERIOD = 2.5e-3
-BOARD_ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
-CONSTANTS = ControlConstants((180.4817, 30.6819), (1270.7266, 102.2730), (1000.0, 1000.0), (2.7192, 2.7314))
 
 
 def changed(name, factor, beta=BETA):
@@ -52,16 +44,7 @@ def held():
             return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], u, BETA)])
 
         x = solve_ivp(derivative, (0.0, 1.0 / RATE), x, rtol=1e-8, atol=1e-10).y[:, -1]
-    return Log("held.csv", t, q, tau)
-
-
-@pytest.fixture(scope="module")
-def board():
-    """The identification motion on the simulated board: encoder counts and PWM."""
-    position, pwm = simulate(Plant(BOARD_ARM, BOARD_PERIOD), CONSTANTS, identification_reference().q[:, :2400])
-    t = BOARD_PERIOD * np.arange(position.shape[-1])
-    tau = pwm[0] * np.asarray(CONSTANTS.torque_per_count)[:, np.newaxis]
-    return Log("board.bin", t, position[0] * RADIANS_PER_COUNT, tau, simulated=True)
+    return Log(name="held.csv", t=t, q=q, tau=tau)
 
 
 def error(log, beta, settings=HELD):
@@ -105,17 +88,6 @@ def test_relative_rms_of_scaled_parameters_is_what_is_missing(factor, unit):
     assert relative_rms(scaled, unit * factor * BETA) == pytest.approx(relative_rms(r, factor * BETA), abs=1e-9)
 
 
-def test_similarity_is_that_of_metr2ev():
-    r = exciting(300)
-    r = replace(r, tau=r.tau + 0.3 * np.random.default_rng(2).normal(size=r.tau.shape))
-    beta = 0.9 * BETA
-    energy = MetricSettings("energy")
-    expected = [metr2ev(tau, rebuilt, energy).total for tau, rebuilt in zip(r.tau, r.y @ beta, strict=True)]
-    assert similarity(r, beta) == pytest.approx(expected)
-    assert 0.5 < min(expected) < max(expected) < 0.99
-    assert similarity(exciting(300), BETA) == pytest.approx((1.0, 1.0))
-
-
 # Motion
 
 
@@ -123,16 +95,6 @@ def test_similarity_is_that_of_metr2ev():
 def test_true_parameters_follow_a_motion_made_by_scipy(held):
     assert max(error(held, BETA)) < 5e-4
     assert np.ptp(held.q, axis=1).min() > 1.0
-
-
-@pytest.mark.slow
-def test_true_parameters_follow_the_simulated_board_within_its_encoder(board):
-    settings = FilterSettings(cutoff=3.0, delay=0.5 * BOARD_PERIOD)
-    true = error(board, BOARD_ARM, settings)
-    assert max(true) < 3e-3
-    assert np.ptp(board.q, axis=1).min() > 0.5
-    wrong = error(board, changed("g1", 1.2, BOARD_ARM), settings)
-    assert min(wrong) > 10 * max(true)
 
 
 @pytest.mark.slow

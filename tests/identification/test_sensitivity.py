@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from regression_example import log_from, problem
+from regression_example import log_from, regression_of
 from scipy import stats
 from strategies import seeds
 
@@ -34,7 +34,7 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     rng = np.random.default_rng(seed)
     y, tau, x = rng.normal(size=(2, 80, 9)), rng.normal(size=(2, 80)), rng.normal(size=(2, 80, 3))
     beside = np.linalg.lstsq(np.concatenate([y, x], axis=-1).reshape(160, 12), tau.reshape(-1))[0][:9]
-    left = project_out(problem(y, tau), x)
+    left = project_out(regression_of(y, tau), x)
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
@@ -80,7 +80,7 @@ def shrunk(seed, error):
     n = y.shape[1]
     wrong, tau = np.tile(y, (1, 200, 1)), np.tile(y @ BETA, (1, 200))
     wrong[..., :5] *= 1.0 + error * rng.choice([-1.0, 1.0], size=(2, 200 * n, 5))
-    found = problem(wrong, tau)
+    found = regression_of(wrong, tau)
     again = simex(found)
     return tuple(solve(r.y, r.tau)[:5] / BETA[:5] for r in (found, again))
 
@@ -104,10 +104,10 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
 
 
 def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
-    [made] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
+    [columns] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
     turned = type(LOG)("log.csv", LOG.t, LOG.q + each(0.0, 0.01), LOG.tau)
     change = (prepare(turned, SETTINGS).y - prepare(LOG, SETTINGS).y) @ BETA / 0.01
-    np.testing.assert_allclose(made[..., 1], change, atol=0.02 * np.abs(change).max())
+    np.testing.assert_allclose(columns[..., 1], change, atol=0.02 * np.abs(change).max())
 
 
 def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_logs():
@@ -115,7 +115,7 @@ def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_log
     weights = []
     for _ in range(200):
         y, tau, x = rng.normal(size=(2, 60, 9)), rng.normal(size=(2, 60)), rng.normal(size=(2, 60, 4))
-        plain = problem(y, tau)
+        plain = regression_of(y, tau)
         weights.append(shrinkage(plain, project_out(plain, x), 4))
     assert 0.01 < np.mean(np.array(weights) > 0.0) < 0.11
 
@@ -123,7 +123,7 @@ def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_log
 def test_the_weight_is_one_minus_the_critical_value_over_f():
     rng = np.random.default_rng(1)
     y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))
-    plain = problem(y, rng.normal(size=(2, 400)) + 0.3 * x[..., 0])
+    plain = regression_of(y, rng.normal(size=(2, 400)) + 0.3 * x[..., 0])
     assert shrinkage(plain, plain, 2) == 0.0
     rows = np.concatenate([y, x], axis=-1).reshape(800, 10)
     before, after = (np.linalg.lstsq(rows[:, :k], plain.tau.reshape(-1))[1][0] for k in (9, 10))

@@ -217,7 +217,7 @@ def named(cases):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("content", "arm", "found"), named(REFUSED))
-def test_what_cannot_be_read_is_told_in_one_line(tmp_path, content, arm, found):
+def test_what_cannot_be_read_is_reported_in_one_line(tmp_path, content, arm, found):
     path = write(tmp_path, content)
     with pytest.raises(InputError) as caught:
         uniform(read_log(path, Arm(**arm)))
@@ -274,7 +274,7 @@ def test_a_free_fall_is_no_other_reading(seed):
         q.append(x)
         v = v + h * forward_dynamics(x, v, np.zeros(2), BETA)
         x = x + h * v
-    log = Log("fall.csv", h * np.arange(len(q)), np.array(q).T, 0.01 * rng.normal(size=(2, len(q))))
+    log = Log(name="fall.csv", t=h * np.arange(len(q)), q=np.array(q).T, tau=0.01 * rng.normal(size=(2, len(q))))
     warnings = diagnose(log)
     assert len(warnings) <= 1
     assert all("this log can only test the motion" in line for line in warnings)

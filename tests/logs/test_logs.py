@@ -127,7 +127,7 @@ def test_what_surrounds_the_table_does_not_matter(read, tmp_path):
         assert_same(read_log(tmp_path / "log.csv", Arm()), GOOD)
 
 
-def test_wrapped_angles_are_unwrapped_and_told(read):
+def test_wrapped_angles_are_unwrapped_and_noted(read):
     q = GOOD.q + 2.6
     log = read(TABLE | dict(zip(("q1", "q2"), (q + np.pi) % (2 * np.pi) - np.pi, strict=True)), Arm(zero=(2.6, 2.6)))
     wraps = [note for note in log.notes if "wraps" in note]

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq_1
+from ownarm_problem import loaded
 
 from repro.config import load_config
 from repro.identification.bootstrap import bootstrap
 from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import Description
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 
@@ -27,10 +27,10 @@ def slow():
     return program_from_config(load_config(ROOT / "config" / "config.yaml"), "ID", duration=19.53).q
 
 
-def made(logs):
+def regressions(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options) for log in logs]
+    problems = [make_problem(loaded(log), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 
@@ -39,7 +39,7 @@ def clean():
     """Twenty arms of Eq. 1 with their true parameters: half on a multisine, half on the slow trajectory."""
     rng = np.random.default_rng(20)
     arms = random_arms(ARMS, rng)
-    return arms, made(recorded(arms[:10], multisine(rng)) + recorded(arms[10:], slow()))
+    return arms, regressions(recorded(arms[:10], multisine(rng)) + recorded(arms[10:], slow()))
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def real():
     arms = random_arms(ARMS, rng)
     desired, beyond = multisine(rng), unlike_eq_1(ARMS, rng)
     logs = recorded(arms[:10], desired, beyond[:10]) + recorded(arms[10:], slow(), beyond[10:])
-    return arms, made([badly_set_up(log, rng) for log in logs])
+    return arms, regressions([badly_set_up(log, rng) for log in logs])
 
 
 def intervals(method, problem, only=None):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA, motion
-from ownarm_problem import ARM, identify, made, write_log
+from ownarm_problem import ARM, identify, prepared_from_file, write_log
 
 from repro.errors import InputError
 from repro.identification.excitation import torque_fraction
@@ -91,25 +91,25 @@ def test_each_method_is_judged_by_its_own_parameters(whole):
 
 @pytest.mark.parametrize("late", [-0.006, 0.0, 0.005])
 def test_the_delay_is_found(tmp_path, late):
-    assert made(tmp_path, late=late).settings.delay == pytest.approx(late, abs=3e-4)
+    assert prepared_from_file(tmp_path, late=late).settings.delay == pytest.approx(late, abs=3e-4)
 
 
 @pytest.mark.parametrize("steepness", [10.0, 50.0])
 def test_the_steepness_of_friction_is_found_where_it_is_not_given(tmp_path, steepness):
-    auto = made(tmp_path, replace(ARM, friction_steepness=None), steepness=steepness)
+    auto = prepared_from_file(tmp_path, replace(ARM, friction_steepness=None), steepness=steepness)
     assert auto.settings.friction_steepness == steepness
-    given_one = made(tmp_path, replace(ARM, friction_steepness=33.0), steepness=steepness)
+    given_one = prepared_from_file(tmp_path, replace(ARM, friction_steepness=33.0), steepness=steepness)
     assert given_one.settings.friction_steepness == 33.0
 
 
 def test_a_cutoff_that_is_given_is_used(tmp_path):
-    problem = made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
+    problem = prepared_from_file(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
     assert problem.settings.cutoff == problem.cutoff.hertz == 3.5
     assert problem.cutoff.reason == "given by the user"
     kept = [r.h for r in problem.as_good["filters"].regressions]  # eight samples a period of the cut-off
     assert min(kept) < problem.regression.h < max(kept)
     with pytest.raises(InputError, match=r"log\.csv: rate: found 200 Hz, expected at least four times .* 60 Hz"):
-        made(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=60.0))
+        prepared_from_file(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=60.0))
 
 
 def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):

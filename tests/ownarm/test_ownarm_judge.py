@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA, motion
-from ownarm_log import H, exact, exciting
-from ownarm_problem import ARM, judged, made, noisy, problem_of, silent
+from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent
+from regression_example import H, exact, exciting
 
 from repro.identification.bootstrap import Uncertainty
 from repro.identification.least_squares import METHODS
@@ -46,7 +46,7 @@ def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
 )
 def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, log, why):
     hum = np.array([[0.0], [log.pop("hum", 0.0)]])
-    problem = made(tmp_path, **log)
+    problem = prepared_from_file(tmp_path, **log)
     if hum.any():
         raw = problem.fitted.log
         noise = hum * np.random.default_rng(1).normal(size=raw.tau.shape)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ownarm_example import method, score
-from ownarm_log import exciting
 from ownarm_problem import problem_of
+from regression_example import exciting
 
 from repro.model.parameters import NAMES
 from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
@@ -175,10 +175,10 @@ def note(*methods):
     ],
 )
 def test_a_network_that_predicts_far_worse_has_its_reason_told(similarity, words, others):
-    told = note(network(0.15, similarity), network(0.1, name="a"))
-    assert "1.5 times that of the best least squares (a)" in told
-    assert all(word in told for word in words), told
-    assert not any(word in told for word in others), told
+    noted = note(network(0.15, similarity), network(0.1, name="a"))
+    assert "1.5 times that of the best least squares (a)" in noted
+    assert all(word in noted for word in words), noted
+    assert not any(word in noted for word in others), noted
     # Up to a twentieth worse needs no reason.
     assert ";" not in note(network(0.1049, similarity), network(0.1, name="a"))
     assert ";" in note(network(0.1051, similarity), network(0.1, name="a"))

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from ownarm_problem import silent
 from realdata import log_file, needs_real_data
 
+from repro.identification.method import LEAST_SQUARES
 from repro.logs.armfile import Arm
 from repro.model.parameters import is_positive_definite
 from repro.ownarm.evaluate import assemble, fit_all, resolve
@@ -22,26 +24,13 @@ REACHED = {
 }
 
 
-def silent(*_):
-    """Report to nobody."""
-
-
-ALL = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
-
-
-def run(cache, cutoff, names=ALL):
-    """Least-squares methods on 061157, judged on the two other logs."""
-    options = Options(names, cache, cutoff=cutoff)
-    arm = Arm()
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """Least-squares methods on 061157 with everything chosen from the log, judged on the two other logs."""
+    options, arm = Options(LEAST_SQUARES, tmp_path_factory.mktemp("cache")), Arm()
     logs = [load_log(log_file(name), arm) for name in ("061157", "060143", "060329")]
     problem = make_problem(logs[0], tuple(logs[1:]), arm, options)
     return assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)[0]
-
-
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """With everything chosen from the log."""
-    return run(tmp_path_factory.mktemp("cache"), None)
 
 
 def recommended(result):

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, loaded, silent
 from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import Description, quantisation_step
+from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test, assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.selftest import self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
 
@@ -39,16 +39,16 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
     q = np.stack([np.interp(t, log.t, joint) for joint in log.q]) + np.array([[zero], [0.0]])
     tau = np.stack([np.interp(t, log.t, joint) for joint in log.tau + more])
     tau += NOISE * rng.normal(size=tau.shape)
-    raw = Log("log.csv", t, STEP * np.rint(q / STEP), tau)
-    return LoadedLog(uniform(raw), Description(raw.name, ()), raw)
+    raw = Log(name="log.csv", t=t, q=STEP * np.rint(q / STEP), tau=tau)
+    return replace(loaded(uniform(raw)), recorded=raw)
 
 
-def problem_of(*told, options=OPTIONS):
-    return make_problem(told[0], (), ARM, options, told[1:])
+def problem_of(*logs, options=OPTIONS):
+    return make_problem(logs[0], (), ARM, options, logs[1:])
 
 
-def outcome(*told, seed=1, name="ordinary", draws=5):
-    problem, options = problem_of(*told), replace(OPTIONS, seed=seed)
+def outcome(*logs, seed=1, name="ordinary", draws=5):
+    problem, options = problem_of(*logs), replace(OPTIONS, seed=seed)
     beta = METHODS[name].estimate(problem.moving).beta
     return beta, self_test(problem, METHODS[name], beta, ARM, options, silent, draws)
 
@@ -99,19 +99,21 @@ def test_stribeck_friction_is_told_from_noise():
 
 
 def test_a_made_log_is_recorded_as_the_real_one_was():
-    told = recorded(jitter=2e-4, zero=0.08)
-    (ready,) = problem_of(told).logs
+    original = recorded(jitter=2e-4, zero=0.08)
+    (ready,) = problem_of(original).logs
     assert [fault.name for fault in ready.faults] == ["zero1"]
-    made = synthetic_log(ready, BETA, np.random.default_rng(0))
-    assert made.recorded.t == pytest.approx(told.recorded.t)
-    assert [quantisation_step(q) for q in made.recorded.q] == pytest.approx([STEP, STEP], rel=1e-3)
+    synthetic = synthetic_log(ready, BETA, np.random.default_rng(0))
+    assert synthetic.recorded.t == pytest.approx(original.recorded.t)
+    assert [quantisation_step(q) for q in synthetic.recorded.q] == pytest.approx([STEP, STEP], rel=1e-3)
     inside = slice(60, -60)  # without the ends, where filters do not see both sides
-    assert made.recorded.q[:, inside] == pytest.approx(told.recorded.q[:, inside], abs=20 * STEP)
+    assert synthetic.recorded.q[:, inside] == pytest.approx(original.recorded.q[:, inside], abs=20 * STEP)
     # Differences of neighbours are nearly all noise, which is taken a little too large rather than too small.
-    made_noise, noise = (np.std(np.diff(log.tau, 2)[:, inside], axis=-1) for log in (made.recorded, told.recorded))
-    assert (0.95 * noise < made_noise).all()
-    assert (made_noise < 1.5 * noise).all()
-    (again,) = problem_of(made, options=replace(OPTIONS, cutoff=ready.settings.cutoff)).logs
+    synthetic_noise, noise = (
+        np.std(np.diff(log.tau, 2)[:, inside], axis=-1) for log in (synthetic.recorded, original.recorded)
+    )
+    assert (0.95 * noise < synthetic_noise).all()
+    assert (synthetic_noise < 1.5 * noise).all()
+    (again,) = problem_of(synthetic, options=replace(OPTIONS, cutoff=ready.settings.cutoff)).logs
     assert [fault.name for fault in again.faults] == ["zero1"]
     assert again.faults[0].value == pytest.approx(ready.faults[0].value, abs=0.005)
     assert again.settings.delay == pytest.approx(ready.settings.delay, abs=1e-3)
@@ -119,13 +121,13 @@ def test_a_made_log_is_recorded_as_the_real_one_was():
 
 def test_rounded_time_stamps_are_no_jitter():
     """Taken for the instants, stamps rounded to 1 ms would move a sample by up to 0.5 ms."""
-    told = recorded()
-    t = np.round(np.arange(told.log.t.size) / 210.0, 3)
-    raw = replace(told.recorded, t=t)
-    (ready,) = problem_of(LoadedLog(uniform(raw), told.description, raw)).logs
-    made = synthetic_log(ready, BETA, np.random.default_rng(0))
-    assert made.recorded.t == pytest.approx(t)
-    rough = [np.std(np.diff(q, 3), axis=-1) for q in (made.recorded.q, raw.q)]
+    original = recorded()
+    t = np.round(np.arange(original.log.t.size) / 210.0, 3)
+    raw = replace(original.recorded, t=t)
+    (ready,) = problem_of(replace(original, log=uniform(raw), recorded=raw)).logs
+    synthetic = synthetic_log(ready, BETA, np.random.default_rng(0))
+    assert synthetic.recorded.t == pytest.approx(t)
+    rough = [np.std(np.diff(q, 3), axis=-1) for q in (synthetic.recorded.q, raw.q)]
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
 
 

@@ -3,24 +3,23 @@
 import numpy as np
 import pytest
 from log_example import BETA, motion
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, loaded, silent
 from regression_example import log_from
 
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.ownarm.evaluate import assemble, fit_all
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import Options, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 
 
-def told(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
+def noisy_log(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
     """A log of its own stretch of the known motion."""
     rng = np.random.default_rng(seed)
     log = log_from(lambda t: motion(t + 3.0 * seed), seconds=15.0, beta=beta, delay=delay)
     q, tau = log.q + np.array([[zero], [0.0]]), log.tau + noise * rng.normal(size=log.tau.shape)
-    return LoadedLog(Log(name, log.t, q, tau), Description(name, ()))
+    return loaded(Log(name=name, t=log.t, q=q, tau=tau))
 
 
 def result_of(*logs):
@@ -32,7 +31,7 @@ def result_of(*logs):
 
 @pytest.fixture(scope="module")
 def two():
-    return result_of(told("a.csv", 0, delay=0.004), told("b.csv", 1, delay=-0.006, zero=0.08))
+    return result_of(noisy_log("a.csv", 0, delay=0.004), noisy_log("b.csv", 1, delay=-0.006, zero=0.08))
 
 
 @pytest.mark.slow
@@ -51,10 +50,10 @@ def test_each_log_has_its_own_delay_and_faults(two):
 def test_a_log_that_does_not_show_its_fault_is_put_right_beside_another():
     wrong = log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0)
     noise = 0.1 * np.random.default_rng(1).normal(size=wrong.tau.shape)
-    wrong = Log("slow.csv", wrong.t, wrong.q, (wrong.tau + noise) * np.array([[1.0], [1.12]]))
-    slow = LoadedLog(wrong, Description("slow.csv", ()))
+    wrong = Log(name="slow.csv", t=wrong.t, q=wrong.q, tau=(wrong.tau + noise) * np.array([[1.0], [1.12]]))
+    slow = loaded(wrong)
     assert not make_problem(slow, (), ARM, OPTIONS).logs[0].faults
-    first, second = make_problem(slow, (), ARM, OPTIONS, (told("a.csv", 0),)).logs
+    first, second = make_problem(slow, (), ARM, OPTIONS, (noisy_log("a.csv", 0),)).logs
     assert {fault.name: pytest.approx(fault.value, abs=0.05) for fault in first.faults} == {"scale2": 1.12}
     assert not second.faults
 
@@ -66,7 +65,7 @@ def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
     def poor(name, seed, noise, scale=1.0):
         log = log_from(lambda t: tuple(0.15 * x for x in motion(t + 3.0 * seed)), seconds=6.0)
         torque = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
-        return LoadedLog(Log(name, log.t, log.q, torque * np.array([[1.0], [scale]])), Description(name, ()))
+        return loaded(Log(name=name, t=log.t, q=log.q, tau=torque * np.array([[1.0], [scale]])))
 
     logs = poor("a.csv", 5, 0.3), poor("b.csv", 6, 0.3), poor("c.csv", 7, 0.1, scale=1.6)
     assert not make_problem(logs[2], (), ARM, OPTIONS).logs[0].faults
@@ -90,7 +89,7 @@ def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
 
 @pytest.mark.slow
 def test_intervals_of_both_are_narrower_than_of_one(two):
-    _, alone = result_of(told("a.csv", 0, delay=0.004))
+    _, alone = result_of(noisy_log("a.csv", 0, delay=0.004))
     widths = [
         [p.high - p.low for p in next(m for m in result.methods if m.method == "consistent").parameters[:5]]
         for result in (two[1], alone)
@@ -101,14 +100,16 @@ def test_intervals_of_both_are_narrower_than_of_one(two):
 @pytest.mark.slow
 def test_a_log_of_another_arm_is_named():
     other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
-    _, result = result_of(told("a.csv", 0), told("b.csv", 1), told("c.csv", 2), told("odd.csv", 3, beta=other))
+    _, result = result_of(
+        noisy_log("a.csv", 0), noisy_log("b.csv", 1), noisy_log("c.csv", 2), noisy_log("odd.csv", 3, beta=other)
+    )
     assert sum("disagrees" in line for line in result.warnings) == 1
     assert any(line.startswith("the log odd.csv disagrees with the others") for line in result.warnings)
 
 
 def test_a_noisy_log_counts_less():
     """Weights are those of the errors: beside a log with a hundred times the noise the good one hardly moves."""
-    good, noisy = told("a.csv", 0), told("n.csv", 1, noise=2.0)
+    good, noisy = noisy_log("a.csv", 0), noisy_log("n.csv", 1, noise=2.0)
     problem = make_problem(good, (), ARM, OPTIONS, (noisy,))
     sizes = [float(np.abs(log.moving.tau).max()) for log in problem.logs]
     n = problem.logs[0].moving.t.size

@@ -31,8 +31,8 @@ def whole(tmp_path_factory):
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))
     path = tmp_path_factory.mktemp("split") / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
-    told = load_log(path, ARM)
-    problem = make_problem(told, (), ARM, OPTIONS)
+    log = load_log(path, ARM)
+    problem = make_problem(log, (), ARM, OPTIONS)
     found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
     return problem, *assemble(problem, found, ARM)
 
@@ -40,8 +40,8 @@ def whole(tmp_path_factory):
 def test_pieces_and_their_lengths_are_told(whole):
     _, result, _ = whole
     assert "200 rows with empty cells left out: lines 1802 to 2001" in result.log.notes
-    told = "3 gaps of up to 1.5 s: the log is used in 3 pieces of 8.995, 7.995, 8.495 s; 1 too short, left out"
-    assert told in result.log.notes
+    note = "3 gaps of up to 1.5 s: the log is used in 3 pieces of 8.995, 7.995, 8.495 s; 1 too short, left out"
+    assert note in result.log.notes
     assert not result.more_logs
 
 
@@ -62,7 +62,7 @@ def test_one_delay_one_zero_and_the_parameters_of_all_pieces(whole):
 def test_each_piece_is_filtered_as_if_it_were_alone():
     r = recording(T)
     keep = (T < 11.0) | (T > 13.0)
-    log = uniform(Log("log.csv", T[keep], r.q[:, keep], r.tau[:, keep]))
+    log = uniform(Log(name="log.csv", t=T[keep], q=r.q[:, keep], tau=r.tau[:, keep]))
     both, parts = prepare(log, FilterSettings()), [prepare(piece, FilterSettings()) for piece in log.pieces]
     for name in ("y", "tau", "q", "dq", "ddq"):
         together = np.concatenate([getattr(part, name) for part in parts], axis=1)

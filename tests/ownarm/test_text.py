@@ -68,7 +68,7 @@ def test_percents_are_never_optimistic_and_at_most_a_digit_too_large(share, esti
 @pytest.mark.parametrize("sign", [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
 def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
     rng = np.random.default_rng(0)
-    raw = Log("log.csv", np.arange(50) / 100, 0.3 * rng.normal(size=(2, 50)), rng.normal(size=(2, 50)))
+    raw = Log(name="log.csv", t=np.arange(50) / 100, q=0.3 * rng.normal(size=(2, 50)), tau=rng.normal(size=(2, 50)))
     common = {"sign": list(sign), "torque_sign": [-1, 1], "second_joint_absolute": absolute, "zero": [0.1, -0.2]}
     file = tmp_path / "arm.yaml"
 

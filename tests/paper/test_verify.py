@@ -101,21 +101,6 @@ def test_one_changed_text_is_named(project, capsys, file, old, new, named):
     assert all(text in out for text in named or [f"disagrees: {file}: SHA-256"])
 
 
-def test_a_published_number_that_is_removed(project, capsys):
-    lines = Path("published.csv").read_text(encoding="utf-8").splitlines(keepends=True)
-    (row,) = [line for line in lines if line.startswith("section4b/biases,")]
-    change(project / "published.csv", row, "")
-    code, out, _ = verify(capsys)
-    assert code == 1 and "results/claims.csv: section4b/biases: found a row, expected none" in out
-
-
-def test_a_file_among_the_captures_that_is_not_listed(project, capsys):
-    shutil.copy("data/captures/ID.bin", "data/captures/T1.bin")
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert re.findall("^disagrees: (.*): found", out, re.MULTILINE) == ["data/captures/T1.bin"]
-
-
 @pytest.mark.parametrize("column", ["published", "ours", "verdict", "asserted", "note"])
 def test_one_changed_cell_of_the_ledger(project, capsys, column):
     table = pd.read_csv("results/claims.csv", dtype=str, keep_default_na=False)
@@ -125,18 +110,6 @@ def test_one_changed_cell_of_the_ledger(project, capsys, column):
     file, cell = re.findall(r"^disagrees: .*", out, re.MULTILINE)
     assert code == 1 and file.startswith("disagrees: results/claims.csv: SHA-256")
     assert re.match(rf"disagrees: results/claims.csv: section5a/loss: {column}: found 1, expected ", cell)
-
-
-def test_the_last_digit_of_a_cell_of_the_ledger(project, capsys):
-    """A difference within rounding, but the file is not the one that was written."""
-    table = pd.read_csv("results/claims.csv", dtype=str, keep_default_na=False)
-    row = table["ours"].str.len().idxmax()
-    digits = table.loc[row, "ours"]
-    table.loc[row, "ours"] = digits[:-1] + str((int(digits[-1]) + 1) % 10)
-    table.to_csv("results/claims.csv", index=False)
-    code, out, _ = verify(capsys)
-    assert code == 1
-    assert re.findall(r"^disagrees: (.*): SHA-256", out, re.MULTILINE) == ["results/claims.csv"]
 
 
 def test_rows_removed_added_or_moved(project, capsys):
@@ -181,11 +154,6 @@ def test_a_line_removed_from_the_list(project, capsys, number):
     assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
 
 
-def test_a_missing_configuration(project, capsys):
-    code, _, err = verify(capsys, "--config", "config/mine.yaml")
-    assert code == 2 and "config/mine.yaml" in err and err.count("\n") == 1
-
-
 def test_a_claim_that_fails_ends_with_1_though_all_agree(project, capsys):
     change(project / "results/model/training.csv", "0.00025", "0.0025")
     remake()
@@ -226,12 +194,6 @@ def test_the_list_is_what_sha256sum_checks(project):
     change(project / "results/tables/table04.csv", "N1", "N7")
     failed = subprocess.run(command, check=False, capture_output=True, text=True)
     assert failed.returncode != 0 and "results/tables/table04.csv: FAILED" in failed.stdout
-
-
-def test_the_ledger_is_the_same_to_the_byte_when_written_again(project):
-    before = {name: (project / "results" / name).read_bytes() for name in (CLAIMS, PAGE)}
-    remake()
-    assert before == {name: (project / "results" / name).read_bytes() for name in (CLAIMS, PAGE)}
 
 
 def test_the_stage_writes_a_ledger_whose_claims_fail_and_its_verification_fails_only_if_enforced(project, caplog):

@@ -63,7 +63,7 @@ def test_refinement_is_above_98_percent_everywhere(name):
     assert totals(name, "algorithm1+refinement").min() >= 0.98
 
 
-def test_loss_of_the_streamed_recipe():
+def test_loss_of_the_streamed_schedule():
     history = pd.read_csv(REFERENCE / "model/training.csv")
     config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
     assert history["step"].iloc[-1] == config["training"]["steps"]

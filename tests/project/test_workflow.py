@@ -289,3 +289,10 @@ def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(worki
 
 def test_no_script_is_left_over(working):
     assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
+
+
+def test_emulated_hosts_run_tests_that_exist():
+    text = (ROOT / ".ci" / "hosts.py").read_text(encoding="utf-8")
+    names = re.findall(r'"(\w+)"', text[text.index("PORTABLE = (") : text.index("@dataclass")])
+    assert len(names) > 12
+    assert [name for name in names if not list((ROOT / "tests").rglob(f"test_{name}.py"))] == []

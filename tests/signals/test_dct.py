@@ -84,14 +84,6 @@ def test_dct2low_scales_a_pure_cosine_by_the_gaussian(unit, n, h, depth, data):
     np.testing.assert_allclose(dct2low(cosine(k, n), h, c_f, unit), np.exp(-depth) * cosine(k, n), rtol=0, atol=1e-12)
 
 
-def test_the_readings_differ_by_their_units():
-    # A band's cosine has k half periods over N h seconds: k / (2 N h) hertz, 2 pi times that in rad/s.
-    hertz = band_frequency(3770, H, "hertz")
-    np.testing.assert_allclose(band_frequency(3770, H, "rad_per_s"), 2.0 * np.pi * hertz, rtol=1e-14)
-    np.testing.assert_allclose(hertz[-1], 200.0, rtol=1e-3)  # half the sampling rate of 400 Hz
-    np.testing.assert_array_equal(band_frequency(5, H, "index"), [0, 1, 2, 3, 4])
-
-
 def test_published_filter_lets_1_4_percent_through_at_33_hertz():
     gain = np.exp(-1e-4 * (2.0 * np.pi * 33.0) ** 2)
     n = 4000

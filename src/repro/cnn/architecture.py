@@ -100,10 +100,10 @@ def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None)
     """
     weights, metadata = read_tensors(path, "weights of a network")
     header = [*metadata.values()]
-    expected, found = settings.weights, {name: w.shape for name, w in weights.items()}
-    if expected != found:
-        wrong = sorted(n for n in expected.keys() | found.keys() if expected.get(n) != found.get(n))[0]
-        raise InputError.at(f"{path}: {wrong}", found.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
+    expected, shapes = settings.weights, {name: w.shape for name, w in weights.items()}
+    if expected != shapes:
+        wrong = sorted(n for n in expected.keys() | shapes.keys() if expected.get(n) != shapes.get(n))[0]
+        raise InputError.at(f"{path}: {wrong}", shapes.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
     if fact is not None and header != [fact]:
         raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{fact}, of the network asked for")
     for name, weight in weights.items():

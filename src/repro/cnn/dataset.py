@@ -15,8 +15,7 @@ from repro.cnn.image import ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
-from repro.signals.dct import dct2dev, dct2low, dct2sub
-from repro.signals.sampling import SignalSettings, image_regressor
+from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_regressor
 from repro.signals.trajectories import Motion
 
 Floats32 = NDArray[np.float32]
@@ -74,25 +73,21 @@ def sample_motion(
     motion: Motion, settings: SignalSettings, proper: slice = slice(None), unmodelled: bool = False
 ) -> SampledMotion:
     """Compute the regressors of a motion; `proper` is what **cut** of Algorithm 1 keeps after filtering."""
-    h, c_f, unit, m = settings.h, settings.c_f, settings.omega_unit, settings.samples
-    y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
-    tau_s = dct2sub(dct2low(y, h, c_f, unit)[..., proper], m)
-    model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], settings)
-    columns = _unmodelled_columns(motion, y, proper, settings) if unmodelled else None
-    return SampledMotion(np.moveaxis(tau_s, 0, -1), model, columns)
-
-
-def _unmodelled_columns(motion: Motion, y: Array, proper: slice, s: SignalSettings) -> UnmodelledColumns:
-    """Filter and subsample the unmodelled effects as the torque is; `y` is the regressor (9, 2, N)."""
-    n = np.array(RIPPLE_CYCLES)[:, np.newaxis, np.newaxis]
-    waves = np.stack([np.sin(n * motion.q), np.cos(n * motion.q)], axis=1).reshape(-1, *motion.q.shape)  # (2 C, 2, N)
-    friction = np.tanh(LAMBDA * motion.dq) - np.tanh(motion.dq / STRIBECK_VELOCITY)
+    s = settings
 
     def sampled(x: Array) -> Array:
         return dct2sub(dct2low(x, s.h, s.c_f, s.omega_unit)[..., proper], s.samples)
 
-    rate = dct2sub(dct2dev(y, s.h, s.c_f, s.omega_unit)[..., proper], s.samples)
-    return UnmodelledColumns(sampled(friction), np.moveaxis(sampled(waves), 0, -1), np.moveaxis(rate, 0, -1))
+    y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
+    torque = np.moveaxis(sampled(y), 0, -1)
+    model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], s)
+    if not unmodelled:
+        return SampledMotion(torque, model)
+    n = np.array(RIPPLE_CYCLES)[:, np.newaxis, np.newaxis]
+    waves = np.stack([np.sin(n * motion.q), np.cos(n * motion.q)], axis=1).reshape(-1, *motion.q.shape)  # (2 C, 2, N)
+    friction = np.tanh(LAMBDA * motion.dq) - np.tanh(motion.dq / STRIBECK_VELOCITY)
+    rate = np.moveaxis(dct2sub(dct2dev(y, s.h, s.c_f, s.omega_unit)[..., proper], s.samples), 0, -1)
+    return SampledMotion(torque, model, UnmodelledColumns(sampled(friction), np.moveaxis(sampled(waves), 0, -1), rate))
 
 
 def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) -> SampledMotion:

@@ -11,6 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.model.dynamics import check_motion, inverse_dynamics
+from repro.model.parameters import Array
+
 Floats = NDArray[np.floating]
 
 Scale = Literal["shared-max", "channel-max", "constant"]
@@ -89,6 +92,48 @@ def assemble(u: Floats, v: Floats) -> Floats:
     """
     image: Floats = np.swapaxes(u, -1, -2) @ v
     return image
+
+
+def images(
+    q: Array, dq: Array, ddq: Array, tau: Array, guess: Array, settings: ImageSettings = ImageSettings()
+) -> Floats:
+    """Build the images that the network reads: a torque beside what Eq. 1 gives for a guess (Eq. 8 and 9).
+
+    Parameters
+    ----------
+    q, dq, ddq : arrays of shape (2, S)
+        Position (rad), velocity (rad/s) and acceleration (rad/s^2), subsampled; the paper has S = 100.
+    tau : array of shape (2, S)
+        Torque at the same instants, N m, not zero throughout.
+    guess : array of shape (..., 9)
+        Guesses of the parameters in units of the largest torque, as line 17 draws them.
+    settings : ImageSettings
+        Divisors of Eq. 9.
+
+    Returns
+    -------
+    array of shape (..., 2, S, S)
+        Channel, row (the guess) and column (the torque).
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong, a value is not finite, or the torque is zero throughout.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 9.4, 100)
+    >>> q = np.stack([np.sin(t), np.sin(2.5 * t)])
+    >>> images(q, 0 * q, 0 * q, np.cos(q), np.full((3, 9), 0.5)).shape
+    (3, 2, 100, 100)
+    """
+    q, dq, ddq, tau = check_motion(q, dq, ddq, tau)
+    largest = np.abs(tau).max()
+    if largest == 0.0:
+        raise ValueError("tau: the torque is zero throughout.")
+    alpha = tau / largest
+    psi = 2.0 * alpha - inverse_dynamics(q, dq, ddq, guess)
+    return assemble(*image_factors(np.broadcast_to(alpha, psi.shape), psi, settings))
 
 
 def colours(image: Floats) -> Floats:

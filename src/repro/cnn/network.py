@@ -216,16 +216,19 @@ def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> No
 
 
 def load_network(
-    path: Path, settings: NetworkSettings, fact: str | None = None, precision: Precision = "float32"
+    path: str | Path,
+    settings: NetworkSettings | None = None,
+    fact: str | None = None,
+    precision: Precision = "float32",
 ) -> FactoredCNN:
     """Read the weights into a network for inference.
 
     Parameters
     ----------
-    path : Path
-        File made by `save_network`.
+    path : path
+        Safetensors file, such as those in ``data/networks``.
     settings : NetworkSettings
-        Sizes.
+        Sizes; the paper's by default.
     fact : str, optional
         What the file's header must state, such as the name of the network.
     precision : {"auto", "float32", "bfloat16"}
@@ -240,8 +243,15 @@ def load_network(
     ------
     InputError
         If the file is missing or damaged, or has another network or other sizes.
+
+    Examples
+    --------
+    >>> network = load_network("data/networks/cnn.safetensors")
+    >>> sum(weight.numel() for weight in network.parameters())
+    371659
     """
-    weights = read_weights(path, settings, fact)
+    settings = settings or NetworkSettings()
+    weights = read_weights(Path(path), settings, fact)
     network = FactoredCNN(settings, on_this_processor(precision))
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from repro.model.parameters import Array
     from repro.signals.trajectories import Motion
 
-_MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
 #: Largest magnitude of a guess, in the units of the parameters.
 _LARGEST = 1e6
 
@@ -55,23 +54,17 @@ def run(arguments: argparse.Namespace) -> int:
     import numpy as np
 
     from repro.files import check_folder, fill_folder
-    from repro.identification.exciting_motion import Envelope, design, published
+    from repro.identification.exciting_motion import Envelope, check_samples, excite, published
     from repro.logs.armfile import read_arm
-    from repro.progress import Progress
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
-    harmonics, noise = arguments.harmonics, np.array(arguments.noise)
-    steps, h = round(arguments.duration * arguments.rate), 1.0 / arguments.rate
-    if not 3 <= harmonics <= _MOST_HARMONICS:
-        raise InputError.at("--harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
-    if not 4 * harmonics <= steps < _MOST_SAMPLES:
-        expectation = f"{4 * harmonics} to {_MOST_SAMPLES - 1} with these harmonics"
-        raise InputError.at("--duration times --rate", f"{steps} samples", expectation)
-    arm = read_arm(arguments.arm)
-    limits = Envelope(arm, read_guess(arguments.guess))
-    rng, progress = np.random.default_rng(arguments.seed), Progress("searching for a motion")
-    ours = design(limits, (steps, h), harmonics, noise, rng, progress)
+    harmonics, noise, h = arguments.harmonics, np.array(arguments.noise), 1.0 / arguments.rate
+    steps = check_samples(arguments.duration, arguments.rate, harmonics)
+    arm, guess = read_arm(arguments.arm), read_guess(arguments.guess)
+    limits = Envelope(arm, guess)
+    asked = {key: getattr(arguments, key) for key in ("duration", "rate", "harmonics", "noise", "seed")}
+    ours = excite(arm, guess=guess, **asked)
     motions = {"optimised": ours, "eq10": published(limits, (steps, h), harmonics / (steps * h), noise)}
     settings = {key: getattr(arguments, key) for key in ("harmonics", "rate", "noise", "seed")}
     content = {

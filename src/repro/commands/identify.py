@@ -1,23 +1,14 @@
 """Identify your own arm: from a log to parameters with intervals, and a report."""
 
 import argparse
-import logging
 import os
-import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from repro.commands.options import add_config, folder, integer, number, seed
 from repro.errors import InputError
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 
-if TYPE_CHECKING:
-    from repro.ownarm.evaluate import Fit
-    from repro.ownarm.prepare import LoadedLog
-
-_LOG = logging.getLogger(__name__)
-
-GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
+GROUPS = ("all", "least-squares")
 FILTERS = ("dct", "savitzky-golay", "butterworth")
 
 
@@ -76,71 +67,29 @@ def _cache() -> Path:
 
 def run(arguments: argparse.Namespace) -> int:
     """Identify your own arm: from a log to parameters with intervals, and a report."""
+    from repro.api import choose_methods, identify
     from repro.files import check_folder
-    from repro.logs.armfile import read_arm
-    from repro.ownarm.evaluate import add_self_test, assemble, fit_all, resolve
-    from repro.ownarm.outputs import write_result, write_sidecar
-    from repro.ownarm.prepare import Options, load_log, make_problem
-    from repro.ownarm.text import summary
-    from repro.progress import Progress
 
     check_folder(arguments.out, arguments.overwrite)
-    arm = read_arm(arguments.arm)
-    names = _methods(arguments)
-    options = Options(
-        methods=names,
-        cache=arguments.cache.expanduser(),
+    method = arguments.method or ("all" if len(arguments.logs) == 1 else "least-squares")
+    choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
+    result = identify(
+        [_source(arguments, log) for log in arguments.logs],
+        validate=arguments.validate,
+        arm=arguments.arm,
+        method=method,
         filter=arguments.filter,
         cutoff=arguments.cutoff,
+        friction=arguments.friction,
+        self_test=arguments.self_test,
         seed=arguments.seed,
         steps=arguments.steps,
-        friction=arguments.friction,
+        cache=arguments.cache,
     )
-    if set(names) & set(NETWORKS):
-        _check_cache(options.cache)
-    _check_distinct(arguments)
-    validation = tuple(load_log(path, arm) for path in arguments.validate)
-    fitted, *more = (load_log(_source(arguments, log), arm) for log in arguments.logs)
-    for loaded in (fitted, *more, *validation):
-        _report_log(loaded, briefly=loaded is not fitted)
-    problem = make_problem(fitted, validation, arm, options, tuple(more))
-    for log in problem.logs:
-        s = log.settings
-        _LOG.info("%s: cut-off %.3g Hz: %s", log.loaded.name, s.cutoff, log.cutoff.reason)
-        _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
-    bars: dict[str, Progress] = {}
-
-    def progress(what: str, done: int, total: int, note: str) -> None:
-        bars.setdefault(what, Progress(what))(done, total, note)
-
-    methods = resolve(options, progress)
-    quick = [m for m in methods if m.name not in NETWORKS]
-    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
-    if fits and len(quick) < len(methods):
-        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
-    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
-    if not fits:
-        raise InputError.at(fitted.name, "no solution by any method", "a log that shows more, see above")
-    result, curves = assemble(problem, fits, arm)
-    if arguments.self_test:
-        result = add_self_test(result, problem, arm, options, progress)
-    print(summary(result), flush=True)
-    inputs = [Path(name) for name in (*arguments.logs, *arguments.validate, arguments.arm) if name]
-    files = [*write_result(arguments.out, result, curves, arm, inputs), write_sidecar(arguments.out)]
+    print(result, flush=True)
+    files = result.save(arguments.out, arguments.overwrite)
     print(f"written to {arguments.out}: {', '.join(files)}")
     return 0
-
-
-def _methods(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """Resolve groups of methods; several logs are for least squares, because a network is trained for one motion."""
-    default = ("all",) if len(arguments.logs) == 1 else ("least-squares",)
-    names = tuple(dict.fromkeys(n for m in arguments.method or default for n in GROUPS.get(m, (m,))))
-    if len(arguments.logs) > 1 and set(names) & set(NETWORKS):
-        expected = "--method least-squares, or one log: a network is trained for one motion"
-        raise InputError.at("--method", "Algorithm 1 for several logs", expected)
-    if arguments.self_test and not set(names) - set(NETWORKS):
-        raise InputError.at("--self-test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
-    return names
 
 
 def _source(arguments: argparse.Namespace, text: str) -> Path:
@@ -162,42 +111,3 @@ def _source(arguments: argparse.Namespace, text: str) -> Path:
     if boards.record(parser.parse_args(command)) != 0:
         raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")
     return capture
-
-
-def _check_distinct(arguments: argparse.Namespace) -> None:
-    """Refuse a log that is given twice."""
-    files = [Path(log) for log in arguments.logs if Path(log).exists()]
-    for k, path in enumerate(files):
-        if any(path.samefile(other) for other in files[:k]):
-            raise InputError.at(str(path), "the same log twice", "each log once")
-    for path in arguments.validate:
-        if path.exists() and any(path.samefile(log) for log in files):
-            raise InputError.at(f"--validate {path}", "the log itself", "a log of another motion")
-
-
-def _report_log(loaded: "LoadedLog", briefly: bool) -> None:
-    d = loaded.description
-    _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
-    for label, value in d.facts:
-        if not briefly or label in ("length", "rate", "gaps"):
-            _LOG.info("  %s: %s", label, value)
-    for note in d.notes:
-        _LOG.info("  note: %s", note)
-    for warning in d.warnings:
-        _LOG.warning("  WARNING: %s", warning)
-
-
-def _report_fit(fit: "Fit") -> None:
-    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))
-
-
-def _check_cache(cache: Path) -> None:
-    """Refuse a cache that cannot be written before minutes of training are spent."""
-    try:
-        cache.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=cache):
-            pass
-    except OSError as error:
-        raise InputError.at(
-            f"--cache {cache}", error.strerror or "no folder", "a folder that can be written"
-        ) from error

@@ -39,10 +39,9 @@ from repro.pipeline.experiment_runs import CASE, every_seed, read_identification
 from repro.pipeline.job import Config
 from repro.pipeline.summary import SCORES, experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
-from repro.signals.dct import spectrum
+from repro.signals.dct import SignalSettings, spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
-from repro.signals.sampling import SignalSettings
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")

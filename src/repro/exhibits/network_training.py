@@ -30,7 +30,7 @@ from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.pipeline.model_card import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

@@ -50,9 +50,8 @@ from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table
 from repro.settings import numeric_settings, of_network, signal_settings, training_settings
-from repro.signals.dct import dct2sub, spectrum
+from repro.signals.dct import SignalSettings, dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import Motion, identification_trajectory
 
 _NUMERIC = ("signals", "numeric")

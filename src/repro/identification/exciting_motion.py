@@ -7,6 +7,7 @@ region is smallest, whatever units they are in.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.linalg import null_space
@@ -16,9 +17,10 @@ from repro.errors import InputError
 from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
 from repro.identification.solve import unit_columns
-from repro.logs.armfile import Arm
+from repro.logs.armfile import Arm, read_arm
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
+from repro.progress import Progress
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
@@ -36,6 +38,8 @@ _NORMAL_95 = 1.959964
 #: Fraction of each limit that is used, so that nothing between two samples exceeds it.
 MAX_UTILISATION = 0.999
 _HALVINGS = 30
+#: Most samples and harmonics of a motion.
+_MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
 #: Fraction of the way from the middle of a range to its end within which a motion may begin.
 _MAX_START = 0.9
 
@@ -130,6 +134,70 @@ def expected_accuracy(moved: Moved, noise: Array, friction_steepness: float) -> 
         return np.full(scale.shape, np.inf), np.inf, -np.inf
     half = _NORMAL_95 * np.linalg.norm(right / singular[:, None], axis=0) / scale
     return half, float(singular[0] / singular[-1]), 2.0 * float(np.log(singular * scale).sum())
+
+
+def excite(
+    arm: str | Path | Arm,
+    *,
+    duration: float = 20.0,
+    rate: float = 400.0,
+    harmonics: int = 12,
+    noise: tuple[float, float] = (0.05, 0.05),
+    guess: Array | None = None,
+    seed: int = 1,
+) -> Motion:
+    """Design a motion to identify an arm by, within its limits.
+
+    Parameters
+    ----------
+    arm : path or Arm
+        With ``position_limit`` and ``speed_limit``; a workspace needs link lengths.
+    duration : float
+        Of the motion, s.
+    rate : float
+        Samples per second.
+    harmonics : int
+        Highest multiple of 1/duration in it, 3 to 20.
+    noise : pair of float
+        Standard deviation of a sample of each torque, N m.
+    guess : array of shape (9,), optional
+        Rough parameters; with them the motion stays within ``torque_limit``.
+    seed : int
+        Of the starts of the search.
+
+    Returns
+    -------
+    Motion
+        ``time`` (N,), s, and ``q``, ``dq``, ``ddq`` (2, N), angles of Eq. 1.
+
+    Raises
+    ------
+    InputError
+        If the arm lacks a limit, or is outside of one at rest, or the motion has too few or too many samples.
+
+    Examples
+    --------
+    >>> import repro
+    >>> arm = repro.Arm(position_limit=((-1.0, 1.0), (-2.0, 2.0)), speed_limit=(3.0, 4.0))
+    >>> motion = excite(arm, duration=5.0, rate=100.0, harmonics=4)
+    >>> motion.q.shape, bool(np.abs(motion.q[0]).max() < 1.0)
+    ((2, 501), True)
+    """
+    steps = check_samples(duration, rate, harmonics)
+    limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), guess)
+    rng, report = np.random.default_rng(seed), Progress("searching for a motion")
+    return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), rng, report)
+
+
+def check_samples(duration: float, rate: float, harmonics: int) -> int:
+    """Give the sampling periods of a motion; refuse too few or too many of them, or of the harmonics."""
+    steps = round(duration * rate)
+    if not 3 <= harmonics <= _MOST_HARMONICS:
+        raise InputError.at("harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
+    if not 4 * harmonics <= steps < _MOST_SAMPLES:
+        expected = f"{4 * harmonics} to {_MOST_SAMPLES - 1} with these harmonics"
+        raise InputError.at("duration times rate", f"{steps} samples", expected)
+    return steps
 
 
 def design(

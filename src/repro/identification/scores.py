@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.regression import Regression
 from repro.logs.log import Log, period
-from repro.model.dynamics import forward_dynamics, rebuild_torque
+from repro.model.dynamics import check_motion, forward_dynamics, rebuild_torque
 from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev
 
@@ -26,23 +26,9 @@ MAX_STEPS_PER_SAMPLE = 40
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
-    """Compute the similarity (**metr2ev**) of a torque and its rebuilding by each method.
+    """Compute the similarity (**metr2ev**) of a torque (2, N) and its rebuilding from a regressor (2, N, 9).
 
-    Parameters
-    ----------
-    y : array of shape (2, N, 9)
-        Regressor.
-    tau : array of shape (2, N)
-        Torque, N m.
-    estimates : mapping of str to mapping
-        By method, with the parameters in ``beta``.
-    metric : MetricSettings
-        Formulas.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``method, joint, time, frequency, total``, fractions of 1.
+    `estimates` have the parameters of each method in ``beta``. Columns ``method, joint, time, frequency, total``.
     """
     rows = []
     for method, estimate in estimates.items():
@@ -105,6 +91,31 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
             if np.isfinite(error).all():
                 errors[k] = (float(error[0]), float(error[1]))
     return errors
+
+
+def integrate(
+    t: Array, tau: Array, q0: Array, dq0: Array, beta: Array, friction_steepness: float
+) -> tuple[Array, Array]:
+    """Integrate Eq. 1 from a state (2,) under a torque (2, N) that is linear between the instants t (N,)."""
+    t, (tau,) = np.asarray(t, dtype=np.float64), check_motion(tau)
+    x, v = (np.asarray(state, dtype=np.float64) for state in (q0, dq0))
+    if t.shape != tau.shape[1:] or x.shape != (2,) or v.shape != (2,):
+        raise ValueError(f"t, tau, q0, dq0: shapes {t.shape}, {tau.shape}, {x.shape}, {v.shape} do not fit together.")
+    if not (np.diff(t) > 0.0).all():
+        raise ValueError("t: instants must increase.")
+    longest = float(np.diff(t).max(initial=0.0))
+    steps = _steps_per_sample(beta, longest, friction_steepness)
+    if not np.isfinite(steps):
+        raise ValueError("beta: the inertia matrix is not positive definite in every pose.")
+    states = [(x, v)]
+    for k, span in enumerate(np.diff(t)):
+        h = span / int(steps)
+        for step in range(int(steps)):
+            middle = tau[:, k] + (step + 0.5) / int(steps) * (tau[:, k + 1] - tau[:, k])
+            x, v = _runge_kutta(x, v, middle, beta, h, friction_steepness)
+        states.append((x, v))
+    q, dq = (np.stack(signal, axis=-1) for signal in zip(*states, strict=True))
+    return q, dq
 
 
 def _steps_per_sample(beta: Array, h: float, steepness: float) -> float:

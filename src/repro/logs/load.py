@@ -1,10 +1,11 @@
-"""Read a file as a `Log`: columns, units, signs and zeros; refuse what cannot be identified from."""
+"""Read a recording as a `Log`: columns, units, signs and zeros; refuse what cannot be identified from."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from repro.errors import InputError
@@ -14,7 +15,7 @@ from repro.logs.armfile import Arm
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
 from repro.logs.diagnostics import saturated_fraction
 from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
-from repro.logs.table import is_bag, list_lines, read_bag, read_table
+from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
 from repro.model.parameters import Array
 
 #: Rates that an arm is recorded at, Hz.
@@ -27,41 +28,77 @@ _LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "ra
 _SMALLEST = 1e-12
 #: Fraction of samples at the torque limit above which a drive is always saturated.
 _ALWAYS = 0.9
+#: Name of a DataFrame in messages.
+FRAME = "data frame"
+#: What a recording is read from.
+Source = Path | pd.DataFrame | Log
 #: Steps within this fraction of a full turn are the wrap of an angle.
 _WRAP = 0.05
 
 
-def read_log(path: Path, arm: Arm) -> Log:
-    """Read a recording.
+def read_log(source: str | Source, arm: Arm | None = None) -> Log:
+    """Read a recording as SI and angles of Eq. 1.
 
     Parameters
     ----------
-    path : Path
-        Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table.
-    arm : Arm
-        Conventions that the recording does not state itself. Columns and units are not for captures.
+    source : path, DataFrame or Log
+        Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table; a DataFrame has the columns of a table;
+        arrays of a `Log` are SI.
+    arm : Arm, optional
+        Conventions that the recording does not state itself. Columns and units are for tables alone.
 
     Returns
     -------
     Log
-        SI, angles of Eq. 1.
+        Times, positions and torques; velocities if they were recorded.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a column or unit is missing or unclear, a cell is no number, time does not
-        increase, the recording is too short, the arm does not move, a torque is constant, or gaps leave no
-        stretch that is long enough.
+        If the file cannot be read, a column or unit is missing or unclear, a cell is no number, time does not increase,
+        the recording is too short, the arm does not move, a torque is constant, or gaps leave no stretch that is long
+        enough.
+
+    Examples
+    --------
+    >>> run = read_log("data/captures/ID.bin")
+    >>> run.q.shape, run.simulated
+    ((2, 4150), True)
     """
-    if path.is_dir() and not is_bag(path):
-        raise InputError.at(str(path), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
-    raw = _from_capture(path, arm) if path.suffix == ".bin" else _from_table(path, arm)
+    arm = arm or Arm()
+    if isinstance(source, str):
+        source = Path(source)
+    if isinstance(source, Log):
+        place, raw = source.name, _from_arrays(source)
+    elif isinstance(source, pd.DataFrame):
+        place, raw = FRAME, _from_table(table_of(source, FRAME), FRAME, arm)
+    elif source.is_dir() and not is_bag(source):
+        raise InputError.at(str(source), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
+    elif source.suffix == ".bin":
+        place, raw = str(source), _from_capture(source, arm)
+    else:
+        table = read_bag(source, arm.topic) if is_bag(source) else read_table(source)
+        place, raw = str(source), _from_table(table, source.name, arm)
     limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
     with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
         log = replace(to_eq1(raw, arm), torque_limit=limit)
-    _check_signals(log, str(path))
+    _check_signals(log, place)
     segments(log)  # refuses a log that is all gaps
     return log
+
+
+def _from_arrays(log: Log) -> Log:
+    """Check the shapes, numbers and times of arrays."""
+    t, q, tau = (np.asarray(x, dtype=np.float64) for x in (log.t, log.q, log.tau))
+    dq = None if log.dq is None else np.asarray(log.dq, dtype=np.float64)
+    pair = (2, t.size)
+    for name, x, shape in (("t", t, (t.size,)), ("q", q, pair), ("tau", tau, pair), ("dq", dq, pair)):
+        if x is not None and x.shape != shape:
+            raise InputError.at(f"{log.name}: {name}", f"shape {x.shape}", f"shape {shape}")
+        if x is not None and not np.isfinite(x).all():
+            raise InputError.at(f"{log.name}: {name}", f"{np.sum(~np.isfinite(x))} numbers that are not finite", "none")
+    _check_time(t, t, "s", log.name, range(1, t.size + 1))
+    return replace(log, t=t - t[0], q=q, tau=tau, dq=dq, breaks=())
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:
@@ -77,12 +114,19 @@ def _from_capture(path: Path, arm: Arm) -> Log:
         notes.append(f"{recording.n_interpolated} lost samples are interpolated")
     simulated = metadata.source == "simulated"
     limit = np.array(metadata.control.full_torque)
-    return Log(path.name, t, recording.q, recording.tau, None, tuple(notes), simulated, limit)
+    return Log(
+        name=path.name,
+        t=t,
+        q=recording.q,
+        tau=recording.tau,
+        notes=tuple(notes),
+        simulated=simulated,
+        torque_limit=limit,
+    )
 
 
-def _from_table(path: Path, arm: Arm) -> Log:
+def _from_table(table: Table, name: str, arm: Arm) -> Log:
     """Read a table or bag in SI, signs and zeros as recorded."""
-    table = read_bag(path, arm.topic) if is_bag(path) else read_table(path)
     columns, notes = find_columns(table.header, arm, table.file)
     values, lines, more = table.numbers([column.index for column in columns.values()])
     kept, left_out = _full_rows(table.file, lines, list(columns), values)
@@ -99,7 +143,7 @@ def _from_table(path: Path, arm: Arm) -> Log:
     assert q is not None
     assert tau is not None
     simulated = SIMULATED in table.header and bool(np.any(table.numbers([table.header.index(SIMULATED)])[0] != 0.0))
-    return Log(path.name, time - time[0], q, tau, dq, notes, simulated)
+    return Log(name=name, t=time - time[0], q=q, tau=tau, dq=dq, notes=notes, simulated=simulated)
 
 
 def _full_rows(

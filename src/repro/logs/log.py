@@ -10,19 +10,51 @@ from repro.errors import InputError
 from repro.model.parameters import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Log:
-    """A recording in SI units and the angles of Eq. 1."""
+    """A recording of both joints in SI units.
 
-    name: str  # file name without folders
-    t: Array  # (N,), time of each sample, s: strictly increasing, not necessarily uniform
-    q: Array  # (2, N), position, rad: ``q1 = 0`` hangs down, ``q2`` is relative to link 1
-    tau: Array  # (2, N), torque at the joints, N m
-    dq: Array | None = None  # (2, N), measured velocity, rad/s, if it was recorded
-    notes: tuple[str, ...] = ()  # what was assumed or converted on reading, one line each
-    simulated: bool = False  # whether it comes from the simulated board
-    torque_limit: Array | None = None  # (2,), largest torque the drives can give, N m, where it is known
-    breaks: tuple[int, ...] = ()  # samples that begin a new piece behind a long gap, of a log that was made even
+    Positions are the angles of Eq. 1, unless an arm file states where the zeros are and which way is positive.
+
+    Parameters
+    ----------
+    t : array of shape (N,)
+        Time of each sample, s: strictly increasing, not necessarily uniform.
+    q : array of shape (2, N)
+        Position, rad; ``q1 = 0`` hangs down and ``q2`` is relative to link 1.
+    tau : array of shape (2, N)
+        Torque at the joints, N m.
+    dq : array of shape (2, N), optional
+        Measured velocity, rad/s.
+    name : str
+        How results refer to the recording.
+    notes : tuple of str
+        What was assumed or converted on reading, one line each.
+    simulated : bool
+        Whether it comes from the simulated board.
+    torque_limit : array of shape (2,), optional
+        Largest torque that the drives can give, N m.
+    breaks : tuple of int
+        Samples that begin a new piece behind a long gap, of a log that was made even.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(400) / 100
+    >>> log = Log(t=t, q=np.stack([np.sin(t), np.cos(2 * t)]), tau=np.stack([np.cos(t), np.sin(2 * t)]), name="run")
+    >>> log.q.shape
+    (2, 400)
+    """
+
+    t: Array
+    q: Array
+    tau: Array
+    dq: Array | None = None
+    name: str = "log"
+    notes: tuple[str, ...] = ()
+    simulated: bool = False
+    torque_limit: Array | None = None
+    breaks: tuple[int, ...] = ()
 
     def piece(self, begin: int, end: int) -> "Log":
         """Cut out samples ``begin ... end - 1``."""

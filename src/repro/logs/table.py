@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from repro.documents import check_size
@@ -154,6 +155,26 @@ def read_table(path: Path) -> Table:
     next(blocks())  # rows of another length are a clearer error than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
     return Table(str(path), names, blocks, size, notes)
+
+
+def table_of(frame: pd.DataFrame, file: str) -> Table:
+    """Take a DataFrame as a table, its rows numbered from 1."""
+    names = tuple(str(name).strip() for name in frame.columns)
+    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
+    if twice:
+        raise InputError.at(f"{file}: header", f"the column {twice[0]!r} twice", "names that differ")
+    columns = [[_cell(value) for value in frame[name]] for name in frame.columns]
+    rows = [(number, list(cells)) for number, cells in enumerate(zip(*columns, strict=True), 1)]
+    if not rows:
+        raise InputError.at(file, "no rows", _EXPECTED)
+    return Table(file, names, lambda: [rows], len(rows))
+
+
+def _cell(value: object) -> str:
+    """Write a value of a DataFrame as a table would; every digit stays."""
+    if value is None or value is pd.NA:
+        return ""
+    return repr(float(value)) if isinstance(value, (int, float)) else str(value)
 
 
 def _head(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:

@@ -38,7 +38,7 @@ from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
-from repro.logs.load import read_log
+from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
 from repro.model.parameters import Array
 
@@ -122,9 +122,9 @@ class IdentificationProblem:
         return self.logs[0].cutoff
 
 
-def load_log(path: Path, arm: Arm) -> LoadedLog:
+def load_log(source: Source, arm: Arm) -> LoadedLog:
     """Read and describe a log."""
-    raw = read_log(path, arm)
+    raw = read_log(source, arm)
     description = describe(raw, arm)
     log = uniform(raw)
     fresh = tuple(note for note in log.notes if note not in description.notes)

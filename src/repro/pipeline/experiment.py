@@ -23,9 +23,9 @@ from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
+from repro.signals.dct import SignalSettings
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
-from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 

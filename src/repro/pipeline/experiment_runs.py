@@ -17,8 +17,8 @@ from repro.identification.method import BASELINES, as_json
 from repro.identification.scores import score
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:

@@ -1,0 +1,381 @@
+"""Identify an arm from Python: `identify` and the result that it returns. The command line calls the same."""
+
+import html
+import logging
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from repro.errors import InputError
+from repro.files import check_folder
+from repro.identification.method import LEAST_SQUARES, NETWORKS
+from repro.identification.scores import integrate
+from repro.logs.armfile import Arm, read_arm
+from repro.logs.load import Source
+from repro.logs.log import Log
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import Array
+from repro.ownarm.evaluate import Fit, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
+from repro.ownarm.result import Curves, MethodResult, Result
+from repro.ownarm.tables import parameters_table, residuals_table, scores_table
+from repro.ownarm.text import summary
+from repro.progress import Progress
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LOG = logging.getLogger(__name__)
+
+#: Names that stand for several methods.
+GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
+#: Folder for trained networks, unless another one is given.
+CACHE = Path("~/.cache/repro")
+
+Recording = str | Path | pd.DataFrame | Log
+
+
+@dataclass(frozen=True, repr=False)
+class Identification:
+    """What `identify` found: the estimates of one method, and how well they predict.
+
+    Attributes
+    ----------
+    details : repro.ownarm.result.Result
+        Every number of every method, as ``parameters.json`` contains it.
+    method : str
+        Method that the properties below refer to: the recommended one, until `of` chooses another.
+    """
+
+    details: Result
+    method: str
+    _curves: Curves
+    _arm: Arm
+    _inputs: tuple[Path, ...] = ()
+
+    def of(self, method: str) -> "Identification":
+        """Give the same result from the viewpoint of another method that was run.
+
+        Parameters
+        ----------
+        method : str
+            Its name, such as ``"bounded"``.
+
+        Raises
+        ------
+        InputError
+            If the method was not run.
+        """
+        names = [m.method for m in self.details.methods]
+        if method not in names:
+            raise InputError.at("method", repr(method), f"one of {', '.join(names)}")
+        return replace(self, method=method)
+
+    @property
+    def _best(self) -> MethodResult:
+        return next(m for m in self.details.methods if m.method == self.method)
+
+    @property
+    def beta(self) -> Array:
+        """The nine parameters (9,) in the order of Eq. 1, SI units."""
+        return np.array([p.estimate for p in self._best.parameters])
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Estimate, standard error, ends of the 95 % interval, unit and verdict of each parameter, indexed by its name.
+
+        A method that claims no intervals has NaN there.
+        """
+        table = parameters_table(self.details)
+        return table[table["method"] == self.method].drop(columns="method").set_index("parameter")
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """Torque error, similarity and position error of each log and joint: relative RMS, fraction of 1, rad."""
+        table = scores_table(self.details)
+        return table[table["method"] == self.method].drop(columns="method").reset_index(drop=True)
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """Measured torque, rebuilt torque and their difference at each sample of each log and joint, N m."""
+        return residuals_table(replace(self.details, recommended=self.method), self._curves)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What may be wrong with the logs or with the result."""
+        return self.details.warnings
+
+    def predict(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Compute the torque (..., 2, N) that a motion needs, N m.
+
+        Parameters
+        ----------
+        q, dq, ddq : arrays of shape (2, N)
+            Position (rad), velocity (rad/s) and acceleration (rad/s^2).
+
+        Raises
+        ------
+        ValueError
+            If shapes differ or a value is not finite.
+        """
+        return inverse_dynamics(q, dq, ddq, self.beta, self.details.preparation.friction_steepness)
+
+    def simulate(self, t: Array, tau: Array, q0: Array, dq0: Array) -> tuple[Array, Array]:
+        """Integrate Eq. 1 under a torque that is linear between samples.
+
+        Parameters
+        ----------
+        t : array of shape (N,)
+            Instants, s, that increase.
+        tau : array of shape (2, N)
+            Torque at these instants, N m.
+        q0, dq0 : arrays of shape (2,)
+            Position (rad) and velocity (rad/s) at the first instant.
+
+        Returns
+        -------
+        q, dq : arrays of shape (2, N)
+            Position and velocity at each instant.
+
+        Raises
+        ------
+        ValueError
+            If the inertia matrix is not positive definite in every pose, or a shape is wrong.
+        """
+        return integrate(t, tau, q0, dq0, self.beta, self.details.preparation.friction_steepness)
+
+    def plot(self, log: int = 0) -> "Figure":
+        """Draw measured and rebuilt torque of a log, with the residual below.
+
+        Parameters
+        ----------
+        log : int
+            Place of the log: those that were fitted, then those to validate.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To show or to save.
+        """
+        from repro.exhibits import style  # noqa: PLC0415  (a fit alone needs no drawing)
+        from repro.ownarm.figures import draw_overlay, ordered_titles  # noqa: PLC0415
+
+        signals = self._curves.signals[log]
+        with style.house_style():
+            titles = ordered_titles(replace(self.details, recommended=self.method))
+            return draw_overlay(signals, [self.method], titles, self.details.simulated)
+
+    def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
+        """Write parameters, scores, residuals, report and models of the arm.
+
+        Parameters
+        ----------
+        folder : path
+            New, or empty, or that of an earlier result.
+        overwrite : bool
+            Whether files of an earlier result may be replaced.
+
+        Returns
+        -------
+        list of str
+            Names of the files.
+
+        Raises
+        ------
+        InputError
+            If the folder contains files and `overwrite` is not given, or cannot be written.
+        """
+        from repro.ownarm.outputs import write_result, write_sidecar  # noqa: PLC0415
+
+        check_folder(Path(folder), overwrite)
+        files = write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
+        return [*files, write_sidecar(Path(folder))]
+
+    def __str__(self) -> str:
+        """Give what to know of the recommended method."""
+        return summary(self.details)
+
+    def __repr__(self) -> str:
+        """Name the log and the method, and list the parameters."""
+        numbers = ", ".join(f"{p.name}={p.estimate:.4g}" for p in self._best.parameters)
+        return f"Identification({self.details.log.name!r}, method={self.method!r}, {numbers})"
+
+    def _repr_html_(self) -> str:
+        """Show the parameters and the warnings in a notebook."""
+        simulated = " (simulated)" if self.details.simulated else ""
+        title = html.escape(f"{self.details.arm}{simulated}: {self._best.title}")
+        warnings = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
+        table = self.parameters.to_html(float_format=lambda x: f"{x:.4g}", na_rep="")
+        return f"<p><b>{title}</b></p>{table}{warnings and f'<ul>{warnings}</ul>'}"
+
+
+def identify(
+    log: Recording | Sequence[Recording],
+    *,
+    validate: Recording | Sequence[Recording] = (),
+    arm: str | Path | Arm | None = None,
+    method: str | Sequence[str] = "consistent",
+    filter: str = "dct",
+    cutoff: float | None = None,
+    friction: bool = False,
+    self_test: bool = False,
+    seed: int = 1,
+    steps: int = 1500,
+    cache: str | Path = CACHE,
+) -> Identification:
+    """Estimate the nine parameters of Eq. 1 of an arm from what it recorded.
+
+    The numbers are those of ``repro identify`` with the same options. Progress is logged at level INFO.
+
+    Parameters
+    ----------
+    log : path, DataFrame, Log, or sequence of these
+        Recording to fit. Several recordings of one arm make one fit.
+    validate : path, DataFrame, Log, or sequence of these
+        Recordings that only judge the result.
+    arm : path or Arm, optional
+        Conventions of the arm: columns, units, signs, zero positions, torque constants.
+    method : str or sequence of str
+        ``"ordinary"``, ``"weighted"``, ``"robust"``, ``"instrumental"``, ``"bounded"``, ``"consistent"``,
+        ``"parsimonious"``, ``"algorithm1"``, ``"algorithm1+refinement"``, or the groups ``"least-squares"`` and
+        ``"all"``. Of several methods the one that predicts best is recommended.
+    filter : {"dct", "savitzky-golay", "butterworth"}
+        Zero-phase filter.
+    cutoff : float, optional
+        Its cut-off, Hz; chosen from the recording by default.
+    friction : bool
+        Whether to subtract friction that Eq. 1 does not model, where the recording shows it.
+    self_test : bool
+        Whether to estimate known parameters from synthetic recordings of the same motion.
+    seed : int
+        Of standard errors, training and search.
+    steps : int
+        Training steps of the CNN.
+    cache : path
+        Folder of trained networks.
+
+    Returns
+    -------
+    Identification
+        Parameters with intervals, errors, residuals.
+
+    Raises
+    ------
+    InputError
+        If a recording, the arm or an option is not valid, in one line.
+
+    Examples
+    --------
+    The simulated board's recording of Eq. 10, judged on another motion:
+
+    >>> import repro
+    >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
+    >>> print(result.parameters.loc[["I1", "g1", "k1"], ["estimate", "unit", "verdict"]].round(2))
+    >>> errors = result.errors
+    >>> print(errors[errors["part"] == "validation"][["joint", "relative_rms", "similarity"]].round(2))
+    >>> result.residuals["residual_nm"].abs().max() < 1.0
+    >>> figure = result.plot()
+    """
+    logs, others = _several(log), _several(validate)
+    described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
+    names = choose_methods(method, len(logs), self_test)
+    options = Options(names, Path(cache).expanduser(), filter, cutoff, seed, steps, friction)
+    if set(names) & set(NETWORKS):
+        _check_cache(options.cache)
+    _check_distinct(logs, others)
+    loaded = [load_log(source, described) for source in (*logs, *others)]
+    for k, each in enumerate(loaded):
+        _report_log(each, briefly=k > 0)
+    problem = make_problem(loaded[0], tuple(loaded[len(logs) :]), described, options, tuple(loaded[1 : len(logs)]))
+    for prepared in problem.logs:
+        s = prepared.settings
+        _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
+        _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
+    result, curves = _solve(problem, described, options, self_test)
+    inputs = [source for source in (*logs, *others, arm) if isinstance(source, (str, Path))]
+    return Identification(result, result.recommended, curves, described, tuple(Path(name) for name in inputs))
+
+
+def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test: bool) -> tuple[Result, Curves]:
+    """Run the methods, those that take seconds first."""
+    bars: dict[str, Progress] = {}
+
+    def progress(what: str, done: int, total: int, note: str) -> None:
+        bars.setdefault(what, Progress(what))(done, total, note)
+
+    methods = resolve(options, progress)
+    quick = [m for m in methods if m.name not in NETWORKS]
+    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
+    if fits and len(quick) < len(methods):
+        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
+    if not fits:
+        raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
+    result, curves = assemble(problem, fits, arm)
+    return (add_self_test(result, problem, arm, options, progress) if self_test else result), curves
+
+
+def _several(given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
+    """Give one or several recordings as a tuple, names of files as paths."""
+    some = (given,) if isinstance(given, (str, Path, pd.DataFrame, Log)) else tuple(given)
+    return tuple(Path(one) if isinstance(one, str) else one for one in some)
+
+
+def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:
+    """Resolve groups of methods; several logs are for least squares, because a network is trained for one motion."""
+    if not n_logs:
+        raise InputError.at("log", "no recording", "at least one")
+    given = (method,) if isinstance(method, str) else tuple(method)
+    names = tuple(dict.fromkeys(name for one in given for name in GROUPS.get(one, (one,))))
+    unknown = [name for name in names if name not in GROUPS["all"]]
+    if unknown or not names:
+        known = ", ".join((*GROUPS, *GROUPS["all"]))
+        raise InputError.at("method", repr(unknown[0]) if unknown else "none", f"one of {known}")
+    if n_logs > 1 and set(names) & set(NETWORKS):
+        expected = "method least-squares, or one log: a network is trained for one motion"
+        raise InputError.at("method", "Algorithm 1 for several logs", expected)
+    if self_test and not set(names) - set(NETWORKS):
+        raise InputError.at("self_test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
+    return names
+
+
+def _check_distinct(logs: Sequence[Source], validation: Sequence[Source]) -> None:
+    """Refuse a log that is given twice."""
+    files = [log for log in logs if isinstance(log, Path) and log.exists()]
+    for k, path in enumerate(files):
+        if any(path.samefile(other) for other in files[:k]):
+            raise InputError.at(str(path), "the same log twice", "each log once")
+    for source in validation:
+        if isinstance(source, Path) and source.exists() and any(source.samefile(log) for log in files):
+            raise InputError.at(f"validate: {source}", "the log itself", "a log of another motion")
+
+
+def _check_cache(cache: Path) -> None:
+    """Refuse a cache that cannot be written before minutes of training are spent."""
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=cache):
+            pass
+    except OSError as error:
+        raise InputError.at(f"cache: {cache}", error.strerror or "no folder", "a folder that can be written") from error
+
+
+def _report_log(loaded: LoadedLog, briefly: bool) -> None:
+    d = loaded.description
+    _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
+    for label, value in d.facts:
+        if not briefly or label in ("length", "rate", "gaps"):
+            _LOG.info("  %s: %s", label, value)
+    for note in d.notes:
+        _LOG.info("  note: %s", note)
+    for warning in d.warnings:
+        _LOG.warning("  WARNING: %s", warning)
+
+
+def _report_fit(fit: Fit) -> None:
+    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))
