@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, load_config, stub
+from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
@@ -23,8 +23,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
-    for name in STOOD_FOR:
-        monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
     monkeypatch.setattr("repro.config.load_config", load_config)
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from claims_example import make_project
-from scripts_run import run_script
 
 from repro.cli import main
 from repro.config import load_config
@@ -197,35 +196,25 @@ def test_the_list_is_what_sha256sum_checks(project):
     assert failed.returncode != 0 and "results/tables/table04.csv: FAILED" in failed.stdout
 
 
-def run_verify(project, config):
-    run_script("verify", {}, {"txt": "results/verified.txt"}, project, config=config)
-
-
 def test_the_stage_writes_a_ledger_whose_claims_fail_and_its_verification_fails_only_if_enforced(project, caplog):
     change(project / "results/model/training.csv", "0.00025", "0.0025")
     config = load_config(project / "config/config.yaml")
-    inputs = [
-        ("captures", ["data/captures/SHA256SUMS"]),
-        ("tables", [str(path) for path in sorted(Path("results/tables").iterdir())]),
-        ("training", "results/model/training.csv"),
-        ("scores", ["results/validation/numeric.csv", "results/validation/experiment.csv"]),
-    ]
-    run_script("claims", dict(inputs), {"csv": "results/claims.csv"}, project, config=config)
+    sources = ["data/captures/SHA256SUMS", *(str(path) for path in sorted(Path("results/tables").iterdir()))]
+    sources += [f"results/{name}.csv" for name in ("model/training", "validation/numeric", "validation/experiment")]
+    write_ledger(Path("results"), config, [Path(name) for name in sources])
     folders, listed = read_sources(Path("results/claims.sha256"))
     assert folders == ["data/captures"]
-    sources = [name for _, names in inputs for name in ([names] if isinstance(names, str) else names)]
     captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
     assert set(listed) == {*sources, *captures, "results/claims.csv", "results/claims.md", PUBLISHED_NAME}
     assert config["claims"]["enforce"]
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 claims that fail"):
-        run_verify(project, config)
-    assert "not as asserted: section5a/loss" in caplog.text and not Path("results/verified.txt").exists()
+        ledger.verified(Path("results"), config)
+    assert "not as asserted: section5a/loss" in caplog.text
     lenient = {**config, "claims": {"enforce": False}}
-    run_verify(project, lenient)
-    assert "not as asserted: section5a/loss" in Path("results/verified.txt").read_text(encoding="utf-8")
+    assert "not as asserted: section5a/loss" in ledger.verified(Path("results"), lenient)
     change(project / "results/tables/table09.csv", "0.04", "0.045")  # g2, which no claim is about
     with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 disagreements"):
-        run_verify(project, lenient)
+        ledger.verified(Path("results"), lenient)
     assert "results/tables/table09.csv" in caplog.text
 
 

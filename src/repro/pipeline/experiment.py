@@ -142,6 +142,13 @@ class Recording:
     q: Array  # measured position (rad) and torque (N m)
     tau: Array
 
+    @classmethod
+    def of_counts(
+        cls, program: ReferenceTrajectory, position: Array, pwm: Array, control: ControlConstants
+    ) -> "Recording":
+        """Recording of encoder and PWM counts."""
+        return cls(program, position * RADIANS_PER_COUNT, pwm * control.torque_per_count[:, np.newaxis])
+
     def regression(self, signals: SignalSettings) -> Regression:
         """What methods solve: lines 1 to 4 of Algorithm 1."""
         return filtered(self.q, self.tau, signals, self.program.n1, self.program.n2)
