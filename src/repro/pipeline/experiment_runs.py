@@ -71,10 +71,7 @@ def score_runs(
     signals: SignalSettings,
     metric: MetricSettings,
 ) -> pd.DataFrame:
-    """Similarity of measured and rebuilt torque for every run and motion.
-
-    Columns ``case, method, seed, joint, time, frequency, total``.
-    """
+    """Similarity of measured and rebuilt torque for every run and motion."""
     frames = []
     for recording in recordings:
         r = recording.regression(signals)

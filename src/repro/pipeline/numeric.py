@@ -71,10 +71,7 @@ def score_estimates(
     numeric: NumericSettings,
     metric: MetricSettings,
 ) -> pd.DataFrame:
-    """Similarity of the numeric torques and their rebuilding, for every seed.
-
-    Columns ``case, method, seed, trajectory, joint, time, frequency, total``.
-    """
+    """Similarity of the numeric torques and their rebuilding, for every seed."""
     frames = []
     for run in identifications:
         for trajectory in ("ID", "validation"):
