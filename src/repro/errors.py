@@ -7,6 +7,11 @@ class InputError(ValueError):
     """Something the user gave is wrong: the message is one line naming file, field, found and expected.
 
     Command-line programs print it without a traceback and exit with code 2.
+
+    Examples
+    --------
+    >>> print(InputError.at("run.csv: line 7, tau2", "'x'", "a finite number"))
+    run.csv: line 7, tau2: found 'x', expected a finite number
     """
 
     @classmethod

@@ -1,5 +1,6 @@
 """The public API: its names and signatures, the same numbers as the command, arrays and frames as files."""
 
+import doctest
 import inspect
 import json
 import subprocess
@@ -56,6 +57,19 @@ def test_the_public_names_and_signatures_are_frozen():
     assert all(hasattr(repro.Identification, name) for name in METHODS.split(", "))
     with pytest.raises(AttributeError):
         repro.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("name", sorted(repro.__all__))
+def test_examples_of_the_docstrings(name):
+    thing = getattr(repro, name)
+    scope = vars(sys.modules[thing.__module__])
+    for example in doctest.DocTestFinder(recurse=False).find(thing, name, globs=dict(scope)):
+        assert doctest.DocTestRunner().run(example).failed == 0
+
+
+def test_public_docstrings_have_examples():
+    found = [doctest.DocTestFinder(recurse=False).find(getattr(repro, name), name) for name in repro.__all__]
+    assert sum(len(one.examples) for tests in found for one in tests) >= 60
 
 
 def test_importing_the_package_loads_nothing():
