@@ -22,6 +22,7 @@ from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
 from repro.ownarm.evaluate import Fit, add_self_test, assemble, fit_all, resolve
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
+from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
 from repro.ownarm.text import summary
@@ -128,6 +129,11 @@ class Identification:
     def warnings(self) -> tuple[str, ...]:
         """What may be wrong with the logs or with the result."""
         return self.details.warnings
+
+    @property
+    def unusable(self) -> str:
+        """The reason not to use the parameters of this method; empty if they can be used."""
+        return unusable(self._best)
 
     def predict(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Compute the torque (..., 2, N) that a motion needs, N m.

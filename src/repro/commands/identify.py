@@ -47,6 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it"
     )
     parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="exit code 3 if the parameters must not be used: not physically consistent, or torque errors above 50 %%",
+    )
+    parser.add_argument(
         "--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)"
     )
     parser.add_argument(
@@ -89,6 +94,9 @@ def run(arguments: argparse.Namespace) -> int:
     print(result, flush=True)
     files = result.save(arguments.out, arguments.overwrite)
     print(f"written to {arguments.out}: {', '.join(files)}")
+    if arguments.strict and result.unusable:
+        print(f"--strict: {result.unusable}")
+        return 3
     return 0
 
 
