@@ -89,14 +89,19 @@ def fill_folder(
         fill(folder)
         names = sorted(path.name for path in folder.iterdir())
         for name in (*names, *optional):
-            if (out / name).resolve() in given:
+            if Path(os.path.realpath(out / name)) in given:
                 raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
             if (out / name).is_dir():
                 raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
-        with tempfile.TemporaryDirectory(dir=folder) as earlier:
-            older = {*names, *optional}  # of the optional ones, those of an earlier run, which this one contradicts
-            steps = [(out / name, Path(earlier) / name) for name in older if os.path.lexists(out / name)]
-            _move([*steps, *((folder / name, out / name) for name in names)], out)
+        earlier = folder / "earlier"  # files of another run; the optional ones contradict this one
+        earlier.mkdir()
+        older = [name for name in {*names, *optional} if os.path.lexists(out / name)]
+        steps = [(out / name, earlier / name) for name in older]
+        _move([*steps, *((folder / name, out / name) for name in names)], out)
+        for name in older:
+            (earlier / name).unlink()
+        earlier.rmdir()
+        folder.rmdir()  # by hand, because this needs no file descriptor
         return names
 
 

@@ -1,9 +1,11 @@
 """The files of `repro identify`: all of them or none, and none that contradicts the others."""
 
+import errno
 import io
 import json
 import os
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -174,6 +176,28 @@ def test_a_folder_in_the_place_of_a_result_leaves_all_as_it_was(tmp_path):
     with pytest.raises(InputError, match=r"b\.csv: found a folder"):
         fill_folder(tmp_path / "out", fill)
     assert everything(tmp_path) == ["out", "out/b.csv"]
+
+
+def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch):
+    def fill(folder):
+        for name in ("a.csv", "b.csv", "c.csv"):
+            (folder / name).write_text("new")
+
+    rename = Path.rename
+
+    def immutable(path, target):
+        if path.name == "b.csv" and target.parent.name == "earlier":
+            raise OSError(errno.EPERM, "Operation not permitted")
+        return rename(path, target)
+
+    for name in ("a.csv", "b.csv", "no-links.txt"):
+        (tmp_path / "out").mkdir(exist_ok=True)
+        (tmp_path / "out" / name).write_text("old")
+    monkeypatch.setattr(Path, "rename", immutable)
+    with pytest.raises(InputError, match="Operation not permitted"):
+        fill_folder(tmp_path / "out", fill, ["no-links.txt"])
+    assert everything(tmp_path) == ["out", "out/a.csv", "out/b.csv", "out/no-links.txt"]
+    assert {path.read_text() for path in (tmp_path / "out").iterdir()} == {"old"}
 
 
 @pytest.mark.usefixtures("small_figures")

@@ -121,12 +121,8 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
     own_kp, own_kv = control.kp_counts.tolist(), control.kv_counts.tolist()
     rules = (
         ("board", board, (board is None) == (c["source"] == "serial"), "an object if simulated, null if not"),
-        (
-            "host",
-            None,
-            "host" in c or (c["source"] == "simulated" and "sidecar_sha256" in c),
-            "the link that the board was recorded over",
-        ),
+        # Earlier versions, which wrote no sum, recorded over a link alone.
+        ("host", None, "host" in c or "sidecar_sha256" in c, "the link that was recorded over"),
         ("complete", c["complete"], c["complete"] == (c["reason"] == ""), "true if and only if there is no reason"),
         (
             "trajectory.n2",
