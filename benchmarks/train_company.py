@@ -26,7 +26,7 @@ def train(steps, threads):
     from repro.cnn.architecture import NetworkSettings, TrainingSettings  # noqa: PLC0415
     from repro.cnn.dataset import DataSettings, sample_motion  # noqa: PLC0415
     from repro.cnn.train import train as run  # noqa: PLC0415
-    from repro.signals.sampling import SignalSettings  # noqa: PLC0415
+    from repro.signals.dct import SignalSettings  # noqa: PLC0415
     from repro.signals.trajectories import identification_trajectory  # noqa: PLC0415
 
     torch.set_num_threads(threads)

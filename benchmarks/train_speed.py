@@ -23,7 +23,7 @@ from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
 from repro.cnn.train import streamed_schedule
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 #: Steps a network takes in a row, so that each works from its own cache.
@@ -67,12 +67,12 @@ def main() -> None:
     settings = TrainingSettings(steps=args.steps, batch=args.batch, warmup=args.steps // 10, test_samples=1)
     runs = {"plain float32": SignalCNN(sizes)}
     runs |= {f"factored {p}": FactoredCNN(sizes, p) for p in ("float32", "bfloat16")}
-    runs["factored bfloat16 still"] = FactoredCNN(sizes, "bfloat16")  # as in most steps of the recipe
+    runs["factored bfloat16 still"] = FactoredCNN(sizes, "bfloat16")  # as in most steps of the schedule
     runs["factored bfloat16 still"].conv1.requires_grad_(False)
     for network in runs.values():
         network.load_state_dict(runs["plain float32"].state_dict())
     runs["plain float32"].dtype = torch.float32  # of Muon's wide products
-    recipes = {name: streamed_schedule(network, motion, DataSettings(), settings) for name, network in runs.items()}
+    schedules = {name: streamed_schedule(network, motion, DataSettings(), settings) for name, network in runs.items()}
     seconds = {name: [] for name in runs}
 
     def inputs(name, samples):
@@ -87,13 +87,13 @@ def main() -> None:
         ]
         for name, network in runs.items():
             for step, samples in enumerate(batches, block):
-                for group in (g for o in recipes[name].optimisers for g in o.param_groups):
-                    group["lr"] = recipes[name].rate(step)
+                for group in (g for o in schedules[name].optimisers for g in o.param_groups):
+                    group["lr"] = schedules[name].rate(step)
                 label, ready = torch.from_numpy(samples.residual), inputs(name, samples)
                 began = time.perf_counter()  # building images is not charged to the plain network
                 network.zero_grad()
                 sigmoid_loss(network(*ready), label, 1.0).backward()
-                for optimiser in recipes[name].optimisers:
+                for optimiser in schedules[name].optimisers:
                     optimiser.step()
                 seconds[name].append(time.perf_counter() - began)
     test = [draw_samples(np.random.default_rng((2, k)), 64, motion, DataSettings()) for k in range(32)]

@@ -101,13 +101,7 @@ def write_results(folder):
 
 
 def make_project(root):
-    """A project folder with configuration, captures, published numbers, results and their ledger.
-
-    Returns
-    -------
-    Path, Path
-        Its results folder, and its own copy of the published numbers.
-    """
+    """Write a project with results and their ledger; return its results folder and its published numbers."""
     (root / "config").mkdir()
     shutil.copy(CONFIG, root / "config")
     shutil.copytree(ROOT / "workflow/schemas", root / "workflow/schemas")

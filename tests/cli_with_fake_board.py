@@ -11,17 +11,13 @@ SAMPLES = 200
 DESIRED, FRAMES = frames_of(SAMPLES)
 
 
-#: Modules that `stub` stands for.
-STOOD_FOR = ("repro.pipeline.experiment", "repro.pipeline.experiment")
-
-
 def load_config(path):
     """Stands for `repro.config.load_config`."""
     return {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
 
 
 def stub():
-    """Stands for `repro.pipeline.experiment` and `repro.pipeline.experiment`: one motion, whatever its name."""
+    """Stands for `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
     module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: ReferenceTrajectory(name, DESIRED, 10, 190, 0.0025)
@@ -33,8 +29,7 @@ def stub():
 
 
 if __name__ == "__main__":
-    for name in STOOD_FOR:
-        sys.modules[name] = stub()
+    sys.modules["repro.pipeline.experiment"] = stub()
     import repro.config
     from repro.cli import main
 

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 from repro.exhibits import catalogue, make, style
 from repro.exhibits.many_arms import COVERAGE, RANKS
@@ -22,7 +23,8 @@ from repro.exhibits.schematics import words
 from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
-from repro.pipeline.variants import VARIANTS, ablation_figure
+from repro.pipeline.interpretations import VARIANTS, ablation_figure
+from repro.pipeline.model_card import architecture
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 CASES = ("N1", "N2", "N3", "N4")
@@ -59,21 +61,6 @@ def subsampling_frame() -> pd.DataFrame:
     parts[("subsampled", "xs")] = t[:16] * 0.4
     frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": np.cos(x)}) for (p, s), x in parts.items()]
     return pd.concat(frames, ignore_index=True)
-
-
-def network_frame() -> pd.DataFrame:
-    rows = [
-        ("input", "input", 100, 100, 2, "", 0),
-        ("conv1", "convolution", 92, 92, 10, "9x9x2x10", 1630),
-        ("pool1", "max pool", 46, 46, 10, "2x2", 0),
-        ("conv2", "convolution", 42, 42, 10, "5x5x10x10", 2510),
-        ("pool2", "max pool", 21, 21, 10, "2x2", 0),
-        ("conv3", "convolution", 19, 19, 10, "3x3x10x10", 910),
-        ("fc4", "fully connected", 1, 1, 100, "", 361100),
-        ("fc5", "fully connected", 1, 1, 50, "", 5050),
-        ("output", "output", 1, 1, 9, "", 459),
-    ]
-    return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
 
 
 def index_frame(shape: dict[str, int]) -> pd.DataFrame:
@@ -250,7 +237,7 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "fig04": lambda: words("fig04"),
     "fig05": subsampling_frame,
     "fig06": lambda: waves(MOTION),
-    "fig07": network_frame,
+    "fig07": lambda: architecture(NetworkSettings()),
     "fig08": examples_frame,
     "fig09": lambda: waves(dict.fromkeys(("joint1", "joint2"), ("p05", "p25", "p50", "p75", "p95", "mean"))),
     "fig10": lambda: waves({"loss": ("train", "test")}).assign(y=lambda f: np.exp(-f["x"])),

@@ -5,16 +5,7 @@ import numpy as np
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS
-from repro.ownarm.result import (
-    Curves,
-    Excitation,
-    MethodResult,
-    Parameter,
-    Preparation,
-    Result,
-    Score,
-    Signals,
-)
+from repro.ownarm.result import Curves, Excitation, MethodResult, Parameter, Preparation, Result, Score, Signals
 
 BETA = (0.1213, 0.0701, 0.02342, 3.235, 1.134, 0.0651, 0.0122, 0.2213, 0.1304)
 ERRORS = (0.0019, 0.0011, 0.00064, 0.021, 0.0093, 0.012, 0.0151, 0.0088, 0.0059)

@@ -14,9 +14,9 @@ from repro.cnn.priors import GuessSettings
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.experiment import program_settings
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import TrajectorySettings
-from repro.signals.sampling import SignalSettings
 
 pytestmark = pytest.mark.slow
 

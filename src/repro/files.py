@@ -188,16 +188,16 @@ def read_rows(path: Path, columns: tuple[str, ...] = ()) -> list[dict[str, str]]
 
 def parse_rows(text: str, place: str, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
     """Split the text of a CSV table into rows; `place` is its name in messages."""
-    reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     try:
-        rows = list(reader)
+        header, *lines = [*csv.reader(io.StringIO(text, newline=""), strict=True)] or [[]]
     except csv.Error as error:
         raise InputError.at(place, f"text that is not a table ({error})", "a CSV table") from error
-    _check_header(place, reader.fieldnames or (), columns)
+    _check_header(place, header, columns)
+    rows = [line for line in lines if line]
     for number, row in enumerate(rows, start=2):
-        if None in row or None in row.values():
-            raise InputError.at(f"{place}: line {number}", "another number of fields", "as many as in the header")
-    return rows
+        if len(row) != len(header):
+            raise InputError.at(f"{place}: line {number}", f"{len(row)} fields", f"{len(header)}, as in the header")
+    return [dict(zip(header, row, strict=True)) for row in rows]
 
 
 def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:

@@ -83,8 +83,8 @@ def differing(recorded: Mapping[str, str], here: Mapping[str, str]) -> list[str]
     return [name for name in here if name in recorded and recorded[name] != here[name]]
 
 
-def told(recorded: Mapping[str, str] | None) -> str:
-    """A line on whether this host computes as the one that made a run."""
+def compare_hosts(recorded: Mapping[str, str] | None) -> str:
+    """Report in one line whether this host computes as the one that made a run."""
     if not recorded:
         return "this host: the run keeps no fingerprint to compare with"
     here = fingerprint()

@@ -17,9 +17,8 @@ from repro.config import merged
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyUnit
+from repro.signals.dct import FrequencyUnit, SignalSettings
 from repro.signals.metric import MetricSettings
-from repro.signals.sampling import SignalSettings
 
 Config = Mapping[str, Any]
 

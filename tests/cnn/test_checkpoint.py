@@ -11,7 +11,7 @@ from repro.cnn.dataset import DataSettings, sample_motion
 from repro.cnn.network import load_network, save_network
 from repro.cnn.train import Progress, load_checkpoint, make_schedule, save_checkpoint
 from repro.errors import InputError
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow

@@ -14,7 +14,7 @@ from repro.cnn.dataset import DataSettings, SampledMotion, draw_samples, sample_
 from repro.cnn.image import ImageSettings, assemble
 from repro.cnn.priors import PRIORS, GuessSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.signals.sampling import SignalSettings, image_regressor
+from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 
 # 471 samples over the published 3 pi s.

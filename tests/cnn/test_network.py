@@ -12,7 +12,7 @@ from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import PIECE, FactoredCNN, SignalCNN, sigmoid_loss
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 PUBLISHED = NetworkSettings()

@@ -15,7 +15,7 @@ from repro.cnn.plain import (
     save_plain,
     train_plain,
 )
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=30)

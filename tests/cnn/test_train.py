@@ -16,7 +16,7 @@ from repro.cnn.dataset import DataSettings, Samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.cnn.train import evaluate, train
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow
@@ -96,7 +96,7 @@ def test_same_seed_gives_the_same_bits(settings):
     assert_different(first, run(replace(settings, seed=2)))
 
 
-def test_layers_2_and_3_of_the_streamed_recipe_begin_by_handing_on_their_maps():
+def test_layers_2_and_3_of_the_streamed_schedule_begin_by_handing_on_their_maps():
     one = dict(run(replace(STREAMED, steps=1, learning_rate=1e-12)).network.named_parameters())
     for name in ("conv2.weight", "conv3.weight"):
         handed_on = torch.nn.init.dirac_(torch.empty_like(one[name]))
@@ -105,7 +105,7 @@ def test_layers_2_and_3_of_the_streamed_recipe_begin_by_handing_on_their_maps():
     assert (paper["conv2.weight"] - torch.nn.init.dirac_(torch.empty_like(paper["conv2.weight"]))).abs().max() > 0.1
 
 
-def test_layer_1_of_the_streamed_recipe_learns_in_the_first_steps_alone():
+def test_layer_1_of_the_streamed_schedule_learns_in_the_first_steps_alone():
     weights = []
 
     def keep(*_):
@@ -186,7 +186,7 @@ def test_weights_do_not_depend_on_how_often_progress_is_kept(tmp_path):
     assert second.history[-1, 3] == first.history[-1, 3]
 
 
-def test_streamed_recipe_draws_fresh_samples_at_every_step(draws):
+def test_streamed_schedule_draws_fresh_samples_at_every_step(draws):
     run(STREAMED)
     sizes = [len(batch.residual) for batch in draws.batches]
     assert sorted(sizes) == [8] * 60 + [32]
@@ -203,7 +203,7 @@ def test_streamed_rate_rises_then_falls_to_zero():
         assert rate == pytest.approx(1e-3 * (1.0 - step / 20) * min(1.0, done / 5), rel=1e-12)
 
 
-def test_paper_recipe_tests_on_a_fifth_that_it_never_trains_on(draws):
+def test_paper_schedule_tests_on_a_fifth_that_it_never_trains_on(draws):
     plain = run(PAPER)
     fixed = draws.batches[0]
     rest = Samples(fixed.u[32:], fixed.v[32:], fixed.residual[32:])
@@ -226,13 +226,13 @@ def test_paper_recipe_tests_on_a_fifth_that_it_never_trains_on(draws):
     assert_different(plain, run(PAPER))
 
 
-def test_paper_recipe_follows_the_published_rate():
+def test_paper_schedule_follows_the_published_rate():
     assert (PaperSchedule().images, PaperSchedule().train_share) == (10_000, 0.8)
     history = run(replace(PAPER, log_every=10)).history
     np.testing.assert_allclose(history[:, 1], 20e-3 + 0.2e-7 * (history[:, 0] - 1), rtol=1e-13)
 
 
-def test_paper_recipe_takes_the_step_of_gradient_descent(draws):
+def test_paper_schedule_takes_the_step_of_gradient_descent(draws):
     """w - eta MT dL/dw, worked out with the plain network; all images are one, so any batch is that image."""
     draws.edit = lambda s: Samples(*(np.repeat(x[:1], len(x), 0) for x in (s.u, s.v, s.residual)))
     schedule = replace(PAPER.paper, learning_rate_slope=0.01)

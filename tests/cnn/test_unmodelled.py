@@ -15,8 +15,7 @@ from repro.cnn.dataset import (
     stack_motions,
 )
 from repro.model.dynamics import LAMBDA, inverse_dynamics
-from repro.signals.dct import dct2low, dct2sub
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings, dct2low, dct2sub
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings()

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cli_with_fake_board import DESIRED, FRAMES, STOOD_FOR, load_config, stub
+from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
@@ -23,8 +23,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
-    for name in STOOD_FOR:
-        monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
     monkeypatch.setattr("repro.config.load_config", load_config)
 
 
@@ -100,7 +99,7 @@ def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     assert "\n" not in str(caught.value)
 
 
-def test_decode_tells_and_writes_a_table(stored, capsys):
+def test_decode_summarises_and_writes_a_table(stored, capsys):
     table = stored.with_suffix(".csv")
     assert main(["decode", str(stored)]) == 0
     summary = capsys.readouterr().out
@@ -153,7 +152,7 @@ def test_nothing_is_overwritten(stored, capsys):
     assert read_capture(stored).metadata.motion == "ID"
 
 
-def test_what_is_wrong_is_told_and_writes_nothing(tmp_path, stored, capsys):
+def test_what_is_wrong_is_reported_and_writes_nothing(tmp_path, stored, capsys):
     new = tmp_path / "new.bin"
     record = ("record", "--trajectory", "T4", "--out")
     assert "new.dat: found the suffix '.dat'" in refused(capsys, *record, tmp_path / "new.dat")

@@ -35,7 +35,7 @@ def excite(tmp_path, *options, out="out", **keys):
     return main(["excite", "--arm", str(tmp_path / "arm.yaml"), "-o", str(tmp_path / out), *map(str, options)])
 
 
-def test_what_is_written_is_the_motion_that_is_told_of(tmp_path, capsys):
+def test_what_is_written_is_the_motion_that_is_reported(tmp_path, capsys):
     assert excite(tmp_path, *SHORT, "--guess", *BETA) == 0
     out = tmp_path / "out"
     assert {path.name for path in out.iterdir()} == FILES
@@ -106,7 +106,7 @@ def test_a_guess_is_read_from_an_identification(tmp_path):
         (("--rate", 1), {}, "duration times rate: found 8 samples, expected 16 to 99999"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, words):
+def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, words):
     assert excite(tmp_path, *SHORT, *options, **keys) == 2
     told = capsys.readouterr().err.splitlines()
     assert words in told[-1]

@@ -4,7 +4,7 @@ import resource
 import sys
 
 import pytest
-from cli_with_fake_board import FRAMES, STOOD_FOR, stub
+from cli_with_fake_board import FRAMES, stub
 from fake_board import PlayedBoard, served
 
 from repro.cli import main
@@ -16,8 +16,7 @@ from repro.fpga.server import PtyEndpoint
 
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
-    for name in STOOD_FOR:
-        monkeypatch.setitem(sys.modules, name, stub())
+    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
 
 
 class Endless(PlayedBoard):

@@ -68,7 +68,7 @@ def test_numbers_near_zero_are_compared_absolutely():
     assert large.broken
 
 
-def test_what_was_not_measured_is_not_judged_but_told():
+def test_what_was_not_measured_is_reported_but_not_judged():
     (difference,) = differences("tables/other", ROWS, changed(0, "total", "0.1"), SPREAD)
     assert not difference.broken
     assert difference.allowed != difference.allowed
@@ -132,7 +132,7 @@ def run_of(folder, rows, recording=b"\xa5" * 16):
     return folder
 
 
-def test_the_command_tells_the_largest_difference_and_ends_with_1_if_a_class_is_broken(tmp_path, capsys):
+def test_the_command_reports_the_largest_difference_and_ends_with_1_if_a_class_is_broken(tmp_path, capsys):
     a = run_of(tmp_path / "a", ROWS)
     assert main(["compare", str(a), str(run_of(tmp_path / "same", ROWS))]) == 0
     assert "2 the same to the last digit" in capsys.readouterr().out
@@ -163,7 +163,7 @@ def test_what_is_no_run_is_one_line(tmp_path, capsys):
         assert capsys.readouterr().err.count("\n") == 1
     (a / "tables/table10.csv").write_text("case,total\nID\n")
     assert main(["compare", str(a), str(a)]) == 2
-    assert "line 2: found another number of fields" in capsys.readouterr().err
+    assert "line 2: found 1 fields, expected 2, as in the header" in capsys.readouterr().err
 
 
 def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measure):

@@ -7,13 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from exhibit_examples import (
-    FRAMES,
-    TABLES,
-    laid_out,
-    made,
-    refused,
-)
+from exhibit_examples import FRAMES, TABLES, laid_out, made, refused
 from hypothesis import given
 from hypothesis import strategies as st
 

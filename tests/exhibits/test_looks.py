@@ -2,20 +2,10 @@
 
 import itertools
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
-from exhibit_examples import (
-    FIGURES,
-    FRAMES,
-    RIVALS,
-    candidates_frame,
-    case_panels,
-    drawn,
-    long_table,
-    made,
-)
+from exhibit_examples import FIGURES, FRAMES, RIVALS, candidates_frame, made
 from matplotlib.colors import to_rgb
 
 from repro.exhibits import style
@@ -52,14 +42,6 @@ def test_a_chosen_candidate_is_shown_whatever_its_rank() -> None:
     names = [[tick.get_text() for tick in axes.get_yticklabels()] for axes in made.axes]
     assert [len(shown) for shown in names] == [12, 13]
     assert names[1][-1] == "frequency candidate 17"
-
-
-@pytest.mark.slow
-def test_long_lines_stay_light(tmp_path: Path) -> None:
-    t = np.arange(3770) * 2.5e-3
-    frame = long_table(case_panels("N1", "N2"), t, lambda i: np.sin(t + i))
-    pdf, _ = drawn(tmp_path, "fig12", frame)
-    assert len(pdf) < 60_000
 
 
 COMPARED = ("fig19", "fig20", "fig23", "fig24")

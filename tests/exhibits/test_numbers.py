@@ -122,10 +122,7 @@ def test_trajectory_is_eq_10_and_its_derivatives():
     frame = numeric_tests.motion_curves(identification_trajectory())
     for joint in ("joint1", "joint2"):
         t, q = curve(frame, "position", joint)
-        expected = {
-            "joint1": np.sin(t) + 0.1 * np.cos(2.5 * t + 3),
-            "joint2": -np.cos(t) - 0.1 * np.sin(2.5 * t + 3),
-        }
+        expected = {"joint1": np.sin(t) + 0.1 * np.cos(2.5 * t + 3), "joint2": -np.cos(t) - 0.1 * np.sin(2.5 * t + 3)}
         np.testing.assert_allclose(q, expected[joint], atol=1e-12)
         velocity, acceleration = curve(frame, "velocity", joint)[1], curve(frame, "acceleration", joint)[1]
         np.testing.assert_allclose(velocity[1:-1], (q[2:] - q[:-2]) / (2 * H), atol=1e-5)

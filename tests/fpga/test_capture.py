@@ -11,11 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.errors import InputError
-from repro.fpga.capture import Host, decode_capture, read_capture, write_capture
+from repro.fpga.capture import Host, decode_capture, read_capture, recording_of, to_table, verify_control, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_gains, encode_program, encode_trajectory, parse_program
-from repro.fpga.recording import recording_of, to_table, verify_control
 
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from experiment_example import CAPTURES, MOTIONS, full_config
 
-from repro.fpga.capture import read_capture
-from repro.fpga.recording import recording_of, verify_control
+from repro.fpga.capture import read_capture, recording_of, verify_control
 from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants

@@ -130,7 +130,7 @@ def test_control_c_keeps_what_arrived():
         (bytes(1600), "found 1600 bytes without a frame .*baud rate 115200.*, expected 200 frames"),
     ],
 )
-def test_no_frame_at_all_is_told_in_one_line(frames, found):
+def test_no_frame_at_all_is_reported_in_one_line(frames, found):
     with served(PlayedBoard(frames), PtyEndpoint(), real_time=False) as port:
         with pytest.raises(InputError, match=found) as caught:
             recorded(port)
@@ -138,7 +138,7 @@ def test_no_frame_at_all_is_told_in_one_line(frames, found):
 
 
 @pytest.mark.parametrize("port", ["/nowhere/at/all", "/dev/null", "socket://127.0.0.1:1", "foo://x", "socket://x", ""])
-def test_a_port_that_cannot_be_opened_is_told_in_one_line(port):
+def test_a_port_that_cannot_be_opened_is_reported_in_one_line(port):
     with pytest.raises(InputError, match=f"port {port}: found one that cannot be opened .*, expected a") as caught:
         recorded(port)
     assert "\n" not in str(caught.value)

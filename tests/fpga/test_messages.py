@@ -75,8 +75,8 @@ def test_program_comes_back(seed, n, sizes):
     gains = parse_gains(messages[0])
     assert (*gains.kp, *gains.kv, *gains.pwm_hz) == (*CONTROL.kp_counts, *CONTROL.kv_counts, *CONTROL.pwm_hz)
     blocks = [parse_trajectory(m) for m in messages[1:-1]]
-    assert [b.start for b in blocks] == list(range(0, n, 256))
-    np.testing.assert_array_equal(np.concatenate([b.desired for b in blocks], axis=1), desired.astype(np.float32))
+    assert [start for start, _ in blocks] == list(range(0, n, 256))
+    np.testing.assert_array_equal(np.concatenate([q for _, q in blocks], axis=1), desired.astype(np.float32))
     assert parse_start(messages[-1]) == n
 
 
@@ -123,8 +123,8 @@ def test_identity():
 
 
 def test_a_trajectory_fills_the_ram_and_no_more():
-    last = parse_trajectory(split(encode_trajectory(np.zeros((2, RAM_SAMPLES))))[-1])
-    assert last.start + last.desired.shape[1] == RAM_SAMPLES
+    start, last = parse_trajectory(split(encode_trajectory(np.zeros((2, RAM_SAMPLES))))[-1])
+    assert start + last.shape[1] == RAM_SAMPLES
     for n in (0, RAM_SAMPLES + 1):
         with pytest.raises(ValueError, match=r"RAM contains 1 \.\.\. 8192 samples \(20.48 s at 2.5 ms\)"):
             encode_trajectory(np.zeros((2, n)))

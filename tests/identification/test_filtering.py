@@ -13,6 +13,7 @@ from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
 from repro.identification.filtering import (
+    FILTERS,
     FilterSettings,
     choose_cutoff,
     choose_steepness,
@@ -20,7 +21,6 @@ from repro.identification.filtering import (
     prepare,
     smooth_motion,
 )
-from repro.identification.filters import FILTERS
 from repro.identification.regression import drop_standstill
 from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import regressor

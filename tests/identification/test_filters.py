@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.identification.filters import FILTERS, dct_pair, filter_coefficient
+from repro.identification.filtering import FILTERS, dct_pair, filter_coefficient
 from repro.signals.dct import dct2low
 
 H = 1.0 / 200.0

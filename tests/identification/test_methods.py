@@ -13,8 +13,7 @@ from regression_example import beta_of, hostile, log_from, noisy_problem, regres
 from scipy.optimize import nnls
 from strategies import seeds
 
-from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.filters import FILTERS
+from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill

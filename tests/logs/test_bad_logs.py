@@ -217,7 +217,7 @@ def named(cases):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("content", "arm", "found"), named(REFUSED))
-def test_what_cannot_be_read_is_told_in_one_line(tmp_path, content, arm, found):
+def test_what_cannot_be_read_is_reported_in_one_line(tmp_path, content, arm, found):
     path = write(tmp_path, content)
     with pytest.raises(InputError) as caught:
         uniform(read_log(path, Arm(**arm)))

@@ -71,7 +71,7 @@ def test_the_format_does_not_matter(file, separator, comma, header, twice, empty
     ]
 
 
-def test_rows_left_out_are_told_by_line(file):
+def test_rows_left_out_are_reported_by_line(file):
     written = lines()
     for number in (4, 5, 6, 9):
         written[number - 1] = written[number - 1].rpartition(",")[0] + ","

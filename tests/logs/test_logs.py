@@ -6,8 +6,7 @@ from fake_board import CONTROL, frames_of, metadata, motion
 from log_example import assert_same, columns, recording, text
 from realdata import NAMES, log_file, needs_real_data
 
-from repro.fpga.capture import write_capture
-from repro.fpga.recording import to_table
+from repro.fpga.capture import to_table, write_capture
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
@@ -127,7 +126,7 @@ def test_what_surrounds_the_table_does_not_matter(read, tmp_path):
         assert_same(read_log(tmp_path / "log.csv", Arm()), GOOD)
 
 
-def test_wrapped_angles_are_unwrapped_and_told(read):
+def test_wrapped_angles_are_unwrapped_and_noted(read):
     q = GOOD.q + 2.6
     log = read(TABLE | dict(zip(("q1", "q2"), (q + np.pi) % (2 * np.pi) - np.pi, strict=True)), Arm(zero=(2.6, 2.6)))
     wraps = [note for note in log.notes if "wraps" in note]

@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 import pytest
-from claims_example import CONFIG, LOSS, METHODS, write_results
+from claims_example import CONFIG, LOSS, write_results
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,19 +13,15 @@ from repro.errors import InputError
 from repro.paper.audit import findings
 from repro.paper.claims import (
     BETTER,
-    COLUMNS,
     CONTRADICTS,
     DIFFERS,
-    EQUIVALENCE,
     HARDWARE,
     INCONCLUSIVE,
-    NONE,
     NOT_COMPARABLE,
     NOT_RUN,
     PREDICTION,
     PRINT,
     REPRODUCED,
-    VERDICTS,
     Basis,
     Margin,
     OurValue,
@@ -37,7 +33,7 @@ from repro.paper.claims import (
     specificity,
 )
 from repro.paper.ledger import ASSERTED, compute, our_values, refuted_number
-from repro.paper.ledger_page import CAUSES, by_basis, markdown, summary
+from repro.paper.ledger_page import CAUSES, markdown, summary
 from repro.paper.published import PublishedValue, load_published
 from repro.paper.results import FILES, Results
 
@@ -194,27 +190,6 @@ def test_a_number_on_one_side_only_is_refused():
         judge_all([number], {f"{number.id}@refinement": side})
 
 
-@pytest.mark.slow
-def test_every_published_number_of_the_papers_own_is_there_once(published, config, folder):
-    rows = compute(published, config, Results(folder))
-    assert tuple(rows.columns) == COLUMNS
-    own = [number.id for number in published if number.kind != "other-work"]
-    assert [name for name in rows["id"] if "@" not in name] == own
-    assert len(own) >= 190 and rows["id"].is_unique
-    extended = [name for name in rows["id"] if "@" in name]
-    # Totals of Table 7 and of Algorithm 1 in Table 10, five statements about all of them, and the central claim.
-    assert sum(name.endswith("@refinement") for name in extended) == 8 + 10 + 5 + 1
-    # Of the arm alone.
-    assert sum(name.endswith("@tracked") for name in extended) == 10 + 3 + 1
-    assert len(extended) == 24 + 14
-    assert set(rows["basis"]) == set(Basis)
-    assert set(rows["verdict"]) <= set(VERDICTS)
-    assert rows.loc[rows["verdict"] != HARDWARE, "target"].str.len().gt(0).all()
-    known = rows[rows["verdict"].isin([REPRODUCED, BETTER, DIFFERS, INCONCLUSIVE, NOT_COMPARABLE])]
-    assert known[["ours", "difference", "tolerance"]].notna().all(axis=None)
-    assert set(known["tolerance_from"]) == {PRINT, PREDICTION, EQUIVALENCE, NONE}
-
-
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
@@ -253,64 +228,6 @@ def test_another_setting_breaks_its_claim(published, config, folder, section, ke
 
 
 @pytest.mark.slow
-def test_numbers_of_the_results_are_where_they_belong(claims):
-    assert claims.loc["section5a/loss", "ours"] == LOSS and claims.loc["section5a/loss", "verdict"] == BETTER
-    row = claims.loc["table10/T1/least-squares/total/joint1"]
-    assert row["ours"] == pytest.approx(100 * METHODS["least-squares"])
-    # Three seeds, 0.2 points apart: 4.3027 x sqrt(4 / 3) x 0.2.
-    assert row["tolerance"] == pytest.approx(0.005 + 0.99366, abs=1e-4) and row["tolerance_from"] == PREDICTION
-    assert (row["verdict"], row["basis"]) == (NOT_COMPARABLE, "by construction")
-    refined = claims.loc["table10/T1/algorithm1/total/joint1@refinement"]
-    assert refined["ours"] == pytest.approx(99.0) and "extension of ours" in refined["note"]
-    tracked = claims.loc["table10/T1/algorithm1/total/joint1@tracked"]
-    assert tracked["ours"] == pytest.approx(97.0) and not tracked["asserted"]
-    assert claims.loc["table08/ID/total/joint1", "verdict"] == REPRODUCED
-    on_arm = claims[claims.index.str.match(r"table10|table08/ID|(abstract|section\d)/experimental/total")]
-    assert set(on_arm["basis"]) == {"simulated arm", "by construction"} and len(on_arm) == 60 + 2 * 10 + 2 + 3 * 3
-    # Least squares on ID and T1, and joint 2 of Table 8: what the arm was calibrated on.
-    assert (on_arm["basis"] == "by construction").sum() == 2 * 6 + 1
-
-
-IN_WORDS = {
-    "gravity-over-inertia/algorithm1": 0.6 / 0.12,
-    "gravity-over-inertia/least-squares": 0.8 / 0.1,
-    "viscous-over-coulomb/algorithm1": 0.1 / 0.25,
-    "viscous-over-algorithm1": 0.05 / 0.1,
-}
-
-
-@pytest.mark.slow
-def test_comparisons_of_table_9_in_words_are_ratios_of_its_parameters(claims):
-    rows = claims[claims["target"].eq("table09") & claims["quantity"].str.contains(" over |/")]
-    assert {name.removeprefix("section5c/"): row["ours"] for name, row in rows.iterrows()} == pytest.approx(IN_WORDS)
-    differing = {"section5c/viscous-over-algorithm1"}  # b2 of least squares is the lower one
-    assert set(rows.index[rows["verdict"] == DIFFERS]) == differing
-    assert set(rows["verdict"]) == {REPRODUCED, DIFFERS}
-    assert (rows["asserted"] == "").all()
-    assert (rows["basis"] == "simulated arm").all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("prior", "recipe", "words"),
-    [
-        ("mixture", "streamed", "training ranges and schedule of the network: ours"),
-        ("published", "streamed", "training schedule of the network: ours"),
-        ("mixture", "paper", "training ranges of the network: ours"),
-        ("published", "paper", ""),
-    ],
-)
-def test_numeric_similarities_say_what_of_the_training_is_ours(published, config, folder, prior, recipe, words):
-    changed = {**config, "data": {**config["data"], "prior": prior}}
-    changed["training"] = {**config["training"], "recipe": recipe}
-    notes = compute(published, changed, Results(folder)).set_index("id")["note"]
-    for name in ("table07/N3/time/joint2", "abstract/numeric/total", "section6/numeric/total"):
-        assert ("of the network: ours" in notes[name]) == bool(words)
-        assert words in notes[name]
-    assert not notes[notes.index.str.startswith("table10")].str.contains("of the network: ours").any()
-
-
-@pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, published):
     noted = {refuted_number(f) for f in findings(published)} - {""}
     totals = {
@@ -319,13 +236,10 @@ def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims, publishe
         "table10/T2/least-squares/total/joint2",
     }
     assert noted == totals | {"section1a/random-trajectories", "section4a/band-high", "appendix/domain"}
-    assert "98.65 % x 89.69 % = 88.479 %" in claims.loc["table10/T2/least-squares/total/joint2", "note"]
     assert (claims.loc[sorted(noted), "asserted"] == "").all()
     # What ours differs by is all that the paper contradicts itself by; a difference of many points stays one.
     assert set(claims.index[claims["verdict"] == CONTRADICTS]) == noted - totals
     assert not claims.loc[sorted(totals), "verdict"].isin([CONTRADICTS]).any()
-    assert claims.loc["table04/N2/true/I1", "verdict"] == REPRODUCED
-    assert "not possible" in claims.loc["table04/N2/true/I1", "note"]
 
 
 def altered(folder, name, column, value, **wanted):
@@ -413,27 +327,6 @@ def test_a_claim_that_fails_is_named(published, config, folder):
     assert all(part in line for part in ("section5a/loss", DIFFERS, REPRODUCED, "1e-3", "0.00101"))
     page = markdown(rows, specificity(rows, published))
     assert "| section5a/loss |" in page.split("## What differs")[0]
-
-
-@pytest.mark.slow
-def test_the_page_has_every_number_under_its_place(published, config, folder):
-    rows = compute(published, config, Results(folder))
-    text = markdown(rows, specificity(rows, published))
-    whole = text.split("## Every number")[1]
-    for name in rows["id"]:
-        assert whole.count(f"| {name} |") == 1
-    places = [line.removeprefix("### ") for line in whole.splitlines() if line.startswith("### ")]
-    assert places == list(dict.fromkeys(rows["place"]))
-    extension = rows["id"].str.contains("@")
-    assert by_basis(rows).to_numpy().sum() == len(rows)
-    for verdict in VERDICTS:
-        of_it = rows["verdict"] == verdict
-        counts = [*(of_it & ~extension & (rows["basis"] == basis) for basis in Basis), of_it & extension]
-        assert f"| {verdict} | {' | '.join(str(int(c.sum())) for c in counts)} |" in text
-    by_cause = text.split("## What differs, by cause")[1].split("## Every number")[0]
-    for name in rows.loc[rows["verdict"] == DIFFERS, "id"]:
-        assert by_cause.count(f"| {name} |") == 1
-    assert all(line.count("|") >= 3 for line in text.splitlines() if line.startswith("|"))
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from repro.errors import InputError
-from repro.paper.our_values import RESULT_SOURCES, evaluate, values_of
+from repro.paper.our_values import RESULT_SOURCES, evaluate, training_note, values_of
 from repro.paper.published import Published, load_published
 
 CONFIG = {"training": {"recipe": "streamed", "paper": {"images": 40}}, "arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
@@ -72,3 +72,16 @@ def test_every_number_of_the_papers_own_has_a_source_that_exists():
             assert importlib.util.find_spec("repro." + rest.partition(":")[0]), number.id
         if source == "result":
             assert rest.partition(":")[0] in RESULT_SOURCES, number.id
+
+
+@pytest.mark.parametrize(
+    ("prior", "recipe", "note"),
+    [
+        ("mixture", "streamed", "training ranges and schedule of the network: ours"),
+        ("published", "streamed", "training schedule of the network: ours"),
+        ("mixture", "paper", "training ranges of the network: ours"),
+        ("published", "paper", ""),
+    ],
+)
+def test_a_note_says_what_of_the_training_is_ours(prior, recipe, note):
+    assert training_note({"data": {"prior": prior}, "training": {"recipe": recipe}}) == note

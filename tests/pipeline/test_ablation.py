@@ -15,8 +15,7 @@ from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.pipeline.ablation import run_variant, train_variant
 from repro.pipeline.experiment import read_recordings, true_parameters
-from repro.pipeline.stored_networks import configuration_digest
-from repro.pipeline.variants import (
+from repro.pipeline.interpretations import (
     HEADLINES,
     VARIANTS,
     ablation_figure,
@@ -24,6 +23,7 @@ from repro.pipeline.variants import (
     configuration_of,
     network_files,
 )
+from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import of_network, signal_settings
 from repro.signals.metric import metr2ev
 

@@ -35,8 +35,8 @@ from repro.pipeline.factorial_networks import score_cell, search_under, train_ce
 from repro.pipeline.numeric import mean_training_torque
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

@@ -24,8 +24,8 @@ from repro.pipeline.numeric import (
     score_estimates,
 )
 from repro.settings import NumericSettings
+from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

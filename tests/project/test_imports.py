@@ -16,7 +16,7 @@ SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 WITH_NETWORK = {"train", "identify_numeric", "identify_experiment", "score_spread", "check_coverage"}
 WITH_NETWORK |= {"ablation_train", "ablation_run", "train_factorial", "score_factorial"}
 #: What the Snakefile and the command line load.
-LOADED = ("job", "provenance", "experiment", "factorial", "variants", "stored_networks")
+LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")
 OUTSIDE_JOBS = ("repro.cli", *(f"repro.pipeline.{name}" for name in LOADED))
 
 

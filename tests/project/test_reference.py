@@ -63,7 +63,7 @@ def test_refinement_is_above_98_percent_everywhere(name):
     assert totals(name, "algorithm1+refinement").min() >= 0.98
 
 
-def test_loss_of_the_streamed_recipe():
+def test_loss_of_the_streamed_schedule():
     history = pd.read_csv(REFERENCE / "model/training.csv")
     config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
     assert history["step"].iloc[-1] == config["training"]["steps"]
@@ -86,24 +86,6 @@ def test_tables_of_the_pages_are_those_of_the_reference():
     marked = [name for text in texts.values() for _, name, _ in pages["MARKED"].findall(text)]
     assert sorted(marked) == sorted(pages["TABLES"])
     assert {name: pages["written"](text) for name, text in texts.items()} == texts
-
-
-def test_a_number_of_the_pages_is_that_of_the_table():
-    """One cell of each kind, read from the row that a reader looks at."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    (row,) = re.findall(r"^\| Algorithm 1 as listed \| (.*) \|$", text, flags=re.MULTILINE)
-    arm = arm_totals("algorithm1")
-    expected = [totals(name, "algorithm1").mean() for name in ("table06", "table07")]
-    expected += [*arm.loc["ID"], arm.drop("ID").to_numpy().mean()]
-    np.testing.assert_allclose([float(x) for x in row.split(" | ")], 100 * np.array(expected), atol=0.00501)
-
-
-def test_every_claim_has_its_cost():
-    claims, costs = (pd.read_csv(REFERENCE / name).set_index("id") for name in ("claims.csv", "logs/costs.csv"))
-    pd.testing.assert_series_equal(costs["target"], claims["target"])
-    figures = costs.drop(columns="target")
-    assert (figures[costs["target"].notna()] > 0).all(axis=None)
-    assert figures[costs["target"].isna()].isna().all(axis=None)
 
 
 def arm_totals(method):

@@ -133,7 +133,7 @@ def test_sinusoids_have_their_frequencies():
         assert np.abs(motion.q[joint]).max() == pytest.approx(1.0, abs=0.01)
 
 
-def test_identification_program_contains_eq_10():
+def test_identification_reference_contains_eq_10():
     p = identification_reference()
     assert p.q.shape == (2, 300 + 40 + 3770 + 40)
     assert (p.n1, p.n2) == (340, 4110)

@@ -54,16 +54,16 @@ def caption_file(exhibit):
 
 def files_of(exhibit):
     """Files of an exhibit by kind; the one of its report carries its caption."""
-    said = {
+    shown = {
         "category": exhibit.category,
         "labels": {"what": exhibit.title if exhibit.label in exhibit.title else f"{exhibit.title} ({exhibit.label})"},
         "caption": caption_file(exhibit),
     }
     if exhibit.kind == "table":
         stem = f"{R}/tables/{exhibit.name}"
-        return {"csv": report(f"{stem}.csv", **said), "tex": f"{stem}.tex", "md": f"{stem}.md"}
+        return {"csv": report(f"{stem}.csv", **shown), "tex": f"{stem}.tex", "md": f"{stem}.md"}
     stem = f"{F}/{exhibit.name}"
-    return {"csv": f"{R}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **said)}
+    return {"csv": f"{R}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **shown)}
 
 
 # One job draws what a module declares of the same files, so that little is started for little.

@@ -13,8 +13,8 @@ with job(snakemake.log[0], snakemake.threads):
     config = snakemake.params.config
     tau_mean = read_mean_torque(snakemake.input.mean_torque, signal_settings(config))
     networks = [
-        for_the_arm(algorithm1_of(name, weights, of_network(config, name), said), config)
-        for weights, (name, said) in zip(snakemake.input.weights, snakemake.params.trained_as.items(), strict=True)
+        for_the_arm(algorithm1_of(name, weights, of_network(config, name), digest), config)
+        for weights, (name, digest) in zip(snakemake.input.weights, snakemake.params.trained_as.items(), strict=True)
     ]
     recordings, index = Path(snakemake.input.recordings), int(snakemake.wildcards.index)
     write_csv(snakemake.output[0], score_specimens(networks, recordings, index, tau_mean, config))

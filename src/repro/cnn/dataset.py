@@ -15,8 +15,7 @@ from repro.cnn.image import ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
-from repro.signals.dct import dct2dev, dct2low, dct2sub
-from repro.signals.sampling import SignalSettings, image_regressor
+from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_regressor
 from repro.signals.trajectories import Motion
 
 Floats32 = NDArray[np.float32]

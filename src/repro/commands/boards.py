@@ -204,8 +204,7 @@ def decode_arguments(parser: argparse.ArgumentParser) -> None:
 def decode(arguments: argparse.Namespace) -> int:
     """Decode a capture file: what is in it, and its samples as a table."""
     from repro.files import CSV_FLOAT_FORMAT, write_csv, writing
-    from repro.fpga.capture import files_of, read_capture
-    from repro.fpga.recording import to_table
+    from repro.fpga.capture import files_of, read_capture, to_table
 
     out = arguments.out
     if out not in (None, "-") and not out.endswith(".csv"):

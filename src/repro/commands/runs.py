@@ -37,7 +37,7 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
 def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config import load_config
-    from repro.fingerprint import told
+    from repro.fingerprint import compare_hosts
     from repro.paper.claims import broken
     from repro.paper.ledger import verify_ledger
     from repro.paper.ledger_page import summary
@@ -49,7 +49,7 @@ def verify(arguments: argparse.Namespace) -> int:
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config["results"]
     claims, problems = verify_ledger(results, config, root)
-    print(told(recorded_fingerprint(results)))
+    print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
         print(line)
     for problem in problems:

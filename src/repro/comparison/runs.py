@@ -77,7 +77,9 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
     lines = []
     for each in compared:
         for d in each.largest():
-            lines.append(f"{each.name}: {_told(d)}; {sum(x.kind is d.kind for x in each.found)} of {each.cells} cells")
+            lines.append(
+                f"{each.name}: {_describe(d)}; {sum(x.kind is d.kind for x in each.found)} of {each.cells} cells"
+            )
     same = sum(not each.found for each in compared)
     rest = f", {len(alone) - SHOWN} more" if len(alone) > SHOWN else ""
     names = f": {', '.join(alone[:SHOWN])}{rest}" if alone else ""
@@ -87,7 +89,7 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
         own = [(each, d) for each in compared for d in each.largest() if d.kind is kind]
         if own:
             file, d = max(own, key=lambda pair: (pair[1].rank, pair[1].size))
-            lines.append(f"largest {kind}: {file.name}: {_told(d)}")
+            lines.append(f"largest {kind}: {file.name}: {_describe(d)}")
         else:
             lines.append(f"largest {kind}: none differs")
     broken = [each.name for each in compared if each.broken]
@@ -95,7 +97,7 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
     return lines
 
 
-def _told(d: Difference) -> str:
+def _describe(d: Difference) -> str:
     allowed = "its spread was not measured" if d.allowed != d.allowed else f"{d.allowed:.2g} allowed"
     by = f", by {d.size:.2g}" if d.size not in (float("inf"), 1.0) or d.kind is not Kind.EXACT else ""
     return f"{d.kind}: {d.place}: {d.a or 'nothing'} and {d.b or 'nothing'}{by} ({allowed})"

@@ -24,7 +24,6 @@ from repro.exhibits.panels import (
     torque_panels,
 )
 from repro.exhibits.result_tables import heading_of, methods_of, one_row, similarities, with_unit
-from repro.fpga.controller import ControlConstants
 from repro.identification.regression import Regression
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
@@ -40,10 +39,9 @@ from repro.pipeline.experiment_runs import CASE, every_seed, read_identification
 from repro.pipeline.job import Config
 from repro.pipeline.summary import SCORES, experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
-from repro.signals.dct import spectrum
+from repro.signals.dct import SignalSettings, spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
-from repro.signals.sampling import SignalSettings
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")
@@ -75,17 +73,6 @@ def shown_estimates(runs: Runs, scores: pd.DataFrame) -> dict[str, Array]:
             if chosen[CASE, method] == run["seed"]:
                 estimates[method] = np.array(estimate["beta"], dtype=np.float64)
     return estimates
-
-
-def _estimates(inputs: Inputs) -> dict[str, Any]:
-    return shown_estimates(_runs(inputs), _scores(inputs))
-
-
-def control_table(tracked: pd.DataFrame, control: ControlConstants, c_f: float) -> pd.DataFrame:
-    """Table 8: tracking of the identification trajectory and the constants of the board."""
-    return tracked.drop(columns="seed").assign(
-        total_sd=0.0, seeds=1, kp=control.kp, kv=control.kv, pwm_khz=np.array(control.pwm_hz) / 1e3, c_f=c_f
-    )
 
 
 def control_layout(frame: pd.DataFrame) -> Table:
@@ -120,7 +107,10 @@ def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
     """
     (recording,) = _recordings(inputs, config)
     tracked = tracking(recording, metric_settings(config))
-    return control_table(tracked, control_constants(config), config["signals"]["filter_coefficient"])
+    control, c_f = control_constants(config), config["signals"]["filter_coefficient"]
+    pwm_khz = np.array(control.pwm_hz) / 1e3
+    constants = tracked.drop(columns="seed").assign(total_sd=0.0, seeds=1, kp=control.kp, kv=control.kv)
+    return constants.assign(pwm_khz=pwm_khz, c_f=c_f)
 
 
 #: Methods of Table 9 that stand side by side.
@@ -172,10 +162,7 @@ def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 def stability_table(estimates: Mapping[str, Array], methods: Sequence[str]) -> pd.DataFrame:
-    """Conditions of Appendix A with the parameters of each method.
-
-    Columns ``method, quantity, symbol, value, bound, holds``.
-    """
+    """Conditions of Appendix A with the parameters of each method."""
     rows: list[tuple[str, str, str, float, float, bool]] = []
     for method in methods:
         c = stability_constants(estimates[method])
@@ -233,7 +220,7 @@ def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
     """
-    estimates = {**_estimates(inputs), "appendix": mechanical_parameters(config)}
+    estimates = {**shown_estimates(_runs(inputs), _scores(inputs)), "appendix": mechanical_parameters(config)}
     return stability_table(estimates, ("algorithm1", *SHOWN, "true", "appendix"))
 
 
@@ -273,10 +260,7 @@ def identification_curves(
 
 
 def validation_curves(
-    recordings: Iterable[Recording],
-    signals: SignalSettings,
-    estimates: Mapping[str, Array],
-    in_frequency: bool = False,
+    recordings: Iterable[Recording], signals: SignalSettings, estimates: Mapping[str, Array], in_frequency: bool = False
 ) -> pd.DataFrame:
     """Figures 23 and 24: torques of T1 to T4 and their rebuilding, or their spectra."""
     return long_table(
@@ -285,15 +269,6 @@ def validation_curves(
         for curve in _torque_curves(
             recording.regression(signals), estimates, SHOWN, signals.h, f"{recording.program.name} ", in_frequency
         )
-    )
-
-
-def motion_curves(recordings: Iterable[Recording], signals: SignalSettings) -> pd.DataFrame:
-    """Figure 22: desired and measured motions of T1 to T4."""
-    return long_table(
-        curve
-        for recording in recordings
-        for curve in _motion_curves(recording, recording.regression(signals), signals.h, f"{recording.program.name} ")
     )
 
 
@@ -308,13 +283,12 @@ def tip_paths(recordings: Iterable[Recording], geometry: ArmGeometry) -> pd.Data
 
 
 def _identification(inputs: Inputs, config: Config, in_frequency: bool) -> pd.DataFrame:
-    (recording,) = _recordings(inputs, config)
-    estimates = _estimates(inputs)
+    (recording,), estimates = _recordings(inputs, config), shown_estimates(_runs(inputs), _scores(inputs))
     return identification_curves(recording, signal_settings(config), estimates, in_frequency)
 
 
 def _validation(inputs: Inputs, config: Config, in_frequency: bool) -> pd.DataFrame:
-    recordings, estimates = _recordings(inputs, config), _estimates(inputs)
+    recordings, estimates = _recordings(inputs, config), shown_estimates(_runs(inputs), _scores(inputs))
     return validation_curves(recordings, signal_settings(config), estimates, in_frequency)
 
 
@@ -356,11 +330,6 @@ def draw_identification(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-def draw_identification_spectra(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques of the identification trajectory (Fig. 20)."""
-    return _compared_torques(frame, _IDENTIFICATION, spectrum_panels)
-
-
 def draw_paths(frame: pd.DataFrame) -> Figure:
     """Desired and actual paths of the tip on the validation motions (Fig. 21)."""
     curves = curves_of(frame, dict.fromkeys(VALIDATION_MOTIONS, ("actual", "desired")))
@@ -396,25 +365,12 @@ def draw_motions(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-def draw_validation_torques(frame: pd.DataFrame) -> Figure:
-    """Torques of the validation motions, rebuilt by each method (Fig. 23)."""
-    return _compared_torques(frame, _VALIDATION, torque_panels)
-
-
-def draw_validation_spectra(frame: pd.DataFrame) -> Figure:
-    """DCT-II of the torques of the validation motions (Fig. 24)."""
-    return _compared_torques(frame, _VALIDATION, partial(spectrum_panels, by_row=True))
-
-
 @figure(
     19,
     "Torques and motion of the identification run",
     EXPERIMENT,
     draw_identification,
-    inputs=(
-        "ID",
-        "arm",
-    ),
+    inputs=("ID", "arm"),
     sections=ARM,
 )
 def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -428,11 +384,8 @@ def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
     20,
     "Spectra of the identification run's torques",
     EXPERIMENT,
-    draw_identification_spectra,
-    inputs=(
-        "ID",
-        "arm",
-    ),
+    partial(_compared_torques, titles=_IDENTIFICATION, draw=spectrum_panels),
+    inputs=("ID", "arm"),
     sections=ARM,
 )
 def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -449,18 +402,20 @@ def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
 @figure(22, f"Motions of {SPAN}", EXPERIMENT, draw_motions, inputs=("validation",), sections=ARM)
 def fig22(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Position, velocity and acceleration on the validation motions of the simulated arm (Fig. 22)."""
-    return motion_curves(_recordings(inputs, config), signal_settings(config))
+    signals = signal_settings(config)
+    return long_table(
+        curve
+        for one in _recordings(inputs, config)
+        for curve in _motion_curves(one, one.regression(signals), signals.h, f"{one.program.name} ")
+    )
 
 
 @figure(
     23,
     f"Torques of {SPAN}",
     EXPERIMENT,
-    draw_validation_torques,
-    inputs=(
-        "validation",
-        "arm",
-    ),
+    partial(_compared_torques, titles=_VALIDATION, draw=torque_panels),
+    inputs=("validation", "arm"),
     sections=ARM,
 )
 def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -474,11 +429,8 @@ def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
     24,
     f"Spectra of the torques of {SPAN}",
     EXPERIMENT,
-    draw_validation_spectra,
-    inputs=(
-        "validation",
-        "arm",
-    ),
+    partial(_compared_torques, titles=_VALIDATION, draw=partial(spectrum_panels, by_row=True)),
+    inputs=("validation", "arm"),
     sections=ARM,
 )
 def fig24(inputs: Inputs, config: Config) -> pd.DataFrame:

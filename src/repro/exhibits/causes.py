@@ -71,10 +71,7 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def why_layout(frame: pd.DataFrame) -> Table:
-    """Similarity in the four cells, then the effects.
-
-    Columns ``row, training, image_motion, response, value, spread, seeds``.
-    """
+    """Similarity in the four cells, then the effects."""
     blocks = []
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
         of_kind = frame[frame["row"] == kind].fillna(
@@ -98,10 +95,7 @@ def why_layout(frame: pd.DataFrame) -> Table:
 
 
 def draw_why(frame: pd.DataFrame) -> Figure:
-    """Mean total against the motion of line 18, a line for each kind of training: every seed a mark.
-
-    Columns ``training, image_motion, seed, response, value``.
-    """
+    """Mean total against the motion of line 18, a line for each kind of training: every seed a mark."""
     drawn = style.new_figure(style.COLUMN, 2.6)
     panels = drawn.subplots(1, 2, sharey=True)
     looks = {"ideal": "algorithm1", "tracked": "algorithm1+tracked"}
@@ -165,10 +159,7 @@ def _estimate(row: Mapping[Hashable, float], factor: float, decimals: int) -> Te
 
 
 def effects_layout(frame: pd.DataFrame) -> Table:
-    """Effects in points of per cent with their 95 % intervals, the largest on T1 to T4 first.
-
-    Columns ``of, effect, response, value, low, high, blocks, training_seeds, confirmation``.
-    """
+    """Effects in points of per cent with their 95 % intervals, the largest on T1 to T4 first."""
     blocks = []
     for of, rows in frame.groupby("of", sort=False):
         cells = []
@@ -193,10 +184,7 @@ def effects_layout(frame: pd.DataFrame) -> Table:
 
 
 def cells_layout(frame: pd.DataFrame) -> Table:
-    """Means of the cells.
-
-    Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
-    """
+    """Means of the cells."""
     words = {
         "cnn": "Algorithm 1",
         "plain": "plain network",
@@ -209,12 +197,12 @@ def cells_layout(frame: pd.DataFrame) -> Table:
     }
     names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
     rows = []
-    told_names = frame[names].astype(object).fillna("").astype(str)
-    for row in frame.assign(**{name: told_names[name] for name in names}).to_dict("records"):
-        told = [plain(words.get(row[name], row[name])) for name in names]
+    level_texts = frame[names].astype(object).fillna("").astype(str)
+    for row in frame.assign(**{name: level_texts[name] for name in names}).to_dict("records"):
+        level_cells = [plain(words.get(row[name], row[name])) for name in names]
         error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
         met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)
-        rows.append([*told, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
+        rows.append([*level_cells, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
     caption = plain(
         "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
         "estimates over the largest torque, and executions of 100 that met the threshold."
@@ -263,13 +251,7 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
 
 
 @table(
-    "factorial",
-    "Effects of the causes",
-    ABLATION,
-    effects_layout,
-    inputs=("factorial",),
-    trained="all",
-    optional=True,
+    "factorial", "Effects of the causes", ABLATION, effects_layout, inputs=("factorial",), trained="all", optional=True
 )
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
@@ -295,13 +277,7 @@ def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 @figure(
-    "factorial",
-    "Effects of the causes",
-    ABLATION,
-    draw_effects,
-    inputs=("factorial",),
-    trained="all",
-    optional=True,
+    "factorial", "Effects of the causes", ABLATION, draw_effects, inputs=("factorial",), trained="all", optional=True
 )
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over

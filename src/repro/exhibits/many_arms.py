@@ -27,10 +27,7 @@ _LOOKS = {"raw": ("least-squares", "Spread over the guesses"), "calibrated": ("a
 
 
 def coverage_layout(frame: pd.DataFrame) -> Table:
-    """Shares of arms that intervals cover, a row for each parameter.
-
-    Columns ``arms, parameter, level, raw, calibrated, factor, width, contraction, warned``.
-    """
+    """Shares of arms that intervals cover, a row for each parameter."""
     levels = sorted(set(frame["level"]))
     cells = frame.set_index(["arms", "parameter", "level"])
     widest = frame[(frame["arms"] == "unmodelled") & (frame["level"] == levels[-1])].set_index("parameter")
@@ -83,10 +80,7 @@ def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 def intervals_layout(frame: pd.DataFrame) -> Table:
-    """The recorded arm's parameters with their intervals.
-
-    Columns ``parameter, true, centre, low, high, level, warned``.
-    """
+    """The recorded arm's parameters with their intervals."""
     rows = [
         [
             with_unit(formula(row["parameter"]), UNITS[NAMES.index(row["parameter"])]),
@@ -123,10 +117,7 @@ def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 def draw_coverage(frame: pd.DataFrame) -> Figure:
-    """Levels at which intervals reach the truth: their distribution minus a uniform one, zero where levels are right.
-
-    Columns ``arms, parameter, level, number, known, raw, calibrated``.
-    """
+    """Levels at which intervals reach the truth: their distribution minus a uniform one."""
     chosen = frame[frame["arms"] == "unmodelled"]
     # The arms that are ranked scatter, and so do those that they are ranked among: both samples count (Kolmogorov and
     # Smirnov, two samples). The band contains the whole curve in 95 % of the cases.

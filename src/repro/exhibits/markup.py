@@ -28,15 +28,7 @@ _TEX_SPECIAL = {
     _DASH: "--",
     _TIMES: r"$\times$",
 }
-_TEX_MATHS = {
-    " ": r"\,",
-    "*": r"\cdot ",
-    "|": r"\vert ",
-    "<": "<",
-    ">": ">",
-    "^": r"\hat{}",
-    "~": r"\sim ",
-}
+_TEX_MATHS = {" ": r"\,", "*": r"\cdot ", "|": r"\vert ", "<": "<", ">": ">", "^": r"\hat{}", "~": r"\sim "}
 _MD_SPECIAL = re.compile(r"([\\`*_|<>\[\]])")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")

@@ -30,7 +30,7 @@ from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.pipeline.model_card import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
@@ -39,10 +39,7 @@ _TRAINING = ("signals", "data", "image", "training")
 
 
 def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
-    """Table 3: features of the network and its training, rebuilt from Section IV-B.
-
-    Columns ``feature, value``.
-    """
+    """Table 3: features of the network and its training, rebuilt from Section IV-B."""
     layers = architecture(network)
     side = network.image_size
     rows = [("Input", f"{side} x {side} x 2"), ("Output", "9 parametric residuals")]
@@ -76,13 +73,7 @@ def characteristics(frame: pd.DataFrame) -> Table:
     return Table(caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
 
 
-@table(
-    3,
-    "Characteristics of the network",
-    MODEL,
-    characteristics,
-    sections=("signals", "network", "training"),
-)
+@table(3, "Characteristics of the network", MODEL, characteristics, sections=("signals", "network", "training"))
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
     return network_features(network_settings(config), training_settings(config))
@@ -243,8 +234,6 @@ def example_pixels(signals: SignalSettings, data: DataSettings, seed: int, count
     """Figure 8: images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16.
 
     Each pair shares its torque. Values are clipped to the displayable range.
-
-    Columns ``kind, image, row, column, red, green, blue``.
     """
     rng = stream(seed, Stream.EXAMPLES)
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
@@ -367,10 +356,7 @@ def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
-    """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle.
-
-    Columns ``layer, input, output, row, column, power``.
-    """
+    """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle."""
     frames = []
     for name in ("conv1", "conv2", "conv3"):
         kernels = weights[f"{name}.weight"].astype(np.float64)  # (output, input, k, k)

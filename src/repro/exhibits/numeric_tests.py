@@ -1,7 +1,6 @@
 """The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -13,7 +12,20 @@ from matplotlib.ticker import EngFormatter
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.exhibits import style
-from repro.exhibits.declare import ABLATION, MODEL, NUMERIC, SIGNALS, VALIDATION, Inputs, figure, table
+from repro.exhibits.declare import (
+    ABLATION,
+    MODEL,
+    NUMERIC,
+    SIGNALS,
+    VALIDATION,
+    Exhibit,
+    Inputs,
+    Layout,
+    Numbers,
+    Trained,
+    figure,
+    table,
+)
 from repro.exhibits.markup import Table, formula, plain, unit
 from repro.exhibits.panels import (
     COEFFICIENT,
@@ -37,10 +49,9 @@ from repro.pipeline.experiment_runs import every_seed, read_identifications, rea
 from repro.pipeline.job import Config
 from repro.pipeline.numeric import motion_of
 from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table
-from repro.settings import NumericSettings, numeric_settings, of_network, signal_settings, training_settings
-from repro.signals.dct import dct2sub, spectrum
+from repro.settings import numeric_settings, of_network, signal_settings, training_settings
+from repro.signals.dct import SignalSettings, dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import Motion, identification_trajectory
 
 _NUMERIC = ("signals", "numeric")
@@ -185,39 +196,27 @@ def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
     return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
 
 
-@table(
-    4,
-    "Parameters of N1 and N2",
-    NUMERIC,
-    lambda frame: parameters(frame, ("N1", "N2")),
-    inputs=("networks",),
-    trained="claims",
-)
+def _result_table(which: int, title: str, category: str, layout: Layout) -> Callable[[Numbers], Exhibit]:
+    return table(which, title, category, layout, inputs=("networks",), trained="claims")
+
+
+@_result_table(4, "Parameters of N1 and N2", NUMERIC, lambda frame: parameters(frame, ("N1", "N2")))
 def table04(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N1 and N2: median seed and spread over the seeds."""
     return _parameters(inputs, ("N1", "N2"))
 
 
-@table(
-    5,
-    "Parameters of N3 and N4",
-    NUMERIC,
-    lambda frame: parameters(frame, ("N3", "N4")),
-    inputs=("networks",),
-    trained="claims",
-)
+@_result_table(5, "Parameters of N3 and N4", NUMERIC, lambda frame: parameters(frame, ("N3", "N4")))
 def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N3 and N4: median seed and spread over the seeds."""
     return _parameters(inputs, ("N3", "N4"))
 
 
-@table(
+@_result_table(
     6,
     "Similarity on the identification trajectory",
     NUMERIC,
     lambda frame: similarities(frame, _ALL, "from the identified parameters, numeric tests"),
-    inputs=("networks",),
-    trained="claims",
 )
 def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
@@ -226,13 +225,11 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     return similarity_table(_scores(inputs), "ID")
 
 
-@table(
+@_result_table(
     7,
     "Similarity on the validation trajectory",
     VALIDATION,
     lambda frame: similarities(frame, _ALL, "on the random validation trajectory, numeric tests"),
-    inputs=("networks",),
-    trained="claims",
 )
 def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
@@ -241,23 +238,17 @@ def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     return similarity_table(_scores(inputs), "validation")
 
 
-def torque_curves(
-    identifications: Sequence[Mapping[str, Any]],
-    scores: pd.DataFrame,
-    signals: SignalSettings,
-    numeric: NumericSettings,
-    trajectory_name: str,
-    cases: Sequence[str],
-    method: str = "algorithm1",
-    in_frequency: bool = False,
+def _torques(
+    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
 ) -> pd.DataFrame:
     """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
-    chosen = median_seeds(scores)
-    runs = {run["seed"]: run["arms"] for run in identifications}
+    signals, numeric, method = signal_settings(config), numeric_settings(config), "algorithm1"
+    chosen = median_seeds(_scores(inputs))
+    runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
     parts: list[Curve] = []
     for case in cases:
         seed = chosen[case, method]
-        motion = motion_of(trajectory_name, signals, numeric, seed)
+        motion = motion_of(trajectory, signals, numeric, seed)
         y = regressor(motion.q, motion.dq, motion.ddq)
         arm = runs[seed][case]
         series = {"actual": arm["true"], "rebuilt": arm["methods"][method]["beta"]}
@@ -269,37 +260,29 @@ def torque_curves(
     return long_table(parts)
 
 
-def _torques(
-    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
-) -> pd.DataFrame:
-    return torque_curves(
-        read_identifications(inputs["identifications"]),
-        _scores(inputs),
-        signal_settings(config),
-        numeric_settings(config),
-        trajectory,
-        cases,
-        in_frequency=in_frequency,
-    )
+def _torque_figure(
+    which: int,
+    title: str,
+    category: str,
+    cases: Sequence[str],
+    draw: Callable[..., None] = torque_panels,
+    trained: Trained = "no",
+) -> Callable[[Numbers], Exhibit]:
+    """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
+
+    def compare(frame: pd.DataFrame) -> Figure:
+        panels = {
+            f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS
+        }
+        curves = curves_of(frame, dict.fromkeys(panels, ("actual", "rebuilt")))
+        drawn = page(len(panels))
+        draw(drawn, curves, panels)
+        return drawn
+
+    return figure(which, title, category, compare, inputs=("published",), sections=_NUMERIC, trained=trained)
 
 
-def compare_torques(frame: pd.DataFrame, cases: Sequence[str], draw: Callable[..., None]) -> Figure:
-    """Actual and rebuilt signals, a row for each case and a column for each joint."""
-    titles = {f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS}
-    curves = curves_of(frame, dict.fromkeys(titles, ("actual", "rebuilt")))
-    figure = page(len(titles))
-    draw(figure, curves, titles)
-    return figure
-
-
-@figure(
-    12,
-    "Torques of N1 and N2",
-    NUMERIC,
-    lambda frame: compare_torques(frame, ("N1", "N2"), torque_panels),
-    inputs=("published",),
-    sections=_NUMERIC,
-)
+@_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
 def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N1 and N2 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 12).
@@ -307,14 +290,7 @@ def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
-@figure(
-    13,
-    "Torques of N3 and N4",
-    NUMERIC,
-    lambda frame: compare_torques(frame, ("N3", "N4"), torque_panels),
-    inputs=("published",),
-    sections=_NUMERIC,
-)
+@_torque_figure(13, "Torques of N3 and N4", NUMERIC, ("N3", "N4"))
 def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N3 and N4 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 13).
@@ -322,29 +298,13 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
 
-@figure(
-    14,
-    "Spectra of the numeric torques",
-    NUMERIC,
-    lambda frame: compare_torques(frame, _ALL, spectrum_panels),
-    inputs=("published",),
-    sections=_NUMERIC,
-    trained="all",
-)
+@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectrum_panels, "all")
 def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 12 and 13 (Fig. 14)."""
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
 
 
-@figure(
-    15,
-    "Validation torques",
-    VALIDATION,
-    lambda frame: compare_torques(frame, _ALL, torque_panels),
-    inputs=("published",),
-    sections=_NUMERIC,
-    trained="all",
-)
+@_torque_figure(15, "Validation torques", VALIDATION, _ALL, trained="all")
 def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques on the random validation trajectory and their rebuilding, median seed (Fig. 15)."""
     return _torques(inputs, config, "validation", _ALL)
@@ -365,15 +325,7 @@ def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
 
 
-@figure(
-    17,
-    "Spectra of the validation torques",
-    VALIDATION,
-    lambda frame: compare_torques(frame, _ALL, spectrum_panels),
-    inputs=("published",),
-    sections=_NUMERIC,
-    trained="all",
-)
+@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectrum_panels, "all")
 def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the validation torques (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
@@ -397,19 +349,8 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return median_cells(both.query("method in ('algorithm1', 'algorithm1+paper-recipe')"))
 
 
-def held_out_curves(histories: Mapping[str, pd.DataFrame], batches: Mapping[str, int]) -> pd.DataFrame:
-    """Loss on held-out images over the images trained on, of each series by its name."""
-    return long_table(
-        ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
-        for name, h in histories.items()
-    )
-
-
 def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
-    """Loss on held-out images over the images trained on, of the paper's schedule and of ours.
-
-    Columns ``panel, series, x, y``; panel loss; series as in the registry of methods; x in images, y above 0.
-    """
+    """Loss on held-out images over the images trained on, of the paper's schedule and of ours."""
     names = ("algorithm1", "algorithm1+paper-recipe")
     figure, axes = loss_panel(frame, names, "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
@@ -436,4 +377,7 @@ def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     names = {"algorithm1": "published", "algorithm1+paper-recipe": "paper-recipe"}
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
     batches = {method: training_settings(of_network(config, name)).batch for method, name in names.items()}
-    return held_out_curves(dict(zip(names, histories, strict=True)), batches)
+    return long_table(
+        ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
+        for name, h in zip(names, histories, strict=True)
+    )

@@ -136,10 +136,7 @@ def _plot_stems(axes: Axes, series: Compared) -> None:
 
 
 def torque_panels(
-    figure: FigureBase,
-    curves: Mapping[str, Compared],
-    titles: Mapping[str, str],
-    legend_title: str | None = None,
+    figure: FigureBase, curves: Mapping[str, Compared], titles: Mapping[str, str], legend_title: str | None = None
 ) -> None:
     """Draw torques over time, two panels in a row."""
     _compare(figure, curves, titles, (TIME, TORQUE), _plot_lines, legend_title)

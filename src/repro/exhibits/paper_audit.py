@@ -206,9 +206,9 @@ def _prose(text: str) -> Text:
 
 def _symbol(text: str) -> Text:
     """A symbol or power; Markdown has no subscripts of letters and keeps their underscore."""
-    made = formula(text)
+    symbol = formula(text)
     name, mark, index = text.partition("_")
-    return Text(made.tex, formula(name).md + plain(mark + index).md) if index[:1].isalpha() else made
+    return Text(symbol.tex, formula(name).md + plain(mark + index).md) if index[:1].isalpha() else symbol
 
 
 def _words(text: str) -> Text:

@@ -19,9 +19,9 @@ from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
 from repro.pipeline.experiment import read_recordings
 from repro.pipeline.experiment_runs import read_identifications
+from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.job import Config
 from repro.pipeline.summary import both_metrics
-from repro.pipeline.variants import HEADLINES, ablation_figure, ablation_table
 from repro.signals.programs import SPAN
 
 
@@ -135,10 +135,7 @@ _PANELS = {
         "id_mean": ("Identification trajectory", "joint1"),
         "validation_mean": ("Validation trajectory", "joint2"),
     },
-    "Simulated arm, Algorithm 1": {
-        "arm_id": ("ID", "joint1"),
-        "arm_validation": (f"Mean over {SPAN}", "joint2"),
-    },
+    "Simulated arm, Algorithm 1": {"arm_id": ("ID", "joint1"), "arm_validation": (f"Mean over {SPAN}", "joint2")},
     f"Simulated arm, mean over {SPAN}": {
         "arm_refined": ("Algorithm 1 + refinement", "algorithm1+refinement"),
         "arm_least_squares": ("Least squares", "least-squares"),

@@ -51,20 +51,7 @@ def _document(root: Element, head: tuple[str, ...], notes: tuple[str, ...]) -> s
 
 
 def urdf(links: LinkSet, name: str) -> str:
-    """Print the robot description of an arm; positive q moves a hanging arm towards +x, as in Fig. 1.
-
-    Parameters
-    ----------
-    links : LinkSet
-        Links from `repro.export.links.links_of`.
-    name : str
-        Name of the arm; characters that XML does not allow are replaced.
-
-    Returns
-    -------
-    str
-        URDF with a link ``tool`` at the tip. Its comment says what the friction means and what was chosen.
-    """
+    """Print the robot description of an arm; positive q moves a hanging arm towards +x, as in Fig. 1."""
     robot = Element("robot", name=_clean(name))
     SubElement(robot, "link", name="base")
     rows = (
@@ -101,20 +88,7 @@ def urdf(links: LinkSet, name: str) -> str:
 
 
 def mjcf(links: LinkSet, name: str) -> str:
-    """Print the MuJoCo model of an arm, with torque motors; positive q moves a hanging arm towards +x, as in Fig. 1.
-
-    Parameters
-    ----------
-    links : LinkSet
-        Links from `repro.export.links.links_of`.
-    name : str
-        Name of the arm; characters that XML does not allow are replaced.
-
-    Returns
-    -------
-    str
-        MJCF with a site ``tool`` at the tip. Its comment says what the friction means and what was chosen.
-    """
+    """Print the MuJoCo model of an arm, with torque motors; positive q moves a hanging arm towards +x, as in Fig. 1."""
     model = Element("mujoco", model=_clean(name))
     SubElement(model, "compiler", angle="radian")
     gravity = _numbers(0.0, 0.0, -links.gravity)

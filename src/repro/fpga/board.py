@@ -62,9 +62,9 @@ class Board:
         elif message.kind is MessageKind.GAINS:
             self._gains = messages.parse_gains(message)
         elif message.kind is MessageKind.TRAJECTORY:
-            block = messages.parse_trajectory(message)
-            place = slice(block.start, block.start + block.desired.shape[1])
-            self._ram[:, place], self._written[place] = block.desired, True
+            start, desired = messages.parse_trajectory(message)
+            place = slice(start, start + desired.shape[1])
+            self._ram[:, place], self._written[place] = desired, True
         elif message.kind is MessageKind.START:
             self._start(messages.parse_start(message))
         elif message.kind is MessageKind.IDENTIFY:

@@ -67,14 +67,6 @@ class Message:
     payload: bytes
 
 
-@dataclass(frozen=True)
-class TrajectoryBlock:
-    """Part of the desired trajectory."""
-
-    start: int  # sample at which it begins
-    desired: SingleArray  # (2, n), q_d, rad
-
-
 class MessageDecoder:
     """Messages of a byte stream, fed in pieces of any size.
 
@@ -176,13 +168,13 @@ def parse_program(data: bytes) -> tuple[ControlConstants, SingleArray]:
         raise ValueError(f"program: {len(data) - read} of {len(data)} bytes belong to no intact message.")
     gains, blocks = parse_gains(messages[0]), [parse_trajectory(message) for message in messages[1:]]
     end = 0
-    for block in blocks:
-        if block.start != end:
-            raise ValueError(f"program: a block begins at sample {block.start}, must begin at {end}.")
-        end += block.desired.shape[1]
+    for start, desired in blocks:
+        if start != end:
+            raise ValueError(f"program: a block begins at sample {start}, must begin at {end}.")
+        end += desired.shape[1]
     if not blocks:
         raise ValueError("program: has no trajectory.")
-    return gains, np.concatenate([block.desired for block in blocks], axis=1)
+    return gains, np.concatenate([desired for _, desired in blocks], axis=1)
 
 
 def parse_gains(message: Message) -> ControlConstants:
@@ -199,8 +191,8 @@ def parse_gains(message: Message) -> ControlConstants:
     return gains
 
 
-def parse_trajectory(message: Message) -> TrajectoryBlock:
-    """Read a part of the trajectory; ValueError if it does not fit the RAM or is not finite."""
+def parse_trajectory(message: Message) -> tuple[int, SingleArray]:
+    """Read a block of the trajectory: its first sample and q_d (2, n), rad; ValueError if the RAM cannot contain it."""
     _check_kind(message, MessageKind.TRAJECTORY)
     (start,) = _SAMPLE.unpack_from(message.payload)
     samples = np.frombuffer(message.payload, dtype=">f4", offset=_SAMPLE.size).reshape(-1, 2)
@@ -208,7 +200,7 @@ def parse_trajectory(message: Message) -> TrajectoryBlock:
         raise ValueError(f"trajectory: samples {start} ... {start + len(samples) - 1} are beyond the RAM.")
     if not np.isfinite(samples).all():
         raise ValueError("trajectory: every sample must be finite.")
-    return TrajectoryBlock(start, np.ascontiguousarray(samples.T, dtype=np.float32))
+    return int(start), np.ascontiguousarray(samples.T, dtype=np.float32)
 
 
 def parse_start(message: Message) -> int:

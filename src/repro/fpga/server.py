@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import Final, Protocol
+from typing import Final
 
 from repro.errors import InputError
 from repro.fpga.board import Board
@@ -28,26 +28,6 @@ _CHECK: Final = 0.05
 #: Bytes that may wait for the host before a board as fast as possible waits too, and samples between two checks.
 _WAITING, _BURST = 4096, 64
 _READ: Final = 1 << 16
-
-
-class Endpoint(Protocol):
-    """A place that one host at a time can connect to."""
-
-    @property
-    def port(self) -> str:
-        """Name that pyserial opens."""
-
-    def accept(self, timeout: float) -> int | None:
-        """Give a descriptor of the host that does not block; None if none came within `timeout` seconds."""
-
-    def on_disconnect(self) -> None:
-        """Prepare for the next host."""
-
-    def hang_up(self) -> None:
-        """Disconnect the host, as if the cable were pulled."""
-
-    def close(self) -> None:
-        """Remove the endpoint."""
 
 
 class PtyEndpoint:
@@ -79,11 +59,11 @@ class PtyEndpoint:
 
     @property
     def port(self) -> str:
-        """The link, or else the device."""
+        """Name that pyserial opens: the link, or else the device."""
         return self._device if self._link is None else str(self._link)
 
     def accept(self, timeout: float) -> int | None:
-        """Give the descriptor while the other end is open."""
+        """Give a descriptor that does not block while the other end is open; None if it is not within `timeout` s."""
         # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then.
         for wait in (timeout, 0.0):
             if not self._poll.poll(0):
@@ -142,7 +122,7 @@ class SocketEndpoint:
         return f"socket://{self._address}:{self._listener.getsockname()[1]}"
 
     def accept(self, timeout: float) -> int | None:
-        """Give the descriptor of the connection, or of the next one."""
+        """Give a descriptor of the connection, or of the next one; None if none came within `timeout` s."""
         if self._peer is None:
             if not select.select([self._listener], [], [], timeout)[0]:
                 return None
@@ -165,6 +145,10 @@ class SocketEndpoint:
         """Close the connection and the listening socket."""
         self.on_disconnect()
         self._listener.close()
+
+
+#: A place that one host at a time can connect to.
+Endpoint = PtyEndpoint | SocketEndpoint
 
 
 class BoardServer:

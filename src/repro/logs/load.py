@@ -9,8 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.errors import InputError
-from repro.fpga.capture import read_capture
-from repro.fpga.recording import recording_of
+from repro.fpga.capture import read_capture, recording_of
 from repro.logs.armfile import Arm
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
 from repro.logs.diagnostics import saturated_fraction

@@ -8,7 +8,7 @@ import numpy as np
 
 from repro.identification.bootstrap import Uncertainty, bootstrap
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
-from repro.identification.filters import FILTERS
+from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression, residual_autocorrelation

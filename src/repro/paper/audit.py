@@ -49,8 +49,8 @@ def _wrong_totals(c: Check) -> list[Finding]:
     for cell in cells[~cells["agrees"]].itertuples():
         time, frequency, total = used = _cell(c, str(cell.id))
         product, tolerance = time.value * frequency.value / 100.0, float(str(cell.tolerance))
-        texts: dict[str, Any] = {"time": time, "frequency": frequency, "total": total}
-        findings.append(c.compares(product, total.value, False, tolerance=tolerance, uses=used, **texts))
+        named: dict[str, Any] = {"time": time, "frequency": frequency, "total": total}
+        findings.append(c.compares(product, total.value, False, tolerance=tolerance, uses=used, **named))
     return findings
 
 
@@ -69,16 +69,11 @@ def _numeric_statements(c: Check) -> list[Finding]:
         totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula)).cells["total"]
         for stated in (c.published["abstract/numeric/total"], c.published["section6/numeric/total"]):
             over, least = int((totals > stated.value).sum()), float(totals.min())
-            texts: dict[str, Any] = {
-                "stated": stated,
-                "formula": formula,
-                "factor": TIME_FACTORS[formula],
-                "over": over,
-            }
             findings.append(
                 c.compares(
                     least, stated.value, over == len(totals), tolerance=stated.half_step, uses=(stated, *pairs),
-                    of=len(totals), mean=totals.mean(), **texts,
+                    stated=stated, formula=formula, factor=TIME_FACTORS[formula], over=over, of=len(totals),
+                    mean=totals.mean(),
                 )
             )  # fmt: skip
     return findings
@@ -132,14 +127,10 @@ def _coulomb_friction(c: Check) -> Finding:
     t1, t4, joint2 = (math.sqrt(bounds[cell]) for cell in (("T1", 1), ("T4", 1), ("T1", 2)))
     least, friction = min(t1, t4), 2.0 * math.sqrt(c.coupling) / c.epsilon
     verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE
-    texts: dict[str, Any] = {
-        "t1": t1,
-        "t4": t4,
-        "joint2": joint2,
-        "friction": friction,
-        "k1": appendix.FreeChoices().k1,
-    }
-    return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, **texts)
+    k1 = appendix.FreeChoices().k1
+    return c.compares(
+        least, 0.5 * friction, least >= friction, verdict=verdict, t1=t1, t4=t4, joint2=joint2, friction=friction, k1=k1
+    )
 
 
 def _definite(c: Check) -> list[Finding]:
@@ -149,12 +140,10 @@ def _definite(c: Check) -> list[Finding]:
     for case, beta in zip(NUMERIC_CASES, c.published.parameter_sets(method), strict=True):
         i1, i2, i3 = beta[:3]
         order = "I1 is not above I3: more inertia about joint 2 than about joint 1." if i1 <= i3 else ""
-        texts: dict[str, Any] = {"case": case, "table": 4 if case in NUMERIC_CASES[:2] else 5, "order": order}
         uses = [parameter_id(case, method, name) for name in ("I1", "I2", "I3")]
-        found = float(i3 * (i1 - i3) - 0.25 * i2**2)
-        findings.append(
-            c.compares(found, 0.0, bool(is_positive_definite(beta)), uses=uses, i1=i1, i2=i2, i3=i3, **texts)
-        )
+        found, table = float(i3 * (i1 - i3) - 0.25 * i2**2), 4 if case in NUMERIC_CASES[:2] else 5
+        texts: dict[str, Any] = {"case": case, "table": table, "order": order, "i1": i1, "i2": i2, "i3": i3}
+        findings.append(c.compares(found, 0.0, bool(is_positive_definite(beta)), uses=uses, **texts))
     return findings
 
 
@@ -191,17 +180,13 @@ def _training_ranges(c: Check) -> list[Finding]:
         count = int(((v < low[k]) | (v > high[k])).sum())
         outside = f"{count} of 4 arms lie outside; the value printed here is the farthest." if count else ""
         farthest = v[np.argmax(np.maximum(v - high[k], low[k] - v))] if count else v.max()
-        texts: dict[str, Any] = {
-            "name": name,
-            "id": name.replace(" ", ""),
-            "formula": formula,
-            "low": low[k],
-            "outside": outside,
-        }
-        texts["range_unit"] = "kg m^2/s^2" if name[0] == "g" else "kg m^2"
-        texts["values"] = ", ".join(f"{x:.4f}" for x in v)
-        uses = _true_ids(*name.split(" - "))
-        findings.append(c.compares(float(high[k]), float(farthest), count == 0, uses=uses, **texts))
+        findings.append(
+            c.compares(
+                float(high[k]), float(farthest), count == 0, uses=_true_ids(*name.split(" - ")), name=name,
+                id=name.replace(" ", ""), formula=formula, low=low[k], outside=outside,
+                range_unit="kg m^2/s^2" if name[0] == "g" else "kg m^2", values=", ".join(f"{x:.4f}" for x in v),
+            )
+        )  # fmt: skip
     return findings
 
 

@@ -56,7 +56,8 @@ CAUSES: dict[str, Cause] = {
     ),
 }
 
-_HEADER = ("id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "made by", "note")
+_COLUMNS = ("id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note")
+_HEADER = tuple("made by" if name == "target" else name for name in _COLUMNS)
 #: Column of `by_basis` for rows of extensions, whatever they rest on.
 EXTENSIONS = "extensions"
 
@@ -79,20 +80,12 @@ def _table(header: tuple[str, ...], rows: list[tuple[object, ...]]) -> list[str]
 
 
 def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
-    return [
-        (
-            row["id"],
-            row["quantity"],
-            _published(row),
-            _number(row["ours"]),
-            _number(row["tolerance"]),
-            row["verdict"],
-            row["asserted"],
-            row["target"],
-            row["note"],
-        )
-        for row in claims.to_dict("records")
-    ]
+    shown = claims.assign(
+        published=[_published(row) for row in claims.to_dict("records")],
+        ours=claims["ours"].map(_number),
+        tolerance=claims["tolerance"].map(_number),
+    )
+    return list(shown[list(_COLUMNS)].itertuples(index=False, name=None))
 
 
 def by_basis(claims: pd.DataFrame) -> pd.DataFrame:

@@ -99,7 +99,7 @@ class Pair:
     def of_kind(self, kind: str) -> "Pair":
         """Spectra of another kind."""
         if kind not in self._of_kind:
-            function = _KINDS[kind].function
+            function = _KINDS[kind][2]
             self._of_kind[kind] = Pair(function(self.x.values), function(self.y.values))
         return self._of_kind[kind]
 
@@ -182,20 +182,12 @@ _TIME: tuple[tuple[str, str, Measure], ...] = (
 )
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """Kind of spectrum."""
-
-    x: str  # symbols of the actual and the rebuilt spectrum
-    y: str
-    function: Callable[[Array], Array]
-
-
-_KINDS: dict[str, _Kind] = {
-    "signed": _Kind("X", "Y", lambda s: s),
-    "absolute": _Kind("|X|", "|Y|", np.abs),
-    "power": _Kind("X^2", "Y^2", np.square),
-    "log": _Kind("log(1+|X|)", "log(1+|Y|)", lambda s: np.log1p(np.abs(s))),
+#: Kinds of spectrum: symbols of the actual and the rebuilt spectrum, and the function that computes it.
+_KINDS: dict[str, tuple[str, str, Callable[[Array], Array]]] = {
+    "signed": ("X", "Y", lambda s: s),
+    "absolute": ("|X|", "|Y|", np.abs),
+    "power": ("X^2", "Y^2", np.square),
+    "log": ("log(1+|X|)", "log(1+|Y|)", lambda s: np.log1p(np.abs(s))),
 }
 
 #: Formula of a normalised spectrum S, by the name of the normalisation.
@@ -255,17 +247,17 @@ def frequency_candidates() -> tuple[Candidate, ...]:
         Candidate(
             "frequency",
             f"{kind} | {norm} | {distance}",
-            form.format(D=f"{shape.format(S=spectra.x)} - {shape.format(S=spectra.y)}"),
+            form.format(D=f"{shape.format(S=x)} - {shape.format(S=y)}"),
             _normalised(kind, norm, measure),
         )
-        for kind, spectra in _KINDS.items()
+        for kind, (x, y, _) in _KINDS.items()
         for norm, shape in _NORMALISATIONS.items()
         if norm != "sum" or kind == "signed"
         for distance, form, measure in _DISTANCES
     ]
     scale_free = [
-        Candidate("frequency", f"{kind} | - | {name}", form.format(S=spectra.x, T=spectra.y), _of_kind(kind, measure))
-        for kind, spectra in _KINDS.items()
+        Candidate("frequency", f"{kind} | - | {name}", form.format(S=x, T=y), _of_kind(kind, measure))
+        for kind, (x, y, _) in _KINDS.items()
         for name, form, measure in _SCALE_FREE
     ]
     return (*products, *scale_free)

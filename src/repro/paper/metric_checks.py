@@ -19,6 +19,7 @@ from repro.signals.trajectories import identification_trajectory
 EXPONENT = PUBLISHED_METRIC.exponent
 
 _FACTORS = ("time", "frequency")
+_CELL = ("place", "case", "method", "joint")
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,7 @@ def composition(published: Published | None = None) -> pd.DataFrame:
         rows.append(
             {
                 "id": total.id,
-                "place": total.place,
-                "case": total.case,
-                "method": total.method,
-                "joint": total.joint,
+                **{name: getattr(total, name) for name in _CELL},
                 "time": time.value,
                 "frequency": frequency.value,
                 "total": total.value,
@@ -123,10 +121,7 @@ def pair_bounds(published: Published | None = None) -> pd.DataFrame:
         rows.append(
             {
                 "id": time.id.replace("/time/", "/"),
-                "place": time.place,
-                "case": time.case,
-                "method": time.method,
-                "joint": time.joint,
+                **{name: getattr(time, name) for name in _CELL},
                 "time": time.value,
                 "frequency": frequency.value,
                 "time_error": error,

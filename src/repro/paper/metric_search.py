@@ -163,10 +163,6 @@ def score_motions(
 
     1 - s is kept above `SMALLEST_SHORTFALL`; a similarity floored at 0 gives log(1 - s) = 0.
     """
-    if repeats < 1:
-        raise ValueError(f"repeats: at least one random motion is needed, got {repeats}.")
-    if not motions:
-        raise ValueError("motions: at least one is needed.")
     numbers = load_published() if published is None else published
     true, estimate = numbers.parameter_sets("true"), numbers.parameter_sets("algorithm1")
     printed = np.stack([numbers.similarities(c.factor) for c in candidates()])

@@ -9,19 +9,19 @@ from repro.identification.algorithm1.refinement import Algorithm1
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.experiment_runs import CASE, identify_recording, least_squares_of, score_runs
+from repro.pipeline.interpretations import VARIANTS, configuration_of
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm, train_and_keep
 from repro.pipeline.numeric import identify_arms, mean_training_torque, score_estimates
 from repro.pipeline.stored_networks import configuration_digest
-from repro.pipeline.variants import VARIANTS, configuration_of
 from repro.settings import data_settings, metric_settings, numeric_settings, signal_settings
 
 
 def train_variant(name: str, weights: str, history: str, tracked: str, checkpoint: str, config: Config) -> None:
     """Write weights and history of a network that no table has."""
     reading = VARIANTS[name]
-    said, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
-    train_and_keep(said, Path(weights), Path(history), checkpoint, c, tracked)
+    label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
+    train_and_keep(label, Path(weights), Path(history), checkpoint, c, tracked)
     Path(checkpoint).unlink(missing_ok=True)
 
 

@@ -58,11 +58,11 @@ def read_arms(
     algorithm1: Algorithm1, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
 ) -> tuple[Array, Array]:
     """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque."""
-    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    control = control_constants(config)
     estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
     progress = Progress(f"reading {len(truth)} arms")
     for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
-        recording = Recording(arms.program, position * RADIANS_PER_COUNT, pwm * torque)
+        recording = Recording.of_counts(arms.program, position, pwm, control)
         prepared, estimates[k] = _read(algorithm1, recording, tau_mean, guesses, config, which, k)
         # In canonical time, which is the recorded one here, and in units of the largest torque.
         truth[k] = arms.parameters[k] / prepared.torque_scale

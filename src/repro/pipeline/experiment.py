@@ -11,21 +11,20 @@ import numpy as np
 from repro.errors import InputError
 from repro.files import atomic_write
 from repro.fpga.board import Board
-from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, write_capture
+from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
-from repro.fpga.recording import recording_of
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
+from repro.signals.dct import SignalSettings
 from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
-from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 
@@ -142,6 +141,13 @@ class Recording:
     program: ReferenceTrajectory  # positions as the board received them, and the bounds of the trajectory proper
     q: Array  # measured position (rad) and torque (N m)
     tau: Array
+
+    @classmethod
+    def of_counts(
+        cls, program: ReferenceTrajectory, position: Array, pwm: Array, control: ControlConstants
+    ) -> "Recording":
+        """Recording of encoder and PWM counts."""
+        return cls(program, position * RADIANS_PER_COUNT, pwm * control.torque_per_count[:, np.newaxis])
 
     def regression(self, signals: SignalSettings) -> Regression:
         """What methods solve: lines 1 to 4 of Algorithm 1."""

@@ -17,8 +17,8 @@ from repro.identification.method import BASELINES, as_json
 from repro.identification.scores import score
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, metr2ev
-from repro.signals.sampling import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
@@ -71,10 +71,7 @@ def score_runs(
     signals: SignalSettings,
     metric: MetricSettings,
 ) -> pd.DataFrame:
-    """Similarity of measured and rebuilt torque for every run and motion.
-
-    Columns ``case, method, seed, joint, time, frequency, total``.
-    """
+    """Similarity of measured and rebuilt torque for every run and motion."""
     frames = []
     for recording in recordings:
         r = recording.regression(signals)

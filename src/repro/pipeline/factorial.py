@@ -19,7 +19,6 @@ from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
@@ -126,7 +125,7 @@ def simulate_blocks(config: Config, out: Path) -> None:
 def read_blocks(path: Path, config: Config) -> list[Block]:
     """Recordings of every block."""
     kept, _ = read_tensors(path, "the recordings of the factorial")
-    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    control = control_constants(config)
     specimens, back_emfs = list(_specimens(config)), config["factorial"]["back_emf_nm_s_per_rad"]
     blocks = []
     for k, (name, arm, seed, _) in enumerate(specimens):
@@ -141,7 +140,7 @@ def read_blocks(path: Path, config: Config) -> list[Block]:
                     raise InputError.at(f"{path}: {motion}", "another shape or nothing", f"arrays of shape {expected}")
                 position, pwm = (signal[index] for signal in signals)
                 sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
-                recordings[motion] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
+                recordings[motion] = Recording.of_counts(sent, position, pwm, control)
             blocks.append(Block(name, arm, back_emf, kept["parameters"][index], recordings))
     return blocks
 
@@ -262,13 +261,13 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
     cnn = leveled[leveled["reader"] == "cnn"]
     plain = leveled[leveled["reader"] == "plain"]
     of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])
-    asked: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
+    comparisons: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
         ("cnn", cnn, OF_CNN, [*((name,) for name in OF_CNN), *combinations(OF_CNN, 2)]),
         ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
         ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
     ]
     rows: list[dict[str, Any]] = []
-    for of, frame, factors, chosen in asked:
+    for of, frame, factors, chosen in comparisons:
         for effect in chosen:
             for response in RESPONSES:
                 if response == "error" and "metric" in effect:
@@ -287,10 +286,7 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
 
 
 def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
-    """Mean of each cell over blocks and seeds, with the methods that need no network beside them.
-
-    Columns ``reader, image_motion, training, omega, back_emf, metric, id, validation, error, met``.
-    """
+    """Mean of each cell over blocks and seeds, with the methods that need no network beside them."""
     names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
     both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
     both = both[both["block"].astype(str) != CONFIRMATION]

@@ -43,7 +43,7 @@ def paths(named: Named) -> dict[str, list[Path]]:
     return {name: [Path(value)] if isinstance(value, str) else [Path(v) for v in value] for name, value in named}
 
 
-def _worth_telling(record: logging.LogRecord) -> bool:
+def _is_relevant(record: logging.LogRecord) -> bool:
     """Whether to log it: progress of this project, and of libraries only what is wrong, whatever level they set."""
     return record.name.partition(".")[0] in ("repro", "root") or record.levelno >= logging.WARNING
 
@@ -59,7 +59,7 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     to_file.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     logging.getLogger("repro").setLevel(logging.INFO)
     for handler in (to_file, to_terminal):
-        handler.addFilter(_worth_telling)
+        handler.addFilter(_is_relevant)
         root.addHandler(handler)
     torch = sys.modules.get("torch")  # a script imports what it uses before its job begins; most need no network
     if torch:

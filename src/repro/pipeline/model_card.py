@@ -11,10 +11,7 @@ from repro.cnn.dataset import DataSettings
 
 
 def architecture(settings: NetworkSettings) -> pd.DataFrame:
-    """Figure 7: every layer with its size and number of parameters.
-
-    Columns ``layer, kind, height, width, channels, kernel, parameters``.
-    """
+    """Figure 7: every layer with its size and number of parameters."""
     k, maps, (p1, p2, p3) = settings.kernels, settings.maps, settings.pooled
 
     def count(name: str) -> int:

@@ -16,7 +16,6 @@ import pandas as pd
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.model.parameters import Array
 from repro.pipeline.experiment import (
@@ -63,12 +62,12 @@ def spread_arms(config: Config) -> Array:
     count = config["spread"]["arms"]
     drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
     drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
-    able = [beta for beta in drawn if all(_may(motion, beta, config) for motion in motions)]
+    capable = [beta for beta in drawn if all(_is_within_limits(motion, beta, config) for motion in motions)]
     fastest = min(motions[: len(config["spread"]["durations_s"])], key=lambda motion: motion.q.shape[1])
-    plant = Plant(np.stack([true_parameters(config), *able]), fastest.h)
+    plant = Plant(np.stack([true_parameters(config), *capable]), fastest.h)
     position, _ = simulate(plant, control_constants(config), fastest.q)
     tracked = tracking_error(position, fastest) <= config["data"]["tracked"]["largest_error_rad"]
-    arms = np.stack([true_parameters(config), *(beta for beta, ok in zip(able, tracked[1:], strict=True) if ok)])
+    arms = np.stack([true_parameters(config), *(beta for beta, ok in zip(capable, tracked[1:], strict=True) if ok)])
     if len(arms) < count:
         raise InputError.at("spread.arms", count, f"at most {len(arms)}, of {DRAWN * count} drawn ones that can")
     return arms[:count]
@@ -82,7 +81,7 @@ def chatters(recorded: Recording) -> bool:
     return bool((power[..., fast].sum(axis=-1) > CHATTER_SHARE * power.sum(axis=-1)).any())
 
 
-def _may(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
+def _is_within_limits(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
     """Whether a motion stays within torque and speed of an arm."""
     try:
         check_limits(motion, beta, *limits(config))
@@ -128,7 +127,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     true = kept.get("parameters", np.empty(0))
     if true.shape != (len(seeds), 9):
         raise InputError.at(f"{path}: parameters", "another shape or nothing", f"an array of shape ({len(seeds)}, 9)")
-    torque = control_constants(config).torque_per_count[:, np.newaxis]
+    control = control_constants(config)
     found = []
     for k, seed in enumerate(seeds):
         recordings = {}
@@ -141,7 +140,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
                 raise InputError.at(f"{path}: {key}", "another shape", f"arrays of shape {expected}")
             position, pwm, desired = shaped
             sent = replace(program, q=desired.astype(np.float64))
-            recordings[name] = Recording(sent, position * RADIANS_PER_COUNT, pwm * torque)
+            recordings[name] = Recording.of_counts(sent, position, pwm, control)
         found.append(Specimen(seed, k % config["spread"]["arms"], true[k], recordings))
     return found
 
@@ -149,10 +148,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
 def score_specimens(
     networks: Sequence["Algorithm1"], recordings: Path, index: int, tau_mean: Array, config: Config
 ) -> pd.DataFrame:
-    """Similarity of every method on every motion of every specimen, for identification duration `index`.
-
-    Columns ``case, joint, method, duration, arm, chatter, seed, time, frequency, total``.
-    """
+    """Similarity of every method on every motion of every specimen, for identification duration `index`."""
     signals, duration = signal_settings(config), config["spread"]["durations_s"][index]
     specimens = read_spread(recordings, config, index)
     progress = Progress(f"spread, identification of {duration:.4g} s")

@@ -19,9 +19,9 @@ from repro.progress import Progress
 from repro.settings import data_settings, network_settings, refinement_settings, search_settings, training_settings
 
 
-def algorithm1_of(variant: str, weights: str, config: Config, said: str) -> Algorithm1:
-    """A trained network, whose weights must say `said` of themselves, with the settings of its configuration."""
-    network = load_network(Path(weights), network_settings(config), said, training_settings(config).precision)
+def algorithm1_of(variant: str, weights: str, config: Config, digest: str) -> Algorithm1:
+    """Algorithm 1 with a trained network, whose weights must state the configuration `digest`."""
+    network = load_network(Path(weights), network_settings(config), digest, training_settings(config).precision)
     image, search = data_settings(config).image, search_settings(config)
     return Algorithm1(variant, network, image, search, refinement_settings(config))
 

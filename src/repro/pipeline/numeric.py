@@ -21,8 +21,8 @@ from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.progress import Progress
 from repro.settings import NumericSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
 from repro.streams import Stream, stream
 
@@ -71,10 +71,7 @@ def score_estimates(
     numeric: NumericSettings,
     metric: MetricSettings,
 ) -> pd.DataFrame:
-    """Similarity of the numeric torques and their rebuilding, for every seed.
-
-    Columns ``case, method, seed, trajectory, joint, time, frequency, total``.
-    """
+    """Similarity of the numeric torques and their rebuilding, for every seed."""
     frames = []
     for run in identifications:
         for trajectory in ("ID", "validation"):

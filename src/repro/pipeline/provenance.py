@@ -46,8 +46,8 @@ def package_versions() -> dict[str, str]:
 def host_fingerprint() -> dict[str, str]:
     """Fingerprint of this host, from another process: this one may have loaded NumPy before the contract was set."""
     command = [sys.executable, "-m", "repro.fingerprint"]
-    made: dict[str, str] = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-    return made
+    fingerprint: dict[str, str] = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    return fingerprint
 
 
 def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
@@ -83,23 +83,15 @@ UNITS = {"s": "s", "cpu_time": "s", "max_rss": "MiB"}
 
 @dataclass(frozen=True)
 class Job:
-    """One job, with the name of its log; of its files those that are still there.
-
-    Attributes
-    ----------
-    started, ended : float
-        Seconds since 1970.
-    usage : mapping of str to float
-        What it took, in `UNITS`; a job of a blink has its wall time alone.
-    """
+    """One job, with the name of its log; of its files those that are still there."""
 
     name: str
     rule: str
     inputs: tuple[Path, ...]
     outputs: tuple[Path, ...]
-    started: float
+    started: float  # seconds since 1970
     ended: float
-    usage: Mapping[str, float]
+    usage: Mapping[str, float]  # in `UNITS`; a job of a blink has its wall time alone
 
 
 def recorded_jobs(results: Path, state: Path = Path(".snakemake")) -> dict[str, Job]:
@@ -114,19 +106,19 @@ def recorded_jobs(results: Path, state: Path = Path(".snakemake")) -> dict[str, 
         for log in map(Path, record.get("log") or ()):
             if log.parent == results / "logs" and output.exists():
                 records[log.stem][output] = record
-    return {name: _job(name, made, results) for name, made in sorted(records.items())}
+    return {name: _job(name, outputs, results) for name, outputs in sorted(records.items())}
 
 
-def _job(name: str, made: Mapping[Path, Any], results: Path) -> Job:
-    inputs = sorted({Path(path) for record in made.values() for path in record["input"]})
-    started, ended = min(r["starttime"] for r in made.values()), max(r["endtime"] for r in made.values())
+def _job(name: str, records: Mapping[Path, Any], results: Path) -> Job:
+    inputs = sorted({Path(path) for record in records.values() for path in record["input"]})
+    started, ended = min(r["starttime"] for r in records.values()), max(r["endtime"] for r in records.values())
     benchmark = results / f"benchmarks/{name}.tsv"
     row: Any = pd.read_csv(benchmark, sep="\t", na_values="-").iloc[-1].dropna() if benchmark.exists() else {}
     return Job(
         name=name,
-        rule=next(iter(made.values()))["rule"],
+        rule=next(iter(records.values()))["rule"],
         inputs=tuple(path for path in inputs if path.exists()),
-        outputs=tuple(sorted(made)),
+        outputs=tuple(sorted(records)),
         started=started,
         ended=ended,
         usage={"s": ended - started} | {column: float(row[column]) for column in UNITS if column in row},
@@ -214,9 +206,9 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
     sidecar = results / "logs/provenance.json"
     provenance: Any = read_json(sidecar)
     commit, packages = provenance["commit"], provenance["packages"]
-    made = {path for job in jobs for path in job.outputs}
-    given = {path for job in jobs for path in job.inputs} - made | configs
-    files = {path: _file(path, results) for path in sorted(made | given | {snakefile, sidecar})}
+    produced = {path for job in jobs for path in job.outputs}
+    given = {path for job in jobs for path in job.inputs} - produced | configs
+    files = {path: _file(path, results) for path in sorted(produced | given | {snakefile, sidecar})}
     programs = [_entity(f"#package-{name}", "SoftwareApplication", name, version=v) for name, v in packages.items()]
     rules = [_entity(f"#rule-{rule}", "SoftwareApplication", rule, version=commit) for rule in {j.rule for j in jobs}]
     files[snakefile] |= {
@@ -247,7 +239,7 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
         f"run of commit {commit}",
         instrument={"@id": files[snakefile]["@id"]},
         object=_refs(files[path] for path in given),
-        result=_refs(files[path] for path in made | {sidecar}),
+        result=_refs(files[path] for path in produced | {sidecar}),
         startTime=_time(min(job.started for job in jobs)),
         endTime=_time(max(job.ended for job in jobs)),
     )

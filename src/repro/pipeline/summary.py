@@ -40,10 +40,7 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
-    """Table 6 (``ID``) or Table 7 (``validation``).
-
-    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
-    """
+    """Table 6 (``ID``) or Table 7 (``validation``)."""
     return median_cells(scores[scores["trajectory"] == trajectory])
 
 
@@ -58,8 +55,6 @@ def experiment_table(scores: pd.DataFrame, identified_on: str) -> pd.DataFrame:
     cells of a block of one run have the seed whose similarity on `identified_on` is the median.
 
     From columns ``case, method, seed, joint, time, frequency, total``.
-
-    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
     """
     cells = median_cells(scores)
     chosen = median_seeds(scores[scores["case"] == identified_on].assign(trajectory="ID"))
@@ -76,8 +71,6 @@ def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
     """Median seed of each case, method and joint; see `similarity_table`.
 
     From columns ``case, method, seed, joint, time, frequency, total``.
-
-    Columns ``case, method, joint, time, frequency, total, total_sd, seeds``.
     """
     rows = []
     for key, group in scores.groupby(["case", "method", "joint"], sort=True):

@@ -24,8 +24,8 @@ from repro.pipeline.experiment import control_constants
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
+from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.programs import ReferenceTrajectory, identification_reference
-from repro.signals.sampling import SignalSettings, image_regressor
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 

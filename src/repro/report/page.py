@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment
 from markupsafe import Markup
 
 from repro.errors import InputError
@@ -59,12 +58,8 @@ class Shown:
     picture: Picture | None = None  # of a figure that is there
 
 
-def show_tables(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
-    """Lay out every table from its CSV and link it and its LaTeX."""
-    return [_show_table(exhibit, inputs) for exhibit in exhibits]
-
-
-def _show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+def show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+    """Lay out a table from its CSV and link it and its LaTeX."""
     data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
     found, missing = _present(data, exhibit.optional)
     links = [link(path, inputs.page) for path in found]
@@ -174,29 +169,28 @@ def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
     ledger_file = inputs.results / "claims.csv"
     claims = read_claims(ledger_file)
-    style, script = (_read_own(name) for name in ("report.css", "report.js"))
-    tables, figures, audit = show_tables(TABLES, inputs), show_figures(FIGURES, inputs), show_audit(inputs)
-    text = (
-        _environment()
-        .get_template("report.html")
-        .render(
-            inputs=inputs,
-            style=style,
-            script=script,
-            policy=policy(style, script),
-            claims=claims,
-            claims_link=link(ledger_file, inputs.page),
-            counts=count(claims),
-            asserted=[claim for claim in claims if claim.asserted],
-            answer=answer(inputs),
-            differing=differences(claims),
-            audit=audit,
-            tables=tables,
-            figures=figures,
-            targets=TARGETS,
-            captures=_captures(inputs),
-            provenance=list(_flat(inputs.provenance)),
-        )
+    style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
+    tables = [show_table(exhibit, inputs) for exhibit in TABLES]
+    figures, audit = show_figures(FIGURES, inputs), show_audit(inputs)
+    templates = environment(_TEMPLATES)
+    templates.filters["slug"] = lambda text: "-".join(str(text).split())
+    text = templates.get_template("report.html").render(
+        inputs=inputs,
+        style=style,
+        script=script,
+        policy=policy(style, script),
+        claims=claims,
+        claims_link=link(ledger_file, inputs.page),
+        counts=count(claims),
+        asserted=[claim for claim in claims if claim.asserted],
+        answer=answer(inputs),
+        differing=differences(claims),
+        audit=audit,
+        tables=tables,
+        figures=figures,
+        targets=TARGETS,
+        captures=_captures(inputs),
+        provenance=list(_flat(inputs.provenance)),
     )
     size = len(text.encode())
     if size > LARGEST_REPORT:
@@ -208,16 +202,6 @@ def build_report(inputs: ReportInputs) -> str:
 def write_report(inputs: ReportInputs, path: Path | None = None) -> None:
     """Write the report."""
     write_text(path or inputs.page, build_report(inputs))
-
-
-def _read_own(name: str) -> Markup:
-    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
-
-
-def _environment() -> Environment:
-    filled = environment(_TEMPLATES)
-    filled.filters["slug"] = lambda text: "-".join(str(text).split())
-    return filled
 
 
 def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:

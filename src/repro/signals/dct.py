@@ -1,13 +1,15 @@
-"""DCT-II low-pass, derivative and subsampling (Eq. 5-7, 14; Fig. 5).
+"""DCT-II low-pass, derivative and subsampling (Eq. 5-7, 14; Fig. 5), and the regressor that the image uses.
 
 The transform is the orthonormal DCT of type 2 along the last axis, which is Eq. 5.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.fft import dct, idct
 
+from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
 FrequencyUnit = Literal["rad_per_s", "hertz", "index"]
@@ -117,3 +119,26 @@ def dct2sub(x: Array, m: int) -> Array:
     if not 1 <= m <= n:
         raise ValueError(f"m: must be between 1 and the {n} samples of x, got {m}.")
     return np.asarray(idct(bands[..., :m] * np.sqrt(m / n), type=2, norm="ortho", axis=-1))
+
+
+@dataclass(frozen=True)
+class SignalSettings:
+    """Sampling and filter of Algorithm 1."""
+
+    h: float = 2.5e-3  # sampling period, s
+    c_f: float = 1e-4  # filter coefficient of Eq. 6 and 14
+    omega_unit: FrequencyUnit = "rad_per_s"  # unit of omega in the filter
+    samples: int = 100  # length M of the subsampled signals, and so the side of the image
+    duration: float = 3.0 * np.pi  # of the identification trajectory, s
+    #: Divide each motion signal inside f by its own maximum, as Eq. 8 prints; unscaled motion keeps Eq. 1 exact.
+    normalise_motion: bool = False
+
+
+def image_regressor(
+    q: Array, dq: Array, ddq: Array, settings: SignalSettings, friction_steepness: float = LAMBDA
+) -> Array:
+    """Compute the regressor (2, M, 9) that f of Eq. 9 uses: of the subsampled motion, from full-rate signals (2, N)."""
+    motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
+    if settings.normalise_motion:
+        motion = motion / np.abs(motion).max(-1, keepdims=True)
+    return regressor(motion[0], motion[1], motion[2], friction_steepness)

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from repro.identification.algorithm1.preprocessing import derivatives, filtered, fit2trt, prepare
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
-from repro.signals.dct import dct2dev
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings, dct2dev
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=60)

@@ -15,8 +15,8 @@ from repro.identification.algorithm1.refinement import Algorithm1, RefinementSet
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
 from repro.model.parameters import FEASIBILITY
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import TorqueScorer
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)

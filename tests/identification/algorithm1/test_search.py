@@ -10,9 +10,8 @@ from repro.cnn.image import SCALES, ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.model.dynamics import inverse_dynamics
-from repro.signals.dct import dct2dev
+from repro.signals.dct import SignalSettings, dct2dev
 from repro.signals.metric import MetricSettings
-from repro.signals.sampling import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
 SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)

@@ -7,8 +7,7 @@ import numpy as np
 from repro.identification.regression import Regression
 from repro.model.dynamics import LAMBDA, check_motion, regressor
 from repro.model.parameters import Array
-from repro.signals.dct import dct2dev, dct2low, dct2sub
-from repro.signals.sampling import SignalSettings, image_regressor
+from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_regressor
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
 from repro.model.parameters import Array
-from repro.signals.sampling import SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:

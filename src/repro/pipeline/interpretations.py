@@ -116,11 +116,7 @@ ARM = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true
 
 
 def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Table of all readings, in their order, from their headline numbers and their networks' histories.
-
-    Columns ``question, reading, steps, held_out_loss, id_mean, id_lowest, validation_mean, arm_id, arm_validation,
-    arm_refined, arm_least_squares, arm_true``.
-    """
+    """Table of all readings, in their order, from their headline numbers and their networks' histories."""
     rows = []
     for reading, result, history in zip(VARIANTS.values(), results, histories, strict=True):
         steps, loss = history[["step", "test_loss"]].iloc[-1]
@@ -136,8 +132,5 @@ HEADLINES = ("id_mean", "validation_mean", *ARM)
 
 
 def ablation_figure(table: pd.DataFrame) -> pd.DataFrame:
-    """Headline numbers in tidy form.
-
-    Columns ``question, reading, quantity, value``.
-    """
+    """Headline numbers in tidy form."""
     return table.melt(["question", "reading"], list(HEADLINES), "quantity", "value")
