@@ -80,7 +80,7 @@ def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
 
 
 def test_a_guess_is_read_from_an_identification(tmp_path):
-    rows = [{"name": name, "estimate": value} for name, value in zip(NAMES, BETA.tolist(), strict=True)]
+    rows = [{"name": n, "unit": u, "estimate": x} for n, u, x in zip(NAMES, UNITS, BETA.tolist(), strict=True)]
     methods = [{"method": "ordinary", "parameters": []}, {"method": "consistent", "parameters": rows}]
     (tmp_path / "parameters.json").write_text(json.dumps({"recommended": "consistent", "methods": methods}))
     assert excite(tmp_path, *SHORT, "--guess", tmp_path / "parameters.json", out="a") == 0

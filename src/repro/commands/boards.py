@@ -207,13 +207,13 @@ def decode(arguments: argparse.Namespace) -> int:
     from repro.fpga.capture import files_of, read_capture, to_table
 
     out = arguments.out
-    if out not in (None, "-") and not out.endswith(".csv"):
-        raise InputError.at("--out", repr(out), "FILE.csv, or -")
     if out not in (None, "-") and os.path.lexists(out):
         if not arguments.overwrite:
             raise InputError.at(out, "a file", "a new name, or --overwrite")
         if Path(out).exists() and any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
             raise InputError.at(out, "a file of the capture itself", "another name")
+    if out not in (None, "-") and not out.endswith(".csv"):
+        raise InputError.at("--out", repr(out), "FILE.csv, or -")
     capture = read_capture(arguments.file)
     if out == "-":
         print(summarise_capture(capture), file=sys.stderr)

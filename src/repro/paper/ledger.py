@@ -124,7 +124,8 @@ def _seal(lines: str) -> str:
 
 def _files_in(name: str, folder: Path, path: Path) -> set[str]:
     """Name every file in a folder of that name, except the list itself."""
-    inside = (file for file in folder.rglob("*") if file.is_file() and not file.samefile(path))
+    own = os.path.realpath(path)
+    inside = (file for file in folder.rglob("*") if file.is_file() and os.path.realpath(file) != own)
     return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
 
 
