@@ -20,6 +20,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+#: Extras that a reproduction needs.
+RUNTIME_EXTRAS = ("cnn", "workflow")
 PIP_TOOLS = "pip-tools==7.6.2"
 CUDA = re.compile(r"(nvidia|cuda)-.*|triton")
 ONE_REGISTRY = {k: v for k, v in os.environ.items() if k not in {"PIP_FIND_LINKS", "PIP_EXTRA_INDEX_URL"}}
@@ -93,7 +95,14 @@ def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dic
     python = folder / "bin" / "python"
     output = folder / "compiled.txt"
     subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True, env=ONE_REGISTRY)
-    options = ["--extra=test", "--generate-hashes", "--allow-unsafe", "--strip-extras", "--no-header", "--quiet"]
+    options = [
+        *(f"--extra={extra}" for extra in (*RUNTIME_EXTRAS, "test")),
+        "--generate-hashes",
+        "--allow-unsafe",
+        "--strip-extras",
+        "--no-header",
+        "--quiet",
+    ]
     options += ["--no-emit-options", f"--constraint={constraints}", f"--output-file={output}"]
     command = [str(python), "-m", "piptools", "compile", *options, "pyproject.toml"]
     subprocess.run(command, cwd=ROOT, check=True, env=ONE_REGISTRY)
@@ -162,8 +171,9 @@ def main(interpreters: Sequence[str]) -> None:
     if cpu.version != pins["torch"].version:
         sys.exit(f"error: requirements-cpu.lock: torch: found {cpu.version}, expected {pins['torch'].version}")
     pins["torch"].hashes |= cpu.hashes
-    runtime = needed_by(project["dependencies"], pins)
-    everything = needed_by([*project["dependencies"], *project["optional-dependencies"]["test"]], pins)
+    extras = project["optional-dependencies"]
+    needed = [*project["dependencies"], *(text for name in RUNTIME_EXTRAS for text in extras[name])]
+    runtime, everything = needed_by(needed, pins), needed_by([*needed, *extras["test"]], pins)
     extra = {name: pin for name, pin in everything.items() if name not in runtime}
     for file, locked in (("requirements.lock", runtime), ("requirements-test.lock", extra)):
         (ROOT / file).write_text(render(locked, sorted(per_python), file), encoding="utf-8")

@@ -78,6 +78,10 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401
         from repro import contract  # noqa: PLC0415
 
         contract.hold(os.environ)
+    if module.startswith("repro.cnn.network"):
+        from repro.errors import require  # noqa: PLC0415
+
+        require("torch", "cnn", f"repro.{name}")
     return getattr(importlib.import_module(module), attribute)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from repro.errors import InputError
+from repro.errors import InputError, require
 from repro.files import check_folder
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 from repro.identification.scores import integrate
@@ -50,6 +50,25 @@ class Identification:
         Every number of every method, as ``parameters.json`` contains it.
     method : str
         Method that the properties below refer to: the recommended one, until `of` chooses another.
+
+    Examples
+    --------
+    >>> import repro
+    >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"])
+    >>> result.method
+    'ordinary'
+    >>> ordinary = result.of("ordinary")
+    >>> result.beta.shape, bool((ordinary.beta == result.beta).all())
+    ((9,), True)
+    >>> still = np.zeros((2, 1))
+    >>> level = np.array([[np.pi / 2], [0.0]])
+    >>> torque = result.predict(level, still, still)
+    >>> bool(abs(torque[0, 0] - result.beta[3] - result.beta[4]) < 1e-12)
+    True
+    >>> t = np.linspace(0.0, 0.1, 11)
+    >>> q, dq = result.simulate(t, np.zeros((2, 11)), [0.5, 0.0], [0.0, 0.0])
+    >>> q.shape, bool(q[0, -1] < 0.5)
+    ((2, 11), True)
     """
 
     details: Result
@@ -274,10 +293,17 @@ def identify(
 
     >>> import repro
     >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
-    >>> print(result.parameters.loc[["I1", "g1", "k1"], ["estimate", "unit", "verdict"]].round(2))
-    >>> errors = result.errors
-    >>> print(errors[errors["part"] == "validation"][["joint", "relative_rms", "similarity"]].round(2))
-    >>> result.residuals["residual_nm"].abs().max() < 1.0
+    >>> result.parameters.loc["g1", "verdict"]
+    'known to 9 %'
+    >>> result.parameters["estimate"].round(2).to_dict()
+    {'I1': 0.13, 'I2': 0.0, 'I3': 0.02, 'g1': 0.97, 'g2': 0.09, 'b1': 0.1, 'b2': 0.11, 'k1': 0.55, 'k2': 0.23}
+    >>> unseen = result.errors[result.errors["part"] == "validation"]
+    >>> unseen["relative_rms"].round(2).to_list()
+    [0.17, 0.19]
+    >>> result.residuals.columns.to_list()
+    ['log', 'time_s', 'joint', 'torque_nm', 'rebuilt_nm', 'residual_nm']
+    >>> len(result.warnings) > 0
+    True
     >>> figure = result.plot()
     """
     logs, others = _several(log), _several(validate)
@@ -285,6 +311,7 @@ def identify(
     names = choose_methods(method, len(logs), self_test)
     options = Options(names, Path(cache).expanduser(), filter, cutoff, seed, steps, friction)
     if set(names) & set(NETWORKS):
+        require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
     _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]

@@ -1,13 +1,27 @@
 """The one exception a user is meant to read."""
 
+from importlib.util import find_spec
+
 
 class InputError(ValueError):
     """Something the user gave is wrong: the message is one line naming file, field, found and expected.
 
     Command-line programs print it without a traceback and exit with code 2.
+
+    Examples
+    --------
+    >>> print(InputError.at("run.csv: line 7, tau2", "'x'", "a finite number"))
+    run.csv: line 7, tau2: found 'x', expected a finite number
     """
 
     @classmethod
     def at(cls, place: str, found: object, expected: str) -> "InputError":
         """Build the message ``place: found ..., expected ...``."""
         return cls(f"{place}: found {found}, expected {expected}")
+
+
+def require(package: str, extra: str, place: str) -> None:
+    """Refuse what needs a package that an extra of the project installs."""
+    if find_spec(package) is None:
+        expected = f"the extra {extra}: python -m pip install '.[{extra}]' in the project's folder"
+        raise InputError.at(place, f"no package {package}", expected)

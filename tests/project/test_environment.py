@@ -47,8 +47,10 @@ RUNTIME, RUNTIME_HASHES = read_lock("requirements.lock")
 TEST, TEST_HASHES = read_lock("requirements-test.lock")
 LOCK = {**RUNTIME, **TEST}
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-DIRECT = [Requirement(text) for text in PYPROJECT["project"]["dependencies"]]
-DIRECT_TEST = [Requirement(text) for text in PYPROJECT["project"]["optional-dependencies"]["test"]]
+EXTRAS = PYPROJECT["project"]["optional-dependencies"]
+LEAN = [Requirement(text) for text in PYPROJECT["project"]["dependencies"]]
+DIRECT = [*LEAN, *(Requirement(text) for extra in ("cnn", "workflow") for text in EXTRAS[extra])]
+DIRECT_TEST = [Requirement(text) for text in EXTRAS["test"]]
 BUILD = [Requirement(text) for text in PYPROJECT["build-system"]["requires"]]
 
 

@@ -5,13 +5,19 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-DEFAULT_CONFIG = Path("config/config.yaml")
+#: Configuration of the project's folder, and the copy that is used elsewhere.
+DEFAULT_CONFIG, PACKAGED_CONFIG = Path("config/config.yaml"), Path(__file__).parent.parent / "default.yaml"
+
+
+def default_config() -> Path:
+    """Give the configuration of the project's folder, or its copy in the package."""
+    return DEFAULT_CONFIG if DEFAULT_CONFIG.exists() else PACKAGED_CONFIG
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
     """Declare ``--config``."""
     parser.add_argument(
-        "--config", type=Path, default=DEFAULT_CONFIG, help=f"configuration file (default: {DEFAULT_CONFIG})"
+        "--config", type=Path, default=default_config(), help=f"configuration file (default: {DEFAULT_CONFIG})"
     )
 
 

@@ -29,9 +29,14 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         "--config",
         type=Path,
         nargs="+",
-        default=[DEFAULT_CONFIG],
-        help=f"configuration file, and overlays as snakemake had them (default: {DEFAULT_CONFIG})",
+        help="configuration file, and overlays as snakemake had them (default: that of the project of the results)",
     )
+
+
+def _project_config(results: Path | None) -> Path:
+    """Find the configuration of the project that a results folder is in."""
+    folders = [] if results is None else [Path(), *results.absolute().parents]
+    return next((file for folder in folders if (file := folder / DEFAULT_CONFIG).exists()), DEFAULT_CONFIG)
 
 
 def verify(arguments: argparse.Namespace) -> int:
@@ -43,9 +48,10 @@ def verify(arguments: argparse.Namespace) -> int:
     from repro.paper.ledger_page import summary
     from repro.pipeline.provenance import recorded_fingerprint
 
-    config = load_config(*arguments.config)
+    files = arguments.config or [_project_config(arguments.results)]
+    config = load_config(*files)
     # Names in the list of sources start from the project's folder.
-    folder = arguments.config[0].absolute().parent.parent
+    folder = files[0].absolute().parent.parent
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config["results"]
     claims, problems = verify_ledger(results, config, root)

@@ -274,12 +274,12 @@ def _check_suffix(path: Path) -> None:
         raise InputError.at(str(path), f"the suffix {path.suffix!r}", "a capture NAME.bin")
 
 
-def read_capture(path: Path) -> Capture:
+def read_capture(path: str | Path) -> Capture:
     """Read a capture and check it against its sidecar.
 
     Parameters
     ----------
-    path : Path
+    path : path
         ``NAME.bin``, with ``NAME.program`` and ``NAME.json`` next to it.
 
     Returns
@@ -291,7 +291,14 @@ def read_capture(path: Path) -> Capture:
     ------
     InputError
         If a file is missing, or differs in size, checksum or content from what the sidecar states.
+
+    Examples
+    --------
+    >>> capture = read_capture("data/captures/T3.bin")
+    >>> capture.metadata.motion, capture.metadata.source, capture.metadata.h
+    ('T3', 'simulated', 0.0025)
     """
+    path = Path(path)
     _check_suffix(path)
     _, program_file, sidecar_file = files_of(path)
     data = read_bytes(path, LARGEST, "a capture")

@@ -29,7 +29,14 @@ _FLOAT = "tag:yaml.org,2002:float"
 
 @dataclass(frozen=True)
 class Arm:
-    """How to read an arm's recordings, and what is known of the arm."""
+    """How to read an arm's recordings, and what is known of the arm.
+
+    Examples
+    --------
+    >>> arm = Arm(name="planar", zero=(1.571, 0.0), torque_limit=(8.0, 3.0))
+    >>> arm.sign, arm.gravity
+    ((1.0, 1.0), 9.80665)
+    """
 
     name: str = "arm"
     columns: Mapping[str, str] = field(default_factory=dict)  # header of each signal: time, q1, q2, dq1, ..., tau2
@@ -63,12 +70,12 @@ class _Loader(Loader):
 _Loader.add_implicit_resolver(_FLOAT, _EXPONENT, list("-+0123456789"))
 
 
-def read_arm(path: Path | None) -> Arm:
+def read_arm(path: str | Path | None) -> Arm:
     """Read an arm file.
 
     Parameters
     ----------
-    path : Path or None
+    path : path or None
         YAML; None for an arm of which nothing is known.
 
     Returns
@@ -80,9 +87,20 @@ def read_arm(path: Path | None) -> Arm:
     ------
     InputError
         If the file is missing, is not YAML, has an unknown key, or a value is not what it should be.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "arm.yaml"
+    ...     _ = file.write_text("{units: {position: deg, torque: A}, torque_constant: [1.9, 0.7]}")
+    ...     arm = read_arm(file)
+    >>> arm.torque_constant, arm.units["position"], arm.zero
+    ((1.9, 0.7), 'deg', (0.0, 0.0))
     """
     if path is None:
         return Arm()
+    path = Path(path)
     content = read_yaml(path, "an arm file", _Loader)
     schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
     if wrong := violation(content, schema):

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.documents import check_size
-from repro.errors import InputError
+from repro.errors import InputError, require
 from repro.model.parameters import Array
 
 #: Most rows and columns of a log.
@@ -347,12 +347,10 @@ def read_bag(path: Path, topic: str | None) -> Table:
     files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]
     for file in files:
         check_size(file, LARGEST, "a file of a ROS 2 bag")
-    try:
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
-    except ImportError as error:
-        expected = "the extra bags: python -m pip install --no-build-isolation --editable '.[bags]'"
-        raise InputError.at(str(path), "a bag, and no package rosbags to read it", expected) from error
+    require("rosbags", "bags", str(path))
+    from rosbags.highlevel import AnyReader  # noqa: PLC0415
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
             topics = sorted({c.topic for c in reader.connections if c.msgtype == _TYPE})

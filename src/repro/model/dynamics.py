@@ -93,6 +93,13 @@ def inverse_dynamics(q: Array, dq: Array, ddq: Array, beta: Array, friction_stee
     ------
     ValueError
         If a shape is wrong or a value is not finite.
+
+    Examples
+    --------
+    >>> q = np.array([[np.pi / 2], [0.0]])  # level, at rest: g1 + g2 and g2
+    >>> inverse_dynamics(q, 0 * q, 0 * q, np.array([0.3, 0.05, 0.1, 1.2, 0.4, 0.1, 0.05, 0.3, 0.2]))
+    array([[1.6],
+           [0.4]])
     """
     return rebuild_torque(regressor(q, dq, ddq, friction_steepness), beta)
 

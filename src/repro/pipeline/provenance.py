@@ -40,7 +40,8 @@ def commit(folder: Path) -> str:
 
 def package_versions() -> dict[str, str]:
     """Versions of the programs that results depend on."""
-    return {"repro": __version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
+    installed = {package.name.lower(): package.version for package in importlib.metadata.distributions()}
+    return {"repro": __version__, **{name: installed[name] for name in PACKAGES if name.lower() in installed}}
 
 
 def host_fingerprint() -> dict[str, str]:

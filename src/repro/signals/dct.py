@@ -100,6 +100,13 @@ def dct2dev(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -
     ------
     ValueError
         If there are fewer than two samples, or an argument is not valid.
+
+    Examples
+    --------
+    >>> t = 0.01 * np.arange(500)
+    >>> velocity = dct2dev(np.sin(t), h=0.01, c_f=1e-4)
+    >>> bool(np.abs(velocity - np.cos(t))[50:-50].max() < 0.01)
+    True
     """
     x = np.asarray(x, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] < 2:

@@ -1,0 +1,200 @@
+"""The public API: its names and signatures, the same numbers as the command, arrays and frames as files."""
+
+import doctest
+import inspect
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from scipy.integrate import solve_ivp
+
+import repro
+from repro.cli import main
+from repro.config import load_config
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
+from repro.model.dynamics import forward_dynamics
+from repro.pipeline.experiment import read_recording
+from repro.pipeline.experiment_runs import identify_recording
+from repro.settings import data_settings, search_settings, signal_settings
+
+#: Parameters of each public function; a change breaks programs of users.
+SIGNATURES = {
+    "identify": "log, validate, arm, method, filter, cutoff, friction, self_test, seed, steps, cache",
+    "Identification": "details, method, _curves, _arm, _inputs",
+    "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks",
+    "read_log": "source, arm",
+    "read_arm": "path",
+    "excite": "arm, duration, rate, harmonics, noise, guess, seed",
+    "regressor": "q, dq, ddq, friction_steepness",
+    "inverse_dynamics": "q, dq, ddq, beta, friction_steepness",
+    "similarity": "x, y, settings",
+    "low_pass": "x, h, c_f, unit",
+    "differentiate": "x, h, c_f, unit",
+    "images": "q, dq, ddq, tau, guess, settings",
+    "load_network": "path, settings, fact, precision",
+    "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
+    "read_capture": "path",
+}
+METHODS = "of, beta, parameters, errors, residuals, warnings, predict, simulate, plot, save"
+LOG = "data/captures/T3.bin"
+
+
+@pytest.fixture(scope="module")
+def result():
+    return repro.identify(LOG, validate=["data/captures/T1.bin"], method=["ordinary", "bounded"], seed=4)
+
+
+def test_the_public_names_and_signatures_are_frozen():
+    assert set(repro.__all__) == {*SIGNATURES, "Arm", "InputError"}
+    for name, parameters in SIGNATURES.items():
+        assert ", ".join(inspect.signature(getattr(repro, name)).parameters) == parameters, name
+    assert all(hasattr(repro.Identification, name) for name in METHODS.split(", "))
+    with pytest.raises(AttributeError):
+        repro.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("name", sorted(repro.__all__))
+def test_examples_of_the_docstrings(name):
+    thing = getattr(repro, name)
+    scope = vars(sys.modules[thing.__module__])
+    for example in doctest.DocTestFinder(recurse=False).find(thing, name, globs=dict(scope)):
+        assert doctest.DocTestRunner().run(example).failed == 0
+
+
+def test_public_docstrings_have_examples():
+    found = [doctest.DocTestFinder(recurse=False).find(getattr(repro, name), name) for name in repro.__all__]
+    assert sum(len(one.examples) for tests in found for one in tests) >= 60
+
+
+def test_importing_the_package_loads_nothing():
+    code = "import sys, repro; print(sorted({'numpy', 'torch', 'pandas'} & sys.modules.keys()))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_least_squares_needs_neither_torch_nor_snakemake():
+    work = f"repro.identify({LOG!r}, method='ordinary')"
+    code = f"import sys, repro; {work}; print({{'torch', 'snakemake'}} & sys.modules.keys())"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "set()\n"
+
+
+def test_the_command_prints_the_same_digits(result, tmp_path):
+    options = ["--method", "ordinary", "--method", "bounded", "--seed", "4", "-o", str(tmp_path / "out")]
+    assert main(["identify", LOG, "--validate", "data/captures/T1.bin", *options]) == 0
+    content = json.loads((tmp_path / "out/parameters.json").read_text(encoding="utf-8"))
+    assert content["recommended"] == result.method
+    for method in content["methods"]:
+        own = result.of(method["method"]).parameters
+        assert [p["estimate"] for p in method["parameters"]] == own["estimate"].tolist()
+        assert [p["low"] for p in method["parameters"]] == [None if np.isnan(x) else x for x in own["low"]]
+        assert [p["verdict"] for p in method["parameters"]] == own["verdict"].tolist()
+    files = result.save(tmp_path / "saved")
+    assert sorted(files) == sorted(path.name for path in (tmp_path / "out").iterdir())
+    for name in set(files) - {"provenance.json"}:
+        assert (tmp_path / "saved" / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
+    with pytest.raises(repro.InputError):
+        result.save(tmp_path / "saved")
+
+
+def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):
+    log = repro.read_log(LOG)
+    frame = pd.DataFrame({"time": log.t, "q1": log.q[0], "q2": log.q[1], "tau1": log.tau[0], "tau2": log.tau[1]})
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    given = (tmp_path / "log.csv", frame, repro.Log(t=log.t, q=log.q, tau=log.tau))
+    file, table, arrays = (repro.identify(one, method="ordinary").beta for one in given)
+    assert (file == table).all()
+    assert (file == arrays).all()
+
+
+def test_a_turned_arm_is_read_by_its_conventions():
+    log = repro.read_log(LOG)
+    arm = repro.Arm(zero=(0.3, -0.2), sign=(1.0, -1.0))
+    turned = repro.Log(t=log.t, q=log.q * [[1.0], [-1.0]] + [[0.3], [-0.2]], tau=log.tau * [[1.0], [-1.0]])
+    assert repro.read_log(turned, arm).q == pytest.approx(log.q, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"q": np.zeros((3, 400))}, "log: q"),
+        ({"tau": np.full((2, 400), np.nan)}, "log: tau"),
+        ({"dq": np.zeros((2, 399))}, "log: dq"),
+        ({"t": np.zeros(400)}, "log: line 2, time"),
+        ({"t": np.arange(400.0) / 1e6}, "log: time"),
+        ({"tau": np.zeros((2, 400))}, "log: torque of joint 1"),
+    ],
+)
+def test_wrong_arrays_are_refused_by_their_field(change, place):
+    t = np.arange(400) / 100
+    arrays = {"t": t, "q": np.stack([np.sin(t), np.cos(2 * t)]), "tau": np.stack([np.cos(t), np.sin(3 * t)])} | change
+    with pytest.raises(repro.InputError, match=f"^{place}: found "):
+        repro.identify(repro.Log(**arrays))
+
+
+@pytest.mark.parametrize(
+    ("options", "place"),
+    [
+        ({"method": "bayes"}, "method"),
+        ({"method": []}, "method"),
+        ({"method": "algorithm1", "self_test": True}, "self_test"),
+        ({"validate": LOG}, "validate: "),
+        ({"arm": "gone.yaml"}, "gone.yaml"),
+    ],
+)
+def test_wrong_options_are_refused_by_name(options, place):
+    with pytest.raises(repro.InputError, match=f"^{place}"):
+        repro.identify(LOG, **options)
+
+
+def test_tables_and_drawing_of_a_result(result):
+    assert list(result.parameters.index) == ["I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2"]
+    assert set(result.errors["part"]) == {"fit", "half", "validation"}
+    assert set(result.residuals["log"]) == {"T3.bin", "T1.bin"}
+    residual = result.residuals["torque_nm"] - result.residuals["rebuilt_nm"]
+    assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
+    assert isinstance(result.plot(1), Figure)
+    assert "simulated" in result._repr_html_()
+    with pytest.raises(repro.InputError, match=r"^method"):
+        result.of("robust")
+
+
+def test_simulation_agrees_with_an_independent_integrator(result):
+    own, t = result.of("bounded"), np.linspace(0.0, 0.4, 33)
+    tau = np.stack([0.6 * np.sin(7.0 * t), 0.2 * np.cos(5.0 * t)])
+    steepness = own.details.preparation.friction_steepness
+
+    def derivative(at, state):
+        torque = np.array([np.interp(at, t, joint) for joint in tau])
+        return np.concatenate([state[2:], forward_dynamics(state[:2], state[2:], torque, own.beta, steepness)])
+
+    expected = solve_ivp(
+        derivative, (0.0, 0.4), [0.4, -0.3, 0.0, 0.5], t_eval=t, rtol=1e-9, atol=1e-11, max_step=1e-3
+    ).y
+    q, dq = own.simulate(t, tau, [0.4, -0.3], [0.0, 0.5])
+    assert q == pytest.approx(expected[:2], abs=2e-4)
+    assert dq == pytest.approx(expected[2:], abs=1e-2)
+    with pytest.raises(ValueError, match=r"^t: "):
+        own.simulate(t[::-1], tau, [0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(ValueError, match=r"^t, tau, q0, dq0: "):
+        own.simulate(t, tau[:, 1:], [0.0, 0.0], [0.0, 0.0])
+
+
+def test_algorithm1_gives_the_numbers_of_the_workflow():
+    config = load_config(Path("config/config.yaml"))
+    recording = read_recording(Path("data/captures/ID.bin"), config)
+    signals, program = signal_settings(config), recording.program
+    network = repro.load_network("data/networks/cnn.safetensors")
+    few = replace(search_settings(config), executions=3, inner_limit=4, threshold=0.9)
+    algorithm1 = Algorithm1("published", network, data_settings(config).image, few, RefinementSettings(passes=0))
+    level = np.ones((2, round(signals.duration / signals.h)))  # cancels in line 32
+    run = identify_recording(algorithm1, recording, level, signals, 5, np.zeros(9))
+    found = repro.algorithm1(
+        recording.q, recording.tau, network, begin=program.n1, end=program.n2, search_settings=few, seed=5
+    )
+    assert found.beta == pytest.approx(run["arms"]["ID"]["methods"]["algorithm1"]["beta"], rel=1e-9)
+    assert found.similarity == pytest.approx(run["arms"]["ID"]["methods"]["algorithm1"]["similarity"])
