@@ -215,11 +215,10 @@ class Identification:
         InputError
             If the folder contains files and `overwrite` is not given, or cannot be written.
         """
-        from repro.ownarm.outputs import write_result, write_sidecar  # noqa: PLC0415
+        from repro.ownarm.outputs import write_result  # noqa: PLC0415
 
         check_folder(Path(folder), overwrite)
-        files = write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
-        return [*files, write_sidecar(Path(folder))]
+        return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
 
     def __str__(self) -> str:
         """Give what to know of the recommended method."""
