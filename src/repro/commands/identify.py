@@ -4,7 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
-from repro.commands.options import DEFAULT_CONFIG, add_config, folder, integer, number, seed
+from repro.commands.options import add_config, default_config, folder, integer, number, seed
 from repro.errors import InputError
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     method = arguments.method or ("all" if len(arguments.logs) == 1 else "least-squares")
     if not any(map(_is_port, arguments.logs)):
         for option, given in (("--trajectory", arguments.trajectory), ("--config", arguments.config)):
-            if given not in (None, DEFAULT_CONFIG):
+            if given not in (None, default_config()):
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
     result = identify(
