@@ -16,8 +16,8 @@ from repro.ownarm.evaluate import assemble, evaluate, fit, fit_all, resolve
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, load_log, make_problem
 
 ARM = Arm(name="test arm")
-FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json", "report.html"]
-FILES += ["residuals.csv", "scores.csv"]
+FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json"]
+FILES += ["provenance.json", "report.html", "residuals.csv", "scores.csv"]
 
 
 def silent(*_):

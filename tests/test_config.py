@@ -242,10 +242,12 @@ def test_a_contradiction_is_one_line_that_names_the_overlay(overlay, capsys, tex
         ("training:\n  steps: 5\n  steps: 50\n", "line 3"),
         ("training: {1: 2}\n", "line 1"),
         ("training:\n  steps: 1:30\n", "line 2: training.steps"),
+        ('training: {"\\e[2Jsteps": 5}\n', "line 1"),
+        ('training: {"\\ud800": 5}\n', "line 1"),
         (f"arm:\n  back_emf_nm_s_per_rad: 1{'0' * 400}\n", "line 2: arm.back_emf_nm_s_per_rad"),
         (f"a: &a [x, x]\nb: &b {[['*a'] * 9] * 9}\n".replace("'", "") + "training: {steps: &c [*c]}\n", "line 3"),
     ],
-    ids=["key twice", "key that is no text", "base of 60", "400 digits", "alias to itself"],
+    ids=["key twice", "key that is no text", "base of 60", "escape code", "surrogate", "400 digits", "alias to itself"],
 )
 def test_what_yaml_would_accept_in_silence_is_refused(overlay, text, place):
     """Snakemake's loader has accepted the file before it is checked."""
@@ -262,6 +264,20 @@ def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):
     base.write_text(yaml.safe_dump(config), encoding="utf-8")
     file = overlay("training: {batch: 8}")
     assert refused(load(base, file), base, file)["file"] == str(base)
+
+
+@pytest.mark.parametrize("target", ["src", "data/captures", ".git", "/etc", "results/link", "."])
+def test_a_link_does_not_lead_a_run_into_protected_folders(tmp_path, monkeypatch, target):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()
+    link = tmp_path / "results/link"
+    link.symlink_to(tmp_path / target)
+    config = load(BASE) | {"results": "results/link/x" if target != "." else "results/link"}
+    assert refused(config, BASE)["field"] == "results"
+    if target == "results/link":
+        config = load(BASE)
+        config["experiment"]["captures"] = "results/link"
+        assert refused(config, BASE)["field"] == "experiment.captures"
 
 
 @pytest.mark.parametrize("place", ["top", "arms"])

@@ -22,6 +22,7 @@ from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
 from repro.ownarm.evaluate import Fit, add_self_test, assemble, fit_all, resolve
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
+from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
 from repro.ownarm.text import summary
@@ -129,6 +130,11 @@ class Identification:
         """What may be wrong with the logs or with the result."""
         return self.details.warnings
 
+    @property
+    def unusable(self) -> str:
+        """The reason not to use the parameters of this method; empty if they can be used."""
+        return unusable(self._best)
+
     def predict(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Compute the torque (..., 2, N) that a motion needs, N m.
 
@@ -209,11 +215,10 @@ class Identification:
         InputError
             If the folder contains files and `overwrite` is not given, or cannot be written.
         """
-        from repro.ownarm.outputs import write_result, write_sidecar  # noqa: PLC0415
+        from repro.ownarm.outputs import write_result  # noqa: PLC0415
 
         check_folder(Path(folder), overwrite)
-        files = write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
-        return [*files, write_sidecar(Path(folder))]
+        return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
 
     def __str__(self) -> str:
         """Give what to know of the recommended method."""

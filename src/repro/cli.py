@@ -1,6 +1,7 @@
 """The ``repro`` command."""
 
 import argparse
+import io
 import logging
 import os
 import re
@@ -49,15 +50,25 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+def _check(arguments: Sequence[str]) -> None:
+    """Refuse arguments that nothing can be named after, and a closed standard output."""
+    for text in arguments:
+        if found := _UNWRITABLE.search(text):
+            place = f"argument {text[:80]!r}"
+            raise InputError.at(place, repr(found[0]), "text without control characters, in UTF-8")
+    if sys.stdout is None:
+        raise InputError.at("standard output", "a closed one", "one that can be written to")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a name need not fit the encoding of the terminal
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand."""
-    for text in sys.argv[1:] if argv is None else argv:
-        if found := _UNWRITABLE.search(text):
-            print(
-                InputError.at(f"argument {text[:80]!r}", repr(found[0]), "text without control characters, in UTF-8"),
-                file=sys.stderr,
-            )
-            return 2
+    try:
+        _check(sys.argv[1:] if argv is None else argv)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
     arguments = parser().parse_args(argv)
     if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))

@@ -35,6 +35,7 @@ _EXPECTED = {
     "int_type": "an integer",
     "float_type": "a number",
     "string_type": "text",
+    "string_unicode": "text in UTF-8",
     "bool_type": "true or false, a boolean",
     "list_type": "a list",
     "dict_type": "a section",
@@ -122,13 +123,27 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place]
 
 
 def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """Refuse folders that a run would spoil."""
+    """Refuse folders that a run would spoil, by their own names and by where links lead."""
+    project = Path.cwd().resolve()
     for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
-        top = config[key].split("/")[0]
-        if top.startswith(".") or top.lower() in _OWN or Path(top).is_file():
+        folder = _resolved(config[key])
+        inside = folder is not None and folder != project and folder.is_relative_to(project)
+        tops = [Path(config[key]).parts[0], folder.relative_to(project).parts[0]] if folder and inside else []
+        if not tops or any(top.startswith(".") or top.lower() in _OWN or Path(top).is_file() for top in tops):
             yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
-    if config["results"] == config["figures"]:
+    if _resolved(config["results"]) == _resolved(config["figures"]):
         yield (("results",), ("figures",)), "two folders"
+    for place in (("experiment", "captures"), ("training", "networks")):
+        if _resolved(config[place[0]][place[1]]) is None:
+            yield (place,), "a folder, and no link that leads back to itself"
+
+
+def _resolved(folder: str) -> Path | None:
+    """Where a folder lies when links are followed; None if they lead in a circle."""
+    try:
+        return Path(folder).resolve()
+    except (OSError, RuntimeError):
+        return None
 
 
 def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
@@ -170,15 +185,33 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
         yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
 
 
-def _missing_inputs(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
-    """Find a folder of stored networks without them; a run that only trains needs no captures."""
+def capture_files(config: Mapping[str, Any], motion: str) -> list[str]:
+    """Files that a stored capture is read from; a simulated or real board needs none."""
+    experiment = config["experiment"]
+    ends = ("bin", "program", "json") if experiment["source"] == "stored" else ()
+    return [f"{experiment['captures']}/{motion}.{end}" for end in ends]
+
+
+def _missing_inputs(config: Mapping[str, Any], motions: Iterable[str]) -> Iterator[tuple[Sequence[Place], str]]:
+    """Find a folder of stored networks without them, and one of captures without those of these motions."""
+    for file in (file for motion in motions for file in capture_files(config, motion)):
+        if not Path(file).is_file():
+            expected = f"a folder with the stored captures ({Path(file).name})"
+            yield (("experiment", "captures"), ("experiment", "source")), expected
     training = config["training"]
     if training["source"] == "stored" and not (Path(training["networks"]) / "cnn.safetensors").is_file():
         yield (("training", "networks"), ("training", "source")), "a folder with the stored networks (cnn.safetensors)"
 
 
-def check_config(config: Mapping[str, Any], files: Iterable[Path] = (), inputs: bool = False) -> None:
-    """Check a configuration, merged from these files, that of each of its networks and, on request, its input files."""
+def check_config(
+    config: Mapping[str, Any], files: Iterable[Path] = (), inputs: bool = False, motions: Iterable[str] = ()
+) -> None:
+    """Check a configuration, merged from these files, and that of each of its networks.
+
+    With `inputs`, the files that it names must be there, too, and of the captures those of `motions`: a run that only
+    trains needs none.
+    """
+    motions = tuple(motions)
     contents = {str(file): read_yaml(Path(file), CONFIGURATION) for file in files}
 
     def file_of(place: Place) -> str:
@@ -202,26 +235,26 @@ def check_config(config: Mapping[str, Any], files: Iterable[Path] = (), inputs: 
     for network, whole in ({(): config} | networks).items():
         if wrong := _violation(whole, Configuration):
             refuse((*network, *wrong[0]), *wrong[1:])
-        for places, expected in chain(_contradictions(whole), _missing_inputs(whole) if inputs else ()):
+        for places, expected in chain(_contradictions(whole), _missing_inputs(whole, motions) if inputs else ()):
             own = [place for place in places if _at(config, (*network, *place)) is not _ABSENT]
             names = ["command line", *reversed(contents)]
             place = min(own, key=lambda place: names.index(file_of((*network, *place))))  # the one that was set last
             refuse((*network, *place), _at(whole, place), expected)
 
 
-def load_config(path: Path, *overlays: Path, inputs: bool = False) -> dict[str, Any]:
+def load_config(path: Path, *overlays: Path, inputs: bool = False, motions: Iterable[str] = ()) -> dict[str, Any]:
     """Read and check a configuration outside the workflow."""
     config: dict[str, Any] = {}
     for file in (path, *overlays):
         config = merged(config, read_yaml(file, CONFIGURATION))
-    check_config(config, [path, *overlays], inputs)
+    check_config(config, [path, *overlays], inputs, motions)
     return config
 
 
-def accept_config(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
+def accept_config(config: Mapping[str, Any], files: Iterable[str | Path], motions: Iterable[str] = ()) -> None:
     """Check the configuration of a run; on a fault print its one line and leave with exit code 2."""
     try:
-        check_config(config, [Path(file) for file in files], inputs=True)
+        check_config(config, [Path(file) for file in files], True, motions)
     except InputError as error:
         print(error, file=sys.stderr)
         raise SystemExit(2) from None

@@ -21,6 +21,7 @@ MOST_DIGITS = 18
 
 _INTEGER = re.compile(rf"[-+]?(0|[1-9][0-9]{{0,{MOST_DIGITS - 1}}})")
 _DIGITS = f"{MOST_DIGITS} decimal digits at most"
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _TOO_DEEP = ("lists within lists without end", f"at most {DEEPEST} within each other")
 
 
@@ -76,13 +77,17 @@ class Loader(yaml.SafeLoader):
         if isinstance(node, yaml.MappingNode):
             for key, value in node.value:
                 self._count(key, levels - 1)
+                if isinstance(key, yaml.ScalarNode) and not key.value.isprintable():
+                    raise self._refused(key, f"the key {key.value[:40]!a}", "a key without control characters")
                 name = key.value[:60] if isinstance(key, yaml.ScalarNode) else "?"
                 self._count(value, levels - 1, f"{field}.{name}" if field else name)
         elif isinstance(node, yaml.SequenceNode):
             for number, item in enumerate(node.value):
                 self._count(item, levels - 1, f"{field}[{number}]")
-        else:
+        elif isinstance(node, yaml.ScalarNode):
             self._fields[id(node)] = field
+            if _SURROGATE.search(node.value):
+                raise self._refused(node, ascii(node.value[:40]), "characters that UTF-8 can hold")
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Build a mapping after checking that its keys are text and differ."""

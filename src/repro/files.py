@@ -78,28 +78,48 @@ def fill_folder(
     fill: Callable[[Path], None],
     optional: Collection[str] = (),
     inputs: Iterable[Path] = (),
-    later: Collection[str] = (),
 ) -> list[str]:
-    """Let `fill` write into a temporary folder, then move its files to `out`.
+    """Let `fill` write into a temporary folder, then move its files to `out`: all of them, or none.
 
-    Older files named in `optional` are removed. No input is replaced, neither now nor by the names in `later`.
+    Older files named in `optional` are removed. No input is replaced.
     """
     given = {path.resolve() for path in inputs}
     with writing(out), _folder_near(out) as temporary:
         folder = Path(temporary)
         fill(folder)
         names = sorted(path.name for path in folder.iterdir())
-        for name in (*names, *optional, *later):
-            if (out / name).resolve() in given:
+        for name in (*names, *optional):
+            if Path(os.path.realpath(out / name)) in given:
                 raise InputError.at(str(out / name), "an input of this command", "another folder for the results")
             if (out / name).is_dir():
                 raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
-        out.mkdir(parents=True, exist_ok=True)
-        for name in set(optional) - set(names):  # of an earlier run, which this one contradicts
-            (out / name).unlink(missing_ok=True)
-        for name in names:
-            (folder / name).replace(out / name)
+        earlier = folder / "earlier"  # files of another run; the optional ones contradict this one
+        earlier.mkdir()
+        older = [name for name in {*names, *optional} if os.path.lexists(out / name)]
+        steps = [(out / name, earlier / name) for name in older]
+        _move([*steps, *((folder / name, out / name) for name in names)], out)
+        for name in older:
+            (earlier / name).unlink()
+        earlier.rmdir()
+        folder.rmdir()  # by hand, because this needs no file descriptor
         return names
+
+
+def _move(steps: Iterable[tuple[Path, Path]], out: Path) -> None:
+    """Rename files one after another; if one cannot be, all have their old names again."""
+    new = not out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    done: list[tuple[Path, Path]] = []
+    try:
+        for source, target in steps:
+            source.rename(target)
+            done.append((source, target))
+    except BaseException:
+        for source, target in reversed(done):
+            target.rename(source)
+        if new:
+            out.rmdir()
+        raise
 
 
 def write_text(path: Path | str, text: str) -> None:

@@ -41,7 +41,7 @@ SIGNATURES = {
     "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
     "read_capture": "path",
 }
-METHODS = "of, beta, parameters, errors, residuals, warnings, predict, simulate, plot, save"
+METHODS = "of, beta, parameters, errors, residuals, warnings, unusable, predict, simulate, plot, save"
 LOG = "data/captures/T3.bin"
 
 
@@ -99,6 +99,19 @@ def test_the_command_prints_the_same_digits(result, tmp_path):
         assert (tmp_path / "saved" / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
     with pytest.raises(repro.InputError):
         result.save(tmp_path / "saved")
+
+
+def test_strict_refuses_what_must_not_be_used(tmp_path, capsys):
+    swapped = repro.read_log(LOG)
+    swapped = repro.Log(t=swapped.t, q=swapped.q, tau=-swapped.tau)
+    frame = pd.DataFrame({"time": swapped.t, **{f"q{j}": swapped.q[j - 1] for j in (1, 2)}})
+    frame.assign(tau1=swapped.tau[0], tau2=swapped.tau[1]).to_csv(tmp_path / "log.csv", index=False)
+    options = ["--method", "ordinary", "-o", str(tmp_path / "out"), "--overwrite"]
+    assert main(["identify", str(tmp_path / "log.csv"), *options]) == 0
+    assert main(["identify", str(tmp_path / "log.csv"), *options, "--strict"]) == 3
+    assert "--strict: the parameters are not physically consistent" in capsys.readouterr().out
+    assert main(["identify", LOG, "--method", "consistent", "-o", str(tmp_path / "good"), "--strict"]) == 0
+    assert repro.identify(swapped, method="ordinary").unusable
 
 
 def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):

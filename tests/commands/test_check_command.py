@@ -28,6 +28,7 @@ def test_the_configurations_of_the_project_are_valid(capsys):
         (b"a: \xff\xfe\0", "found text that is not YAML"),
         (b"a: " + b"[" * 20_000, "found lists within lists"),
         (b"a: 2020-99-99\n", "found text that is not YAML"),
+        (b"experiment: {captures: README.md}\n", "experiment.captures: found README.md, expected a folder with"),
         (b"training: {source: stored, networks: none}\n", "training.networks: found none, expected a folder with"),
         (
             b"networks: {tracked: {training: {source: stored, networks: none}}}\n",

@@ -138,6 +138,9 @@ def test_nothing_is_overwritten(stored, capsys):
     before = stored.read_bytes()
     assert "T4.csv: found a file" in refused(capsys, "decode", stored, "-o", table)
     assert table.read_text() == "mine"
+    nowhere = table.with_name("link.csv")
+    nowhere.symlink_to("gone.csv")
+    assert "link.csv: found a file" in refused(capsys, "decode", stored, "-o", nowhere)
     record = ["record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored]
     assert "T4.bin: found a file" in refused(capsys, *record)
     assert stored.read_bytes() == before
@@ -183,10 +186,12 @@ def test_no_board_writes_nothing(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("drop", "--faults: drop: found '', expected a number"),
+        ("drop", "--faults: drop: found '', expected a number of 0 to 1"),
         ("drop=x", "--faults: drop: found 'x', expected a number"),
         ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
-        ("drop=2", "--faults: found drop=2, expected drop"),
+        ("drop=2", "--faults: drop: found '2', expected a number of 0 to 1"),
+        ("flip=-0.1", "--faults: flip: found '-0.1', expected a number of 0 to 1"),
+        ("drop=0.6,flip=0.6", "--faults: found drop=0.6,flip=0.6, expected drop"),
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
     ],
 )
@@ -265,6 +270,9 @@ def test_help_needs_nothing_heavy():
             ["decode", str(Path(__file__).resolve().parents[2] / "data/captures/ID.bin"), "-o", "table.xlsx"],
             "--out: found 'table.xlsx', expected FILE.csv, or -",
         ),
+        (["decode", "ID.bin", "-o", ""], "--out: found '', expected FILE.csv, or -"),
+        (["simulate", "--host", "127.0.0.1"], "--host: found --listen pty, expected --listen socket"),
+        (["identify", "LOG.csv", "-o", "new", "--trajectory", "T1"], "--trajectory: found 'T1', expected none, or"),
     ],
 )
 def test_an_output_without_a_name_or_of_another_kind_is_refused(capsys, arguments, words):

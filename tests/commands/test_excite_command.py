@@ -11,11 +11,13 @@ from pytest import approx
 
 from repro.cli import main
 from repro.commands.boards import program_of
+from repro.commands.excite import read_guess
 from repro.config import load_config
+from repro.errors import InputError
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log
 from repro.model.dynamics import inverse_dynamics
-from repro.model.parameters import NAMES
+from repro.model.parameters import NAMES, UNITS
 
 pytestmark = pytest.mark.slow
 
@@ -78,7 +80,7 @@ def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
 
 
 def test_a_guess_is_read_from_an_identification(tmp_path):
-    rows = [{"name": name, "estimate": value} for name, value in zip(NAMES, BETA.tolist(), strict=True)]
+    rows = [{"name": n, "unit": u, "estimate": x} for n, u, x in zip(NAMES, UNITS, BETA.tolist(), strict=True)]
     methods = [{"method": "ordinary", "parameters": []}, {"method": "consistent", "parameters": rows}]
     (tmp_path / "parameters.json").write_text(json.dumps({"recommended": "consistent", "methods": methods}))
     assert excite(tmp_path, *SHORT, "--guess", tmp_path / "parameters.json", out="a") == 0
@@ -109,3 +111,25 @@ def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, caps
     told = capsys.readouterr().err.splitlines()
     assert words in told[-1]
     assert {path.name for path in tmp_path.iterdir()} == {"arm.yaml"}
+
+
+@pytest.mark.parametrize(
+    ("row", "key", "value", "words"),
+    [
+        (0, "estimate", "0.1", "estimate: found '0.1', expected a number"),
+        (0, "estimate", True, "estimate: found True, expected a number"),
+        (1, "name", "I1", "name: found 'I1', expected 'I2'"),
+        (8, "unit", "N m", "unit: found 'N m', expected 'kg m^2/s^2'"),
+    ],
+)
+def test_a_guess_of_another_name_unit_or_type_is_refused(tmp_path, row, key, value, words):
+    parameters = [{"name": n, "unit": u, "estimate": x} for n, u, x in zip(NAMES, UNITS, BETA, strict=True)]
+    content = {"recommended": "bounded", "methods": [{"method": "bounded", "parameters": parameters}]}
+    file = tmp_path / "parameters.json"
+    file.write_text(json.dumps(content))
+    np.testing.assert_array_equal(read_guess([str(file)]), BETA)
+    parameters[row][key] = value
+    file.write_text(json.dumps(content))
+    with pytest.raises(InputError) as caught:
+        read_guess([str(file)])
+    assert str(caught.value).startswith(f"{file}: methods[0].parameters[{row}].{words}")

@@ -44,6 +44,11 @@ def found(rows):
         (0, "total", "0.81", Kind.TRAINED, False),  # twice the measured spread of 0.05
         (0, "total", "1.01", Kind.TRAINED, True),
         (0, "total", "nan", Kind.TRAINED, True),
+        (0, "total", "inf", Kind.TRAINED, True),
+        (0, "total", "n/a", Kind.TRAINED, True),
+        (0, "total", "0.9\0", Kind.TRAINED, True),
+        (1, "total", "-1e999", Kind.COMPUTED, True),
+        (1, "total", "n/a", Kind.COMPUTED, True),
         (0, "seeds", "4", Kind.COMPUTED, True),  # counts are exact in a trained row too
         (1, "method", "true", Kind.EXACT, True),
         (1, "joint", "2", Kind.COMPUTED, True),
@@ -137,6 +142,17 @@ def test_the_command_reports_the_largest_difference_and_ends_with_1_if_a_class_i
     assert "broken: tables/table10.csv" in out
     assert main(["compare", str(a), str(run_of(tmp_path / "c", ROWS, b"\xa5" * 15 + b"\0"))]) == 1
     assert "broken: experiment/ID.bin" in capsys.readouterr().out
+
+
+def test_tables_of_one_folder_alone_are_named(tmp_path, capsys):
+    a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
+    for number in range(7):
+        (a / f"tables/table0{number}.csv").write_text("x\n1\n")
+    assert main(["compare", str(a), str(b)]) == 0
+    assert "7 in one folder alone: tables/table00.csv, tables/table01.csv" in capsys.readouterr().out
+    (b / "validation").symlink_to("validation")
+    assert main(["compare", str(a), str(b)]) == 2
+    assert f"{b / 'validation'}: found a link that leads nowhere" in capsys.readouterr().err
 
 
 def test_what_is_no_run_is_one_line(tmp_path, capsys):

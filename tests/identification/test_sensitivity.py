@@ -1,5 +1,7 @@
 """Regressions that would have been as good: projections against joint least squares, and what a log asks for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -53,7 +55,7 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
 def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(name, spoil):
     q, dq, ddq = motion(LOG.t)
     positions, torque = spoil(LOG, q, dq, ddq)
-    log = type(LOG)("log.csv", LOG.t, positions, torque)
+    log = replace(LOG, q=positions, tau=torque)
     found = perturbations(log, SETTINGS)[name]
     plain, (other,) = prepare(log, SETTINGS), found.regressions
     without_it, with_it = (np.abs(solve(r.y, r.tau) / BETA - 1)[:5].max() for r in (plain, other))
@@ -97,7 +99,7 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
     rng = np.random.default_rng(3)
     weights = []
     for _ in range(10):
-        noisy = type(LOG)("log.csv", LOG.t, LOG.q, LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
+        noisy = replace(LOG, tau=LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
         found = perturbations(noisy, SETTINGS)
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
@@ -105,7 +107,7 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
 
 def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
     [columns] = filtered_columns(UNMODELLED_EFFECTS["zero positions"], LOG, SETTINGS, BETA)
-    turned = type(LOG)("log.csv", LOG.t, LOG.q + each(0.0, 0.01), LOG.tau)
+    turned = replace(LOG, q=LOG.q + each(0.0, 0.01))
     change = (prepare(turned, SETTINGS).y - prepare(LOG, SETTINGS).y) @ BETA / 0.01
     np.testing.assert_allclose(columns[..., 1], change, atol=0.02 * np.abs(change).max())
 

@@ -74,6 +74,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("delay: 5\n", "delay: found 5, expected a number from -1 to 1, s, or auto"),
         ("name: ''\n", "name: found '', expected text"),
         ('name: "a\\u001b[31mb"\n', "name: found 'a\\x1b[31mb', expected text on one line"),
+        ('name: "\\ud800"\n', r"line 1: name: found '\ud800', expected characters that UTF-8 can hold"),
         ("name: 7\n", "name: found 7, expected text"),
         ("gravity: 9.8\ngravity: 9.9\n", "line 2: found the key 'gravity' twice, expected"),
         ("7: a\n", "line 1: found the key '7', expected text as key"),

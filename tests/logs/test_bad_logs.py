@@ -40,6 +40,9 @@ from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
 
 #: Name, content of the file (table, text or bytes), keys of the arm, words of the error.
+#: An arm file that states the unit of an absurd position.
+RAD = {"units": {"position": "rad"}}
+
 REFUSED = [
     ("empty", b"", {}, "found an empty file, expected a CSV table"),
     ("blank lines only", "\n\n  \n", {}, "found an empty file"),
@@ -92,7 +95,19 @@ REFUSED = [
     ("torque missing", without("tau1", "tau2"), {}, "expected a column for tau1, tau2; name it"),
     ("one position missing", without("q2"), {}, "found the columns time, q1, dq1, dq2, tau1, tau2, expected a column"),
     ("misspelt", renamed(tau1="tauu1"), {}, "expected a column for tau1 (perhaps 'tauu1' for tau1)"),
-    ("joints from 0", renamed(q1="q0", q2="q1"), {}, "expected a column for q2 (joints counted from 0?)"),
+    ("joints from 0", renamed(q1="q0", q2="q1"), {}, "found columns of a joint 0: q0, expected joints 1 and 2"),
+    (
+        "degrees without a unit",
+        scaled(1 / DEGREE, "q1", "q2"),
+        {},
+        "turns if it is rad, expected units.position in the arm file: deg (",
+    ),
+    (
+        "a third joint",
+        {**good(), "q0": good()["q1"], "tau0": good()["tau1"]},
+        {},
+        "found columns of a joint 0: q0, tau0, expected joints 1 and 2",
+    ),
     ("ambiguous", renamed(dq1="pos1"), {}, "found 2 columns for q1: q1, pos1, expected one"),
     (
         "unknown unit",
@@ -116,7 +131,7 @@ REFUSED = [
         "column q2: found no unit, expected its unit, as q1 [deg] is in deg",
     ),
     ("a column not there", good(), {"columns": {"q1": "angle"}}, "columns.q1: found 'angle', expected a header of"),
-    ("absurd position", cell("q1", 900, "-1e300"), {}, "position: found 1e+300 rad, expected at most 1e+06 rad"),
+    ("absurd position", cell("q1", 900, "-1e300"), RAD, "position: found 1e+300 rad, expected at most 1e+06 rad"),
     ("absurd torque", cell("tau1", 900, "1e200"), {}, "torque: found 1e+200 N m"),
     ("absurd time", cell("time", 2399, "1e300"), {}, "time: found 1e+300 s"),
     ("a burst and a pause", rows(np.r_[:199, 2399]), {}, "time: found 1 gap of up to 11 s, 0.99 s (199 samples)"),
@@ -152,9 +167,9 @@ REFUSED = [
 
 #: Name, table, keys of the arm, words of the warning.
 SUSPECTED = [
-    ("degrees", scaled(1 / DEGREE, "q1", "q2"), {}, "position in deg, taken for rad"),
-    ("degrees, no velocity", without_velocity(scaled(1 / DEGREE, "q1", "q2")), {}, "with positions in degrees"),
-    ("degrees throughout", scaled(1 / DEGREE, "q1", "q2", "dq1", "dq2"), {}, "turns): if these are degrees or counts"),
+    ("degrees", scaled(1 / DEGREE, "q1", "q2"), RAD, "position in deg, taken for rad"),
+    ("degrees, no velocity", without_velocity(scaled(1 / DEGREE, "q1", "q2")), RAD, "with positions in degrees"),
+    ("degrees throughout", scaled(1 / DEGREE, "q1", "q2", "dq1", "dq2"), RAD, "turns): if these are degrees or counts"),
     ("radians for degrees", good(), {"units": {"position": "deg"}}, "or position in rad, taken for deg"),
     ("velocity in deg/s", scaled(1 / DEGREE, "dq1", "dq2"), {}, "57.3 times the differentiated position"),
     ("velocity in rpm", scaled(30 / np.pi, "dq1", "dq2"), {}, "velocity in rpm"),
@@ -166,7 +181,7 @@ SUSPECTED = [
     (
         "positions in counts",
         without_velocity(scaled(4096 / 2 / np.pi, "q1", "q2")),
-        {},
+        RAD,
         "if these are degrees or counts",
     ),
     ("swapped joints", swapped(good(), ("q1", "q2"), ("dq1", "dq2"), ("tau1", "tau2")), {}, "joints 1 and 2 swapped"),

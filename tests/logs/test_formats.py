@@ -1,7 +1,5 @@
 """Formats of tables: whatever separates cells and decimals, and with rows twice or empty, the same log is read."""
 
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,8 +96,8 @@ def test_the_same_time_with_other_values_is_refused(file, tmp_path, capsys):
 
 
 def test_without_the_extra_one_line_says_what_to_install(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    monkeypatch.setattr("repro.errors.find_spec", lambda package: None)
     (tmp_path / "arm.mcap").write_bytes(b"")
-    assert main(["identify", str(tmp_path / "arm.mcap"), "-o", str(tmp_path / "out")]) == 2
+    assert main(["identify", str(tmp_path / "arm.mcap"), "--method", "ordinary", "-o", str(tmp_path / "out")]) == 2
     (said,) = capsys.readouterr().err.strip().splitlines()
-    assert "found a bag, and no package rosbags to read it, expected the extra bags: python -m pip install" in said
+    assert "found no package rosbags, expected the extra bags: python -m pip install '.[bags]'" in said

@@ -115,7 +115,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     [
         ({"tau1": 1e-300 * GOOD["tau1"], "tau2": 1e-300 * GOOD["tau2"]}, "torque of joint 1: found "),
         ({"tau2": 1e-200 * GOOD["tau2"]}, "torque of joint 2: found "),
-        ({"q1": [*GOOD["q1"][:-1], 1e308], "q2": [-1e308, *GOOD["q2"][1:]]}, "position: found 1e+308 rad"),
+        ({"q1": [*GOOD["q1"][:-1], 1e308], "q2": [-1e308, *GOOD["q2"][1:]]}, "turns if it is rad"),
         ({"q1": ["\u0661\u0662", *GOOD["q1"][1:]]}, "line 2, column q1: found '\u0661\u0662'"),
     ],
     ids=["tiny torques", "one tiny torque", "huge positions", "digits of another script"],

@@ -1,9 +1,11 @@
 """The files of `repro identify`: all of them or none, and none that contradicts the others."""
 
+import errno
 import io
 import json
 import os
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -52,7 +54,7 @@ def test_the_files_of_a_result(tmp_path):
     assert write_result(tmp_path / "new" / "out", result, curves, ARM) == FILES
     assert everything(tmp_path) == ["new", "new/out", *(f"new/out/{name}" for name in FILES)]
     page = (tmp_path / "new" / "out" / "report.html").read_text(encoding="utf-8")
-    assert all(f'href="{name}"' in page for name in FILES if name != "report.html")
+    assert all(f'href="{name}"' in page for name in FILES if name not in ("report.html", "provenance.json"))
     # As readable as what a program of the user's own writes.
     mask = os.umask(0)
     os.umask(mask)
@@ -140,9 +142,11 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
     assert everything(out) == sorted([*names, "arm.sdf"])
     assert (out / "arm.sdf").read_text() == "mine"
     write_result(tmp_path / "fresh", *second, ARM)
-    kept = tree(out)
+    kept, fresh = tree(out), tree(tmp_path / "fresh")
     del kept["arm.sdf"]
-    assert kept == tree(tmp_path / "fresh")
+    for files in (kept, fresh):
+        del files["provenance.json"]  # which says when
+    assert kept == fresh
 
 
 def test_a_folder_that_cannot_be_used_is_refused(tmp_path):
@@ -174,6 +178,28 @@ def test_a_folder_in_the_place_of_a_result_leaves_all_as_it_was(tmp_path):
     with pytest.raises(InputError, match=r"b\.csv: found a folder"):
         fill_folder(tmp_path / "out", fill)
     assert everything(tmp_path) == ["out", "out/b.csv"]
+
+
+def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch):
+    def fill(folder):
+        for name in ("a.csv", "b.csv", "c.csv"):
+            (folder / name).write_text("new")
+
+    rename = Path.rename
+
+    def immutable(path, target):
+        if path.name == "b.csv" and target.parent.name == "earlier":
+            raise OSError(errno.EPERM, "Operation not permitted")
+        return rename(path, target)
+
+    for name in ("a.csv", "b.csv", "no-links.txt"):
+        (tmp_path / "out").mkdir(exist_ok=True)
+        (tmp_path / "out" / name).write_text("old")
+    monkeypatch.setattr(Path, "rename", immutable)
+    with pytest.raises(InputError, match="Operation not permitted"):
+        fill_folder(tmp_path / "out", fill, ["no-links.txt"])
+    assert everything(tmp_path) == ["out", "out/a.csv", "out/b.csv", "out/no-links.txt"]
+    assert {path.read_text() for path in (tmp_path / "out").iterdir()} == {"old"}
 
 
 @pytest.mark.usefixtures("small_figures")

@@ -1,5 +1,6 @@
 """Tampering: one thing changed at a time, and `repro verify` names it; exit codes of the command and of the stage."""
 
+import hashlib
 import logging
 import os
 import re
@@ -152,6 +153,26 @@ def test_a_line_removed_from_the_list(project, capsys, number):
     path.write_text("".join(lines[:number] + lines[number + 1 :]), encoding="utf-8")
     code, _, err = verify(capsys)
     assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "line", ["# every file in ../..", "# every file in /usr", f"{'0' * 64}  src/a\0b", f"{'0' * 64}  src/a"]
+)
+def test_a_list_that_names_what_lies_outside_is_refused(project, capsys, line):
+    path = project / "results" / SOURCES
+    text = f"{path.read_text(encoding='utf-8').partition(chr(10))[2]}{line}\n"
+    seal = hashlib.sha256(text.encode()).hexdigest()
+    path.write_text(f"# SHA-256 of the lines below: {seal}\n{text}", encoding="utf-8")
+    code, _, err = verify(capsys)
+    assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
+
+
+def test_a_link_to_itself_is_named(project, capsys):
+    table = project / "results/tables/table10.csv"
+    table.unlink()
+    table.symlink_to(table.name)
+    code, out, _ = verify(capsys)
+    assert code == 1 and "disagrees: results/tables/table10.csv: found Too many levels of symbolic links" in out
 
 
 def test_a_claim_that_fails_ends_with_1_though_all_agree(project, capsys):

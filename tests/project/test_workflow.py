@@ -180,6 +180,7 @@ BAD = {
     "overlay": ("training: {stepz: 5}", "training.stepz"),
     "value": ("training: {steps: -5}", "training.steps"),
     "pair": ("data: {guess_low: 5.0}", "data.guess_low"),
+    "captures": ("experiment: {captures: none}", "experiment.captures"),
 }
 
 

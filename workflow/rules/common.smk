@@ -115,9 +115,11 @@ NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 
 def stored_capture(wildcards):
-    """Files that a stored capture is read from; a simulated or real board needs none."""
-    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
-    return [f"{stored}/{wildcards.motion}.{ext}" for ext in ("bin", "program", "json")] if stored else []
+    """Files that a capture is read from, all of which must be there."""
+    files = capture_files(config, wildcards.motion)
+    if not all(map(os.path.isfile, files)):
+        accept_config(config, CONFIG_FILES, [wildcards.motion])
+    return files
 
 
 def captures(motions):

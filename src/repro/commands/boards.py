@@ -1,6 +1,7 @@
 """Commands for a board: simulate one, record from it, decode what was recorded."""
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
@@ -21,10 +22,8 @@ def simulate_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro simulate``."""
     parser.add_argument("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
     parser.add_argument("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
-    parser.add_argument("--host", default="127.0.0.1", help="with socket: address to listen on (default: 127.0.0.1)")
-    parser.add_argument(
-        "--port-number", type=integer(0, 65535), default=0, help="with socket: 0 takes a free one (default)"
-    )
+    parser.add_argument("--host", help="with socket: address to listen on (default: 127.0.0.1)")
+    parser.add_argument("--port-number", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
     parser.add_argument("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
     parser.add_argument("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
     parser.add_argument("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
@@ -41,8 +40,10 @@ def simulate(arguments: argparse.Namespace) -> int:
     from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
     from repro.pipeline.experiment import board_from_config
 
-    if arguments.link is not None and arguments.listen != "pty":
-        raise InputError.at("--link", f"--listen {arguments.listen}", "--listen pty")
+    for option, listen in (("link", "pty"), ("host", "socket"), ("port_number", "socket")):
+        if getattr(arguments, option) is not None and arguments.listen != listen:
+            place = f"--{option.replace('_', '-')}"
+            raise InputError.at(place, f"--listen {arguments.listen}", f"--listen {listen}")
     settings = parse_faults(arguments.faults)
     config = load_config(arguments.config)
     seed = config["experiment"]["seed"] if arguments.seed is None else arguments.seed
@@ -51,7 +52,7 @@ def simulate(arguments: argparse.Namespace) -> int:
     endpoint = (
         PtyEndpoint(arguments.link)
         if arguments.listen == "pty"
-        else SocketEndpoint(arguments.host, arguments.port_number)
+        else SocketEndpoint(arguments.host or "127.0.0.1", arguments.port_number or 0)
     )
     serve(
         board,
@@ -78,10 +79,10 @@ def parse_faults(text: str) -> "ErrorRates":
             values[name] = (
                 integer(0, 10**9)(value)
                 if name in ("stall_bytes", "disconnect_after")
-                else number(0.0, 1e6, "a number")(value)
+                else number(0.0, 1e6 if name == "stall_s" else 1.0, "a number")(value)
             )
         except argparse.ArgumentTypeError as error:
-            raise InputError.at(f"--faults: {name}", repr(value), "a number") from error
+            raise InputError(f"--faults: {name}: {error}") from error
     try:
         return ErrorRates(**values)  # type: ignore[arg-type]
     except ValueError as error:
@@ -206,10 +207,10 @@ def decode(arguments: argparse.Namespace) -> int:
     from repro.fpga.capture import files_of, read_capture, to_table
 
     out = arguments.out
-    if out not in (None, "-") and Path(out).exists():
+    if out not in (None, "-") and os.path.lexists(out):
         if not arguments.overwrite:
             raise InputError.at(out, "a file", "a new name, or --overwrite")
-        if any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
+        if Path(out).exists() and any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
             raise InputError.at(out, "a file of the capture itself", "another name")
     if out not in (None, "-") and not out.endswith(".csv"):
         raise InputError.at("--out", repr(out), "FILE.csv, or -")

@@ -90,18 +90,11 @@ def read_guess(given: list[str] | None) -> "Array | None":
     """Read the parameters of ``--guess``."""
     import numpy as np
 
-    from repro.documents import read_json
-
     if given is None:
         return None
     numbers: list[Any] = given
     if len(given) == 1:
-        content: Any = read_json(Path(given[0]))
-        try:
-            best = next(m for m in content["methods"] if m["method"] == content["recommended"])
-            numbers = [parameter["estimate"] for parameter in best["parameters"]]
-        except (KeyError, StopIteration, TypeError) as error:
-            raise InputError.at(given[0], "no recommended method", "parameters.json of repro identify") from error
+        numbers = _read_estimates(Path(given[0]))
     try:
         beta = np.array([float(number) for number in numbers])
     except (TypeError, ValueError):
@@ -111,6 +104,33 @@ def read_guess(given: list[str] | None) -> "Array | None":
         expected = f"parameters.json of repro identify, or nine numbers of at most {_LARGEST:g}"
         raise InputError.at("--guess", found, expected)
     return beta
+
+
+def _read_estimates(path: Path) -> list[float]:
+    """Read the estimates of the recommended method."""
+    from repro.documents import read_json
+    from repro.model.parameters import NAMES, UNITS
+
+    content: Any = read_json(path)
+    try:
+        index = [method["method"] for method in content["methods"]].index(content["recommended"])
+        parameters = list(content["methods"][index]["parameters"])
+    except (KeyError, ValueError, TypeError) as error:
+        raise InputError.at(str(path), "no recommended method", "parameters.json of repro identify") from error
+    place = f"{path}: methods[{index}].parameters"
+    if len(parameters) != len(NAMES):
+        raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
+    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
+        row = parameter if isinstance(parameter, dict) else {}
+        for key, wanted in (("name", name), ("unit", unit)):
+            if row.get(key) != wanted:
+                raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
+        estimate = row.get("estimate")
+        number = isinstance(estimate, (int, float)) and not isinstance(estimate, bool)
+        if not (number and abs(estimate) <= _LARGEST):  # type: ignore[arg-type]
+            found, expected = repr(estimate)[:60], f"a number of at most {_LARGEST:g}"
+            raise InputError.at(f"{place}[{k}].estimate", found, expected)
+    return [parameter["estimate"] for parameter in parameters]
 
 
 def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:

@@ -4,7 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
-from repro.commands.options import add_config, folder, integer, number, seed
+from repro.commands.options import add_config, default_config, folder, integer, number, seed
 from repro.errors import InputError
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 
@@ -47,15 +47,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it"
     )
     parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="exit code 3 if the parameters must not be used: not physically consistent, or torque errors above 50 %%",
+    )
+    parser.add_argument(
         "--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)"
     )
     parser.add_argument(
         "--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it"
     )
     parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")
-    parser.add_argument(
-        "--trajectory", default="ID", help="with a port: motion to record, as for repro record (default: ID)"
-    )
+    parser.add_argument("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
     add_config(parser)
 
 
@@ -72,6 +75,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     check_folder(arguments.out, arguments.overwrite)
     method = arguments.method or ("all" if len(arguments.logs) == 1 else "least-squares")
+    if not any(map(_is_port, arguments.logs)):
+        for option, given in (("--trajectory", arguments.trajectory), ("--config", arguments.config)):
+            if given not in (None, default_config()):
+                raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
     result = identify(
         [_source(arguments, log) for log in arguments.logs],
@@ -89,7 +96,14 @@ def run(arguments: argparse.Namespace) -> int:
     print(result, flush=True)
     files = result.save(arguments.out, arguments.overwrite)
     print(f"written to {arguments.out}: {', '.join(files)}")
+    if arguments.strict and result.unusable:
+        print(f"--strict: {result.unusable}")
+        return 3
     return 0
+
+
+def _is_port(text: str) -> bool:
+    return "://" in text or Path(text).is_char_device()
 
 
 def _source(arguments: argparse.Namespace, text: str) -> Path:
@@ -97,7 +111,7 @@ def _source(arguments: argparse.Namespace, text: str) -> Path:
     path = Path(text)
     if text.startswith("/dev/") and not path.exists():
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
-    if "://" not in text and not path.is_char_device():
+    if not _is_port(text):
         return path
     from repro.commands import boards
 
@@ -106,7 +120,7 @@ def _source(arguments: argparse.Namespace, text: str) -> Path:
         raise InputError.at(str(capture), "a recording", "a new name for the folder, or --overwrite")
     parser = argparse.ArgumentParser()
     boards.record_arguments(parser)
-    command = ["--port", text, "--trajectory", arguments.trajectory, "--out", str(capture)]
+    command = ["--port", text, "--trajectory", arguments.trajectory or "ID", "--out", str(capture)]
     command += ["--config", str(arguments.config)] + ["--overwrite"] * arguments.overwrite
     if boards.record(parser.parse_args(command)) != 0:
         raise InputError.at(text, "no complete recording", "a board that answers, see the lines above")

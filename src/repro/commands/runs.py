@@ -15,8 +15,9 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
     from repro.config import load_config
+    from repro.signals.programs import PROGRAMS
 
-    load_config(arguments.config, *arguments.overlays, inputs=True)
+    load_config(arguments.config, *arguments.overlays, inputs=True, motions=PROGRAMS)
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
     return 0
 

@@ -12,6 +12,8 @@ from repro.files import read_rows
 BYTES = ("experiment/*.bin", "experiment/*.program")
 #: How a run went, not what it found.
 LEFT_OUT = ("benchmarks", "logs")
+#: How many files are named that one folder alone has.
+SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,9 @@ def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compare
 def _files(folder: Path) -> set[str]:
     if not folder.is_dir():
         raise InputError.at(str(folder), "no folder", "a results folder")
+    for entry in folder.iterdir():
+        if entry.is_symlink() and not entry.exists():
+            raise InputError.at(str(entry), "a link that leads nowhere", "a folder or a file of a run")
     found = {path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern)}
     files = {path for path in found if path.relative_to(folder).parts[0] not in LEFT_OUT}
     for path in files:
@@ -76,7 +81,10 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
                 f"{each.name}: {_describe(d)}; {sum(x.kind is d.kind for x in each.found)} of {each.cells} cells"
             )
     same = sum(not each.found for each in compared)
-    lines.append(f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone")
+    rest = f", {len(alone) - SHOWN} more" if len(alone) > SHOWN else ""
+    names = f": {', '.join(alone[:SHOWN])}{rest}" if alone else ""
+    counted = f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone"
+    lines.append(counted + names)
     for kind in Kind:
         own = [(each, d) for each in compared for d in each.largest() if d.kind is kind]
         if own:

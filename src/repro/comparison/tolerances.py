@@ -142,18 +142,28 @@ def differences(table: str, a: Sequence[Row], b: Sequence[Row], tolerances: Tole
                 yield _difference(table, x, column, (x[column], y[column]), f"line {number}, {column}", tolerances)
 
 
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
 def _difference(
     table: str, row: Row, column: str, texts: tuple[str, str], place: str, tolerances: Tolerances
 ) -> Difference:
     kind = tolerances.kind(table, row, column)
-    try:
-        a, b = map(float, texts)
-    except ValueError:  # words that follow from trained numbers may differ with them
+    numbers = [number for number in map(_number, texts) if number is not None]
+    if len(numbers) == 1 and math.isfinite(numbers[0]):
+        return Difference(kind, place, *texts, math.inf, 0.0)
+    if len(numbers) < 2:  # words that follow from trained numbers may differ with them
         allowed = math.nan if kind is Kind.TRAINED else 0.0
         return Difference(Kind.EXACT if kind is Kind.COMPUTED else kind, place, *texts, math.inf, allowed)
-    size = 0.0 if math.isnan(a) and math.isnan(b) else abs(a - b)
-    size = math.inf if math.isnan(size) else size
-    allowed = rounding(a, b)
+    a, b = numbers
+    if not (math.isfinite(a) and math.isfinite(b)):
+        same = a == b or (math.isnan(a) and math.isnan(b))
+        return Difference(kind, place, *texts, 0.0 if same else math.inf, 0.0)
+    size, allowed = abs(a - b), rounding(a, b)
     if kind is Kind.TRAINED:
         measured = tolerances.allowed(table, row, column)
         allowed = measured if math.isnan(measured) else max(allowed, measured)

@@ -125,6 +125,8 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
     own_kp, own_kv = control.kp_counts.tolist(), control.kv_counts.tolist()
     rules = (
         ("board", board, (board is None) == (c["source"] == "serial"), "an object if simulated, null if not"),
+        # Earlier versions, which wrote no sum, recorded over a link alone.
+        ("host", None, "host" in c or "sidecar_sha256" in c, "the link that was recorded over"),
         ("complete", c["complete"], c["complete"] == (c["reason"] == ""), "true if and only if there is no reason"),
         (
             "trajectory.n2",
@@ -263,7 +265,7 @@ def check_target(path: Path, overwrite: bool) -> None:
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
     for file in files_of(path):
-        if file.exists() and not overwrite:
+        if os.path.lexists(file) and not overwrite:
             raise InputError.at(str(file), "a file", "a new name, or --overwrite")
 
 

@@ -71,6 +71,7 @@ _JOINT_NAMES = ("shoulder", "elbow")
 #: Column of `repro decode` that states whether the simulated board made a recording.
 SIMULATED: Final = "simulated"
 
+_JOINT_0 = re.compile(r"(?<=\D)0(?=\D|$)")
 _BRACKETS = re.compile(r"(.+?)\s*[\[({]\s*([^\d\s].*?)\s*[\])}]\Z")
 
 
@@ -81,6 +82,7 @@ class Column:
     index: int  # column of the table
     header: str
     unit: str | None  # one of `SPELLINGS`; None if nothing states it
+    assumed: bool = False  # whether the unit is the SI unit because nothing states another
 
 
 def _names() -> dict[str, tuple[Signal, str | None]]:
@@ -122,6 +124,8 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         match = _match(name)
         if match and match[0] not in chosen and index not in {column.index for column in chosen.values()}:
             candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, match, arm, file)))
+    if candidates:
+        _refuse_joint_0(header, file)
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
     missing = [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]
@@ -216,6 +220,17 @@ def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) 
     raise InputError.at(f"{file}: header", found, f"one, or the one to use as columns.{signal} in the arm file")
 
 
+def _refuse_joint_0(header: Sequence[str], file: str) -> None:
+    """Refuse joints 0, 1 and 2: joints 1 and 2 may be the second and third."""
+    zero = [name for name in header if _JOINT_0.search(name) and _match(_JOINT_0.sub("1", name))]
+    if zero:
+        found = f"columns of a joint 0: {_listed(zero)}"
+        expected = (
+            "joints 1 and 2, or each column of the two joints by its signal, columns.q1 and so on, in the arm file"
+        )
+        raise InputError.at(f"{file}: header", found, expected)
+
+
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:
     """Report signals without a column."""
     used = {column.header for column in found.values()}
@@ -226,8 +241,6 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
         close = [name for plain, name in free.items() if difflib.get_close_matches(plain, spellings, 1, 0.75)]
         near += [f"{name!r} for {signal}" for name in close[:1]]
     hint = f" (perhaps {', '.join(near)})" if near else ""
-    if any(re.search(r"(q|pos|position|tau|theta|torque|effort|joint)\W?0", plain) for plain in free):
-        hint = " (joints counted from 0?)"
     expected = f"a column for {', '.join(missing)}{hint}; name it there or as columns.{missing[0]} in the arm file"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)
 
@@ -245,14 +258,14 @@ def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dic
     for signal, kind in KINDS.items():
         if signal not in found:
             continue
-        column, unit = found[signal], found[signal].unit
+        column, unit, assumed_unit = found[signal], found[signal].unit, found[signal].unit is None
         if unit is None:
             unit = si_unit(kind)
             for twin in (twin for name, twin in found.items() if KINDS[name] == kind and twin.unit):
                 expected = f"its unit, as {twin.header} is in {twin.unit}; or units.{kind} in the arm file"
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
             assumed.setdefault(unit, []).append(column.header)
-        complete[signal] = Column(column.index, column.header, unit)
+        complete[signal] = Column(column.index, column.header, unit, assumed_unit)
     if assumed:
         units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
         notes.append(f"the header states no unit for some columns; assumed: {units}")

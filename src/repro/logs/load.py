@@ -27,6 +27,8 @@ _LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "ra
 _SMALLEST = 1e-12
 #: Fraction of samples at the torque limit above which a drive is always saturated.
 _ALWAYS = 0.9
+#: Range of a position, rad, beyond which its unit must be stated.
+_FAR = 4.0 * np.pi
 #: Name of a DataFrame in messages.
 FRAME = "data frame"
 #: What a recording is read from.
@@ -133,6 +135,12 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
     factors = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) for signal in recorded}
     si = {signal: factors[signal] * values for signal, values in recorded.items()}
+    for joint in ("q1", "q2"):
+        if columns[joint].assumed and np.ptp(si[joint]) > _FAR:
+            place, turned = f"{table.file}: {columns[joint].header}", float(np.ptp(si[joint]))
+            found = f"no unit, and {turned / (2.0 * np.pi):.3g} turns if it is rad"
+            expected = f"units.position in the arm file: deg ({np.radians(turned):.3g} rad), counts, or rad"
+            raise InputError.at(place, found, expected)
     time = si["time"]
     _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
     if time[0] != 0.0:

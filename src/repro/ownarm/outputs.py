@@ -10,7 +10,7 @@ import numpy as np
 
 from repro.export.links import links_of
 from repro.export.models import mjcf, urdf
-from repro.files import fill_folder, write_csv, write_json, write_text, writing
+from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.ownarm.figures import figures_of
@@ -40,14 +40,7 @@ SOLVERS = {
 
 def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: Iterable[Path] = ()) -> list[str]:
     """Write every file of a result, or none; no input is replaced."""
-    return fill_folder(out, lambda folder: _write_files(folder, result, curves, arm), OPTIONAL, inputs, (SIDECAR,))
-
-
-def write_sidecar(out: Path) -> str:
-    """Write which versions computed a result, and when."""
-    with writing(out):
-        write_provenance(out / SIDECAR, Path(__file__).parent, 1, fingerprint())
-    return SIDECAR
+    return fill_folder(out, lambda folder: _write_files(folder, result, curves, arm), OPTIONAL, inputs)
 
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
@@ -59,6 +52,7 @@ def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None
     _write_links(folder, result, arm)
     names = sorted(path.name for path in folder.iterdir())
     write_text(folder / PAGE, render_page(result, curves, figures_of(result, curves), names))
+    write_provenance(folder / SIDECAR, Path(__file__).parent, 1, fingerprint())
 
 
 def citations(result: Result) -> list[str]:

@@ -13,6 +13,8 @@ from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
 #: validation error over fit error, relative RMS error of the fit.
 CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
+#: Relative torque error, fit or prediction, above which parameters must not be used.
+USELESS = 0.5
 #: Prediction errors, relative RMS, up to which `WORSE` is not applied.
 SMALL = 0.1
 #: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
@@ -88,9 +90,15 @@ def warnings(
         *_short(problem),
         *odd_delay(problem),
     )
-    if best.consistent:
-        return found
-    return (*found, f"the parameters are not physically consistent: {best.why_not_consistent}")
+    return found if best.consistent else (*found, unusable(best))
+
+
+def unusable(method: MethodResult) -> str:
+    """Give the reason not to use the parameters; empty if they can be used."""
+    if not method.consistent:
+        return f"the parameters are not physically consistent: {method.why_not_consistent}"
+    worst = max(max(score.relative_rms) for _, score in method.scores)
+    return f"Eq. 1 leaves up to {100 * worst:.3g} % of a torque unexplained" if worst > USELESS else ""
 
 
 def _weak_excitation(excitation: Excitation) -> Iterator[str]:

@@ -4,6 +4,7 @@ import errno
 import hashlib
 import logging
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -123,7 +124,8 @@ def _seal(lines: str) -> str:
 
 def _files_in(name: str, folder: Path, path: Path) -> set[str]:
     """Name every file in a folder of that name, except the list itself."""
-    inside = (file for file in folder.rglob("*") if file.is_file() and file.resolve() != path.resolve())
+    own = os.path.realpath(path)
+    inside = (file for file in folder.rglob("*") if file.is_file() and os.path.realpath(file) != own)
     return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
 
 
@@ -137,16 +139,35 @@ def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
     seal, _, lines = _text(path).partition("\n")
     if f"{seal}\n" != _seal(lines):
         raise InputError.at(f"{path}: line 1", seal or "nothing", _seal(lines).strip())
-    folders = [line.removeprefix(_WHOLE) for line in lines.splitlines() if line.startswith(_WHOLE)]
-    sums = (line.split("  ", 1) for line in lines.splitlines() if not line.startswith("#"))
-    return folders, {name: digest for digest, name in sums}
+    folders, sums = [], {}
+    for number, line in enumerate(lines.splitlines(), start=2):
+        digest, _, name = line.partition("  ")
+        if line.startswith(_WHOLE):
+            name = line.removeprefix(_WHOLE)
+            folders.append(name)
+        elif not line.startswith("#"):
+            sums[name] = digest
+        if not name.isprintable() or ".." in Path(name).parts:
+            found = repr(name)[:80]
+            raise InputError.at(f"{path}: line {number}", found, "the name of a file or folder of the project")
+    return folders, sums
 
 
-def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE) -> list[str]:
-    """List the files that are missing or changed, and files in the list's folders that it does not contain."""
+def changed_sources(
+    path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE, stored: Iterable[Path] = ()
+) -> list[str]:
+    """List the files that are missing or changed, and files in the list's folders that it does not contain.
+
+    Nothing is read but the results, ``data``, ``docs`` and the `stored` folders of the configuration.
+    """
     folders, listed = read_sources(path)
     # Where the ledger was when the list was written: a copy of the results is checked itself, not its original.
     own = next((Path(name).parent for name in listed if Path(name).name == CLAIMS), None)
+
+    readable = [Path("data"), Path("docs"), *stored, *([] if own is None else [own])]
+    for name in {*folders, *listed} - {PUBLISHED_NAME}:
+        if not any(Path(name).is_relative_to(folder) for folder in readable):
+            raise InputError.at(str(path), repr(name)[:80], f"names in {', '.join(map(str, readable))}")
 
     def place(name: str) -> Path:
         if own is not None and Path(name).is_relative_to(own):
@@ -157,7 +178,7 @@ def changed_sources(path: Path, root: Path = Path(), published: Path = PUBLISHED
     problems = []
     for name in sorted(listed.keys() | inside):
         file = place(name)
-        shown = file if name != PUBLISHED_NAME and file.resolve() != (root / name).resolve() else name
+        shown = file if name != PUBLISHED_NAME and os.path.realpath(file) != os.path.realpath(root / name) else name
         try:
             found = _digest(file)
         except OSError as error:
@@ -206,7 +227,7 @@ def verify_ledger(
 ) -> tuple[pd.DataFrame | None, list[str]]:
     """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
-    problems = changed_sources(results / SOURCES, root, published)
+    problems = changed_sources(results / SOURCES, root, published, _stored_folders(config))
     try:
         numbers = load_published(published)
         claims = compute(numbers, config, Results(results))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from markupsafe import Markup
 
 from repro.errors import InputError
@@ -17,6 +18,7 @@ from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
 from repro.exhibits.style import METHODS
 from repro.files import read_csv, read_rows, write_text
+from repro.paper.ledger_page import summary
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions
@@ -160,6 +162,23 @@ def _pair(row: Mapping[Hashable, Any]) -> Pair:
         METHODS[name].title if name in METHODS else name for name in (str(row["method"]), str(row["opponent"]))
     )
     return Pair(first, second, f"{row['duration']:.4g}", _points(row), str(row["conclusion"]))
+
+
+def closing_lines(results: Path, figures: Path) -> list[str]:
+    """Give what a run of every target ends with on the screen; nothing where the ledger was not made."""
+    if not (results / "claims.csv").exists() or not (results / "tables/table10.csv").exists():
+        return []
+    scores = read_csv(results / "tables/table10.csv", ("case", "method", "joint", "total"))
+    lines = ["", "Table 10, simulated arm: similarity in % on ID (both joints), and the mean of T1 to T4"]
+    for method in ("algorithm1", "least-squares", "bounded"):
+        own = scores[scores["method"] == method]
+        on_id, unseen = (100.0 * own[rows]["total"] for rows in (own["case"] == "ID", own["case"] != "ID"))
+        lines.append(f"  {METHODS[method].title:<64}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
+    claims = pd.read_csv(results / "claims.csv", keep_default_na=False)
+    numbers = claims.assign(ours=pd.to_numeric(claims["ours"], errors="coerce"))
+    page = results / "report/index.html"
+    places = (f"report: {page}", f"figures: {figures}", f"check: .venv/bin/repro verify --results {results}")
+    return [*lines, "", *summary(numbers), "", *places]
 
 
 _TEMPLATES = Path(__file__).parent
