@@ -13,6 +13,7 @@ import pandas as pd
 
 from repro.errors import InputError, require
 from repro.files import check_folder
+from repro.identification.filtering import FILTERS
 from repro.identification.method import LEAST_SQUARES, NETWORKS
 from repro.identification.scores import integrate
 from repro.logs.armfile import Arm, read_arm
@@ -316,6 +317,7 @@ def identify(
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     options = Options(names, Path(cache).expanduser(), filter, cutoff, seed, steps, friction)
+    _check_options(options)
     if set(names) & set(NETWORKS):
         require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
@@ -358,11 +360,27 @@ def _several(given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
 
 
+def _check_options(options: Options) -> None:
+    """Refuse what the command line refuses, too."""
+    if options.filter not in FILTERS:
+        raise InputError.at("filter", repr(options.filter), f"one of {', '.join(FILTERS)}")
+    limits: tuple[tuple[str, object, type | tuple[type, ...], float, float], ...] = (
+        ("cutoff", 1.0 if options.cutoff is None else options.cutoff, (int, float, np.number), 0.1, 1000.0),
+        ("seed", options.seed, (int, np.integer), 0, 2**32 - 1),
+        ("steps", options.steps, (int, np.integer), 1, 10**7),
+    )
+    for name, value, kind, low, high in limits:
+        number = isinstance(value, kind) and not isinstance(value, bool)
+        if not (number and low <= value <= high):  # type: ignore[operator]
+            whole = "whole " * (name != "cutoff")
+            raise InputError.at(name, repr(value)[:60], f"a {whole}number from {low:g} to {high:.10g}")
+
+
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:
     """Resolve groups of methods; several logs are for least squares, because a network is trained for one motion."""
     if not n_logs:
         raise InputError.at("log", "no recording", "at least one")
-    given = (method,) if isinstance(method, str) else tuple(method)
+    given = tuple(method) if isinstance(method, (list, tuple)) else (method,)
     names = tuple(dict.fromkeys(name for one in given for name in GROUPS.get(one, (one,))))
     unknown = [name for name in names if name not in GROUPS["all"]]
     if unknown or not names:

@@ -154,6 +154,15 @@ def test_wrong_arrays_are_refused_by_their_field(change, place):
     [
         ({"method": "bayes"}, "method"),
         ({"method": []}, "method"),
+        ({"method": 5}, "method"),
+        ({"filter": "fir"}, "filter"),
+        ({"cutoff": "5 Hz"}, "cutoff"),
+        ({"cutoff": float("nan")}, "cutoff"),
+        ({"cutoff": True}, "cutoff"),
+        ({"cutoff": -1}, "cutoff"),
+        ({"seed": "x"}, "seed"),
+        ({"seed": -3}, "seed"),
+        ({"steps": 2.5}, "steps"),
         ({"method": "algorithm1", "self_test": True}, "self_test"),
         ({"validate": LOG}, "validate: "),
         ({"arm": "gone.yaml"}, "gone.yaml"),
@@ -162,6 +171,13 @@ def test_wrong_arrays_are_refused_by_their_field(change, place):
 def test_wrong_options_are_refused_by_name(options, place):
     with pytest.raises(repro.InputError, match=f"^{place}"):
         repro.identify(LOG, **options)
+
+
+@pytest.mark.parametrize("options", [{"rate": "100"}, {"duration": float("nan")}, {"harmonics": True}])
+def test_wrong_numbers_of_a_motion_are_refused_by_name(options):
+    arm = repro.Arm(position_limit=((-1.0, 1.0), (-2.0, 2.0)), speed_limit=(3.0, 4.0))
+    with pytest.raises(repro.InputError, match=rf"^{next(iter(options))}: found "):
+        repro.excite(arm, **options)
 
 
 def test_tables_and_drawing_of_a_result(result):

@@ -74,6 +74,13 @@ def test_what_was_not_measured_is_reported_but_not_judged():
     assert difference.allowed != difference.allowed
 
 
+def test_names_of_rows_are_exact_also_where_a_network_had_a_part():
+    row = {"case": "T1", "method": "algorithm1", "verdict": "better"}
+    for column, broken in (("case", True), ("method", True), ("verdict", False)):
+        (difference,) = differences("tables/table10", [row], [row | {column: "other"}], SPREAD)
+        assert difference.broken is broken, column
+
+
 @pytest.mark.parametrize(
     ("method", "kind"),
     [

@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _is_port(text: str) -> bool:
-    return "://" in text or Path(text).is_char_device()
+    return "://" in text or text.startswith("/dev/") or Path(text).is_char_device()
 
 
 def _source(arguments: argparse.Namespace, text: str) -> Path:

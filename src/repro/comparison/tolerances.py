@@ -75,6 +75,10 @@ def _claimed(claim: str) -> str:
     return "/".join([table, method, *([quantity] if joint else [])]) + at + variant
 
 
+#: Columns that name a row.
+NAMES_OF_ROWS = {"case", "method", "opponent", "joint", "parameter", "id", "target"}
+
+
 @dataclass(frozen=True)
 class Tolerances:
     """Which results depend on a network, and how far networks of other seeds and processors differ in them."""
@@ -156,9 +160,10 @@ def _difference(
     numbers = [number for number in map(_number, texts) if number is not None]
     if len(numbers) == 1 and math.isfinite(numbers[0]):
         return Difference(kind, place, *texts, math.inf, 0.0)
-    if len(numbers) < 2:  # words that follow from trained numbers may differ with them
-        allowed = math.nan if kind is Kind.TRAINED else 0.0
-        return Difference(Kind.EXACT if kind is Kind.COMPUTED else kind, place, *texts, math.inf, allowed)
+    if len(numbers) < 2:  # words that follow from trained numbers may differ with them, names of rows may not
+        if kind is Kind.COMPUTED or column in NAMES_OF_ROWS:
+            return Difference(Kind.EXACT, place, *texts, math.inf, 0.0)
+        return Difference(kind, place, *texts, math.inf, math.nan)
     a, b = numbers
     if not (math.isfinite(a) and math.isfinite(b)):
         same = a == b or (math.isnan(a) and math.isnan(b))

@@ -191,6 +191,9 @@ def excite(
 
 def check_samples(duration: float, rate: float, harmonics: int) -> int:
     """Give the sampling periods of a motion; refuse too few or too many of them, or of the harmonics."""
+    for name, value in (("duration", duration), ("rate", rate), ("harmonics", harmonics)):
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not 0.0 < value < np.inf:
+            raise InputError.at(name, repr(value)[:60], "a number above 0")
     steps = round(duration * rate)
     if not 3 <= harmonics <= _MOST_HARMONICS:
         raise InputError.at("harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
