@@ -47,6 +47,7 @@ _PUBLIC = {
     "similarity": ("repro.signals.metric", "metr2ev"),
 }
 
+#: The same names, written out for type checkers.
 __all__ = [  # noqa: RUF022  (by use)
     "identify",
     "Identification",

@@ -14,7 +14,7 @@ import pandas as pd
 from repro.errors import InputError, require
 from repro.files import check_folder
 from repro.identification.filtering import FILTERS
-from repro.identification.method import LEAST_SQUARES, NETWORKS
+from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.identification.scores import integrate
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import Source
@@ -33,11 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LOG = logging.getLogger(__name__)
-
-#: Names that stand for several methods.
-GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
-#: Folder for trained networks, unless another one is given.
-CACHE = Path("~/.cache/repro")
 
 Recording = str | Path | pd.DataFrame | Log
 
@@ -251,7 +246,7 @@ def identify(
     self_test: bool = False,
     seed: int = 1,
     steps: int = 1500,
-    cache: str | Path = CACHE,
+    cache: str | Path | None = None,
 ) -> Identification:
     """Estimate the nine parameters of Eq. 1 of an arm from what it recorded.
 
@@ -281,8 +276,8 @@ def identify(
         Of standard errors, training and search.
     steps : int
         Training steps of the CNN.
-    cache : path
-        Folder of trained networks.
+    cache : path, optional
+        Folder of trained networks; that of the command by default.
 
     Returns
     -------
@@ -316,7 +311,7 @@ def identify(
     logs, others = _several(log), _several(validate)
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
-    options = Options(names, Path(cache).expanduser(), filter, cutoff, seed, steps, friction)
+    options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, friction)
     _check_options(options)
     if set(names) & set(NETWORKS):
         require("torch", "cnn", "method Algorithm 1")

@@ -180,6 +180,13 @@ def test_wrong_numbers_of_a_motion_are_refused_by_name(options):
         repro.excite(arm, **options)
 
 
+def test_networks_are_kept_where_the_user_says(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with pytest.raises(repro.InputError, match=r"^cache: "):
+        (tmp_path / "cache").write_text("no folder")
+        repro.identify(LOG, method="algorithm1", steps=1)
+
+
 def test_tables_and_drawing_of_a_result(result):
     assert list(result.parameters.index) == ["I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2"]
     assert set(result.errors["part"]) == {"fit", "half", "validation"}

@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import textwrap
 from functools import partial
 from pathlib import Path
@@ -291,3 +292,13 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert found(tmp_path / "out", "ridge")[3:5] == pytest.approx(BETA[3:5], rel=0.05)
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="no folder below /dev to write to")
+def test_a_file_below_dev_is_read_and_a_port_that_is_gone_is_named(tmp_path, capsys):
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
+        for file in (ROOT / "data/captures").glob("T3.*"):
+            shutil.copy(file, folder)
+        assert identify(Path(folder) / "T3.bin", "--method", "ordinary", "-o", tmp_path / "out") == 0
+    assert identify("/dev/ttyGONE7", "--config", "gone.yaml", "--method", "ordinary", "-o", tmp_path / "none") == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith("/dev/ttyGONE7: found no such port")

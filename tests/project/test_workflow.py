@@ -190,10 +190,10 @@ def test_a_bad_overlay_ends_the_run_with_one_line_and_exit_code_2(folder, text, 
     overlay.write_text(text, encoding="utf-8")
     code, said = snakemake(folder, "--dry-run", "--configfile", str(overlay))
     assert code == 2, said
-    told = [line for line in said.splitlines() if ": found " in line]
-    assert len(told) == 1, said
-    assert told[0].startswith(f"{overlay}: {field}: found ")
-    assert ", expected " in told[0]
+    lines = [line for line in said.splitlines() if ": found " in line]
+    assert len(lines) == 1, said
+    assert lines[0].startswith(f"{overlay}: {field}: found ")
+    assert ", expected " in lines[0]
     assert not re.search(r"Traceback|Error in|Exception|File \"", said)
     assert not (folder / "results").exists()
 
@@ -201,10 +201,10 @@ def test_a_bad_overlay_ends_the_run_with_one_line_and_exit_code_2(folder, text, 
 def test_a_bad_value_on_the_command_line_ends_the_run_with_one_line_and_exit_code_2(folder):
     code, said = snakemake(folder, "--dry-run", "--config", "stepz=3")
     assert code == 2, said
-    told = [line for line in said.splitlines() if ": found " in line]
-    assert len(told) == 1, said
-    assert "stepz: found an unknown key" in told[0]
-    assert "config.yaml" not in told[0]
+    lines = [line for line in said.splitlines() if ": found " in line]
+    assert len(lines) == 1, said
+    assert "stepz: found an unknown key" in lines[0]
+    assert "config.yaml" not in lines[0]
     assert not re.search(r"Traceback|Error in|Exception|File \"", said)
 
 
@@ -266,9 +266,9 @@ ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-g
 ONE |= {"cell": "plain-tracked-index", "seed": "2", "search": "3"}
 
 
-def of_a_job(told):
+def of_a_job(lines):
     """What a rule says, or a function of its wildcards says for one job."""
-    value = told(SimpleNamespace(**ONE)) if callable(told) else told
+    value = lines(SimpleNamespace(**ONE)) if callable(lines) else lines
     return (
         sorted(value)
         if isinstance(value, dict)
@@ -278,10 +278,10 @@ def of_a_job(told):
 
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):
     for rule in working:
-        digests = " ".join(text for told in rule.params for text in of_a_job(told))
+        digests = " ".join(text for lines in rule.params for text in of_a_job(lines))
         assert len(re.findall(r"repro[\w.]+:\S* [0-9a-f]{12}\b", digests)) > 5, rule.name
-        told = rule.params.get("config", {})
-        config = told(SimpleNamespace(**ONE)) if callable(told) else told
+        lines = rule.params.get("config", {})
+        config = lines(SimpleNamespace(**ONE)) if callable(lines) else lines
         assert set(config) <= set(CONFIG), rule.name
         if rule.name != "report":  # one more seed changes nothing for jobs that work on one motion or one arm
             assert "seeds" not in config.get("numeric", {}), rule.name

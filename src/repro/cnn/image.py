@@ -97,7 +97,7 @@ def assemble(u: Floats, v: Floats) -> Floats:
 def images(
     q: Array, dq: Array, ddq: Array, tau: Array, guess: Array, settings: ImageSettings = ImageSettings()
 ) -> Floats:
-    """Build the images that the network reads: a torque beside what Eq. 1 gives for a guess (Eq. 8 and 9).
+    """Build the images that the network reads, from a torque and from what Eq. 1 gives for a guess (Eq. 8 and 9).
 
     Parameters
     ----------

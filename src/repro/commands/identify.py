@@ -1,14 +1,12 @@
 """Identify your own arm: from a log to parameters with intervals, and a report."""
 
 import argparse
-import os
 from pathlib import Path
 
 from repro.commands.options import add_config, default_config, folder, integer, number, seed
 from repro.errors import InputError
-from repro.identification.method import LEAST_SQUARES, NETWORKS
+from repro.identification.method import GROUPS, LEAST_SQUARES, NETWORKS, network_cache
 
-GROUPS = ("all", "least-squares")
 FILTERS = ("dct", "savitzky-golay", "butterworth")
 
 
@@ -57,15 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it"
     )
-    parser.add_argument("--cache", type=Path, default=_cache(), help=f"trained networks (default: {_cache()})")
+    parser.add_argument(
+        "--cache", type=Path, default=network_cache(), help=f"trained networks (default: {network_cache()})"
+    )
     parser.add_argument("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
     add_config(parser)
-
-
-def _cache() -> Path:
-    """Folder for trained networks, of the user's choice by XDG_CACHE_HOME."""
-    home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path("~/.cache")) / "repro"
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -103,7 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _is_port(text: str) -> bool:
-    return "://" in text or text.startswith("/dev/") or Path(text).is_char_device()
+    """Whether a text names a port: also one below /dev that is not plugged in, but no file there."""
+    path = Path(text)
+    return "://" in text or path.is_char_device() or (text.startswith("/dev/") and not path.exists())
 
 
 def _source(arguments: argparse.Namespace, text: str) -> Path:

@@ -386,7 +386,7 @@ def verify_control(capture: Capture) -> ControlCheck:
     before = np.concatenate([[-1], index[:-1]])
     checked = np.flatnonzero((index - before == 1) & (index < q_d.shape[1]))
     control = PDController(capture.metadata.control.kp_counts, capture.metadata.control.kv_counts)
-    # Every frame as an arm of its own: one call with the position before, one with the position.
+    # Each frame is one arm of the batch: one call with the position before, one with the position.
     position = capture.position.astype(np.int32)
     control(q_d[:, index[checked]], position[:, np.maximum(checked - 1, 0)])
     pwm = control(q_d[:, index[checked]], position[:, checked])

@@ -5,7 +5,9 @@ Nothing here loads numpy, so that the command line lists the methods at once.
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
 #: Methods that train a network for the motion, of `repro.identification.algorithm1.own_network`.
 NETWORKS = ("algorithm1", "algorithm1+refinement")
+#: Names that stand for several methods.
+GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
 #: Methods of the paper's tables, in the order of tables and legends; the first is the paper's as listed.
 TABLE_METHODS = (
     "algorithm1",
@@ -38,6 +42,12 @@ TABLE_METHODS = (
 )
 #: Baselines of Algorithm 1 in the tables, with the name of the method of least squares.
 BASELINES = {"least-squares": "ordinary", "bounded": "bounded", "consistent": "consistent"}
+
+
+def network_cache() -> Path:
+    """Folder for trained networks, of the user's choice by XDG_CACHE_HOME."""
+    home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(home) if home else Path("~/.cache")) / "repro"
 
 
 class NoSolutionError(Exception):

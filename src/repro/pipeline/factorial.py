@@ -286,7 +286,7 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
 
 
 def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
-    """Mean of each cell over blocks and seeds, with the methods that need no network beside them."""
+    """Mean of each cell over blocks and seeds, and the methods that need no network."""
     names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
     both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
     both = both[both["block"].astype(str) != CONFIRMATION]
