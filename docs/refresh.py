@@ -41,10 +41,15 @@ COSTS = "logs/costs.csv"
 #: Targets that `all` does not make: what they made is kept from their own run if this one has none.
 ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == "table"]
+#: Pages of the tutorials with their figures, of target `tutorials`.
+TUTORIALS = [
+    f"tutorials/{script.stem}{end}" for script in Path("docs/tutorials").glob("*.py") for end in (".md", "-1.png")
+]
 OPTIONAL = (
     *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
     *(f"{name}.json" for name in ASKED_FOR),
     "figures/paper_recipe.csv",
+    *TUTORIALS,
 )
 
 
@@ -55,8 +60,8 @@ def refresh_reference() -> None:
     kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
-    losses = [name for name in ("figures/paper_recipe.csv",) if (results / name).exists()]
-    for name in (*KEPT, *losses, *tables):
+    asked_for = [name for name in ("figures/paper_recipe.csv", *TUTORIALS) if (results / name).exists()]
+    for name in (*KEPT, *asked_for, *tables):
         (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():

@@ -1,0 +1,115 @@
+# %% [markdown]
+# # A real arm, from Python
+#
+# The Underactuated Robotics Lab of DFKI RIC has published logs of a two-joint arm that swings in the vertical plane:
+# the double pendulum "design A.0", with links of 0.3 m and motors geared 6:1. Its angles and signs are those of Eq.
+# 1. The logs are in the public repository `dfki-ric-underactuated-lab/double_pendulum` under the BSD 3-Clause
+# licence. This project contains none of them. This downloads the three logs that the page uses:
+#
+# ```sh
+# base=https://raw.githubusercontent.com/dfki-ric-underactuated-lab/double_pendulum/1e8544e
+# for id in 061157 060143 060329; do
+#   curl --fail --location --create-dirs --output mine/$id.csv \
+#     $base/data/experiment_records/design_A.0/20220812/sys_id/20220812-$id-PM_measured.csv
+# done
+# ```
+#
+# `snakemake --cores 1 tutorials` runs this page again, from the logs in `mine/` or in the folder that the environment
+# variable `REPRO_REALDATA` names. The output here is of copies with six decimals.
+#
+# ## Look at the log
+
+# %%
+import os
+from pathlib import Path
+
+import numpy as np
+
+import repro
+
+logs = Path(os.environ["REPRO_REALDATA"])
+log = repro.read_log(logs / "061157.csv")
+print(f"{log.t[-1] - log.t[0]:.0f} s, {len(log.t)} samples")
+print("position from", log.q.min(axis=1).round(2), "to", log.q.max(axis=1).round(2), "rad")
+print("largest torque", abs(log.tau).max(axis=1).round(2), "N m")
+
+# %% [markdown]
+# The two other logs are 10 s long: a slow ramp for 5 s, then a fall with zero torque. They validate what the first
+# log determines.
+#
+# ## Identify
+
+# %%
+falls = [logs / "060143.csv", logs / "060329.csv"]
+result = repro.identify(logs / "061157.csv", validate=falls, method=["ordinary", "consistent", "parsimonious"])
+print(result.method)
+print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
+
+# %% [markdown]
+# Every parameter has a 95 % interval and a verdict in words:
+
+# %%
+for name, verdict in result.parameters["verdict"].items():
+    print(f"{name}: {verdict}")
+
+# %% [markdown]
+# Viscous and Coulomb friction look alike in so slow a motion. Ordinary least squares makes b2 negative, which no
+# joint can be. The recommended method predicts the falls best among the methods whose parameters an arm can have.
+
+# %%
+print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate", "low", "high"]].round(3))
+
+# %% [markdown]
+# ## Validate
+#
+# The table has the relative torque error of each log and joint, as a fraction of the root mean square of its torque.
+
+# %%
+print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string(index=False))
+
+# %% [markdown]
+# The errors on the falls are larger than on the fitted log. The figure shows the first fall. On the ramp the residual
+# of joint 1 grows with its torque: the gears rub more under load, and Eq. 1 models friction that depends on speed alone.
+# After the release at 5 s no torque acts. The model then predicts too much of it, because small errors of the inertias
+# are multiplied by a large acceleration.
+
+# %%
+result.plot(log=1)
+
+# %% [markdown]
+# ## Use the model
+#
+# `predict` computes the torque that a motion needs. Held still with link 1 level and link 2 hanging on in line, the
+# arm needs the sum of both gravity terms at joint 1 and g2 at joint 2:
+
+# %%
+level, still = np.array([[np.pi / 2], [0.0]]), np.zeros((2, 1))
+print(result.predict(level, still, still).ravel().round(2), "N m")
+
+# %% [markdown]
+# `simulate` integrates the motion that a torque causes. Here the arm falls from there without torque:
+
+# %%
+t = np.linspace(0.0, 0.3, 31)
+q, dq = result.simulate(t, np.zeros((2, 31)), level.ravel(), [0.0, 0.0])
+print("after 0.3 s:", q[:, -1].round(2), "rad")
+
+# %% [markdown]
+# ## Compare with what the owners published
+#
+# Their model has masses, lengths, inertias and a rotor inertia. In the parameters of Eq. 1 they are:
+
+# %%
+m1, m2, l1, r1, r2, g = 0.5593806, 0.6043459, 0.3, 0.3, 0.1837769, 9.81
+j1, j2, rotor, gear = 0.0534708, 0.0239237, 7.6593e-5, 6.0
+i3 = j2 + gear**2 * rotor
+owners = np.array([i3 + j1 + m2 * l1**2 + rotor, 2 * l1 * m2 * r2, i3, (m1 * r1 + m2 * l1) * g, m2 * r2 * g])
+found = result.parameters.iloc[:5]
+for name, ours, theirs in zip(found.index, found["estimate"], owners, strict=True):
+    inside = "inside" if found.low[name] <= theirs <= found.high[name] else "outside"
+    print(f"{name}: {ours:.4f}, owners {theirs:.4f}, {inside} the interval")
+
+# %% [markdown]
+# Inertia and gravity agree to about 10 %. The intervals of g1 and g2 miss the owners' values. They cannot allow for
+# torque that the drives did not deliver, because this log has commanded torque only. `result.save("mine/real")`
+# writes tables, a report for the browser, and the arm as URDF and MJCF.
