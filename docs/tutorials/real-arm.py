@@ -69,9 +69,9 @@ print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string
 
 # %% [markdown]
 # The errors on the falls are larger than on the fitted log. The figure shows the first fall. On the ramp the residual
-# of joint 1 grows with its torque: the gears rub more under load, and Eq. 1 models friction that depends on speed alone.
-# After the release at 5 s no torque acts. The model then predicts too much of it, because small errors of the inertias
-# are multiplied by a large acceleration.
+# of joint 1 grows with its torque: the gears rub more under load, and Eq. 1 models friction that depends on speed
+# alone. After the release at 5 s no torque acts. The model then predicts too much of it, because small errors of the
+# inertias are multiplied by a large acceleration.
 
 # %%
 result.plot(log=1)
