@@ -1,0 +1,112 @@
+"""Run the shell blocks of the pages and compare their output with what the pages show.
+
+A block of commands is fenced as ``sh``; a block fenced as ``text`` right after it is its output, where a line ``...``
+stands for any lines. Each page runs in a folder of its own with links to the project's files, its blocks in order, each
+from the folder where the page starts. A comment before a block says what is special: ``<!-- not run: REASON -->``,
+``<!-- exit code: 2 -->``, or ``<!-- in the background -->`` for what runs until the page ends.
+
+Usage: ``.venv/bin/python .ci/code_blocks.py [PAGE ...]``.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+from printed import same_output  # noqa: E402
+
+BLOCK = re.compile(
+    r"(?:^<!-- (?P<mark>[^\n]*) -->\n+)?^```sh\n(?P<code>.*?)^```\n(?:\n^```text\n(?P<shown>.*?)^```\n)?",
+    re.MULTILINE | re.DOTALL,
+)
+#: Seconds that a block may take.
+LIMIT = 300
+#: Generated or kept elsewhere.
+LEFT_OUT = ("docs/reference/",)
+
+
+def pages() -> list[Path]:
+    """Pages that people write."""
+    found = [
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        ROOT / "config/README.md",
+        *sorted(ROOT.glob("docs/**/*.md")),
+    ]
+    return [page for page in found if not str(page.relative_to(ROOT)).startswith(LEFT_OUT)]
+
+
+def matches(printed: str, shown: str) -> bool:
+    """Whether the parts between lines of dots follow each other in what was printed."""
+    lines = [line.rstrip() for line in printed.splitlines() if line.strip()]
+    parts = [part.strip("\n").splitlines() for part in re.split(r"^ *\.\.\. *\n", shown, flags=re.MULTILINE)]
+    parts = [[line for line in part if line.strip()] for part in parts]
+    at = 0
+    for k, part in enumerate(parts):
+        if not part:
+            continue
+        starts = [at] if k == 0 else range(at, len(lines) - len(part) + 1)
+        start = next((s for s in starts if same_output("\n".join(lines[s : s + len(part)]), "\n".join(part))), None)
+        if start is None:
+            return False
+        at = start + len(part)
+    return not parts[-1] or at == len(lines)
+
+
+def run_page(page: Path) -> tuple[int, list[str]]:
+    """Number of blocks that ran, and what went wrong."""
+    wrong, ran, background = [], 0, []
+    environment = {**os.environ, "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}", "COLUMNS": "120"}
+    with tempfile.TemporaryDirectory() as folder:
+        for entry in ROOT.iterdir():
+            if entry.name not in (".git", "mine", "results", "paper_figures", ".snakemake"):
+                (Path(folder) / entry.name).symlink_to(entry)
+        for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
+            mark, code, shown = (block[name] or "" for name in ("mark", "code", "shown"))
+            if mark.startswith("not run:"):
+                continue
+            ran += 1
+            command = ["bash", "-eu", "-o", "pipefail", "-c", code]
+            if mark == "in the background":
+                quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+                background.append(
+                    subprocess.Popen(command, cwd=folder, env=environment, start_new_session=True, **quiet)
+                )
+                time.sleep(5)
+                continue
+            done = subprocess.run(
+                command, cwd=folder, env=environment, timeout=LIMIT, text=True, check=False, stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            )  # fmt: skip
+            expected = int(mark.partition("exit code: ")[2] or 0)
+            if done.returncode != expected:
+                wrong.append(f"{code}ended with {done.returncode}, expected {expected}:\n{done.stdout[-2000:]}")
+            elif shown and not matches(done.stdout, shown):
+                wrong.append(f"{code}printed\n{done.stdout}\nshown\n{shown}")
+        for process in background:
+            os.killpg(process.pid, 15)
+            process.wait()
+    return ran, wrong
+
+
+def main() -> None:
+    """Run every page, or those named."""
+    failed = 0
+    for page in [Path(name).resolve() for name in sys.argv[1:]] or pages():
+        start = time.monotonic()
+        ran, wrong = run_page(page)
+        failed += len(wrong)
+        if ran:
+            print(f"{page.relative_to(ROOT)}: {ran} blocks, {time.monotonic() - start:.0f} s", flush=True)
+        for text in wrong:
+            print(f"error: {page.relative_to(ROOT)}: {text}", flush=True)
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
