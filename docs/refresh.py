@@ -76,7 +76,7 @@ def refresh_reference() -> None:
 def refresh_networks() -> None:
     """Copy the networks of the run with their histories and cards: what `make quick` takes instead of training."""
     config = load_config(CONFIG)
-    for suffix in ("", *(f"-{name}" for name in config["networks"] if name != "paper-recipe")):
+    for suffix in ("", *(f"-{name}" for name in config["networks"] if not name.startswith("paper-recipe"))):
         made = stored_files(Path(config["results"]) / "model", suffix)
         for what, path in stored_files(config["training"]["networks"], suffix).items():
             if not made[what].exists():

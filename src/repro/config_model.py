@@ -201,6 +201,9 @@ class Networks(Section):
     paper_recipe: Changes = key(
         "the paper's own training, target `paper_recipe`", source="Section IV-B", alias="paper-recipe"
     )
+    paper_recipe_ranges: Changes = key(
+        "the same from parameters in the printed ranges", source="Section IV-B, V-A", alias="paper-recipe-ranges"
+    )
 
 
 class Algorithm1(Section):

@@ -29,7 +29,7 @@ CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="ut
 CONFIG["network"]["hidden"] = [4, 3]
 SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
 N = 3770
-RECIPES = ("algorithm1", "algorithm1+paper-recipe")
+RECIPES = ("algorithm1", "algorithm1+paper-recipe", "algorithm1+paper-recipe-ranges")
 H = 2.5e-3
 
 
@@ -62,7 +62,7 @@ def optional(tmp_path_factory):
         write_csv(folder / f"{name}.csv", frame)
     files = {name: [folder / f"{name}.csv"] for name in frames}
     factorial = {"scores": files["factorial"], "references": files["references"]}
-    recipe = {"scores": files["scores"], "experiment": files["arm"], "histories": 2 * files["history"]}
+    recipe = {"scores": files["scores"], "experiment": files["arm"], "histories": 3 * files["history"]}
     return {"factorial": factorial, "factorial_cells": factorial, "paper_recipe": recipe}
 
 
@@ -72,8 +72,8 @@ def optional(tmp_path_factory):
         ("table", "factorial", 57),
         ("figure", "factorial", 57),
         ("table", "factorial_cells", 72),
-        ("table", "paper_recipe", 36),
-        ("figure", "paper_recipe", 4),
+        ("table", "paper_recipe", 54),
+        ("figure", "paper_recipe", 6),
     ],
 )
 def test_optional_exhibits_are_computed_and_drawn(optional, kind, name, rows):
@@ -81,7 +81,7 @@ def test_optional_exhibits_are_computed_and_drawn(optional, kind, name, rows):
     frame = exhibit.numbers(optional[name], {section: CONFIG[section] for section in exhibit.sections})
     assert len(frame) == rows
     if name == "paper_recipe" and kind == "table":
-        assert frame["total"].tolist() == [0.2] * 36  # the median seed on the identification trajectory
+        assert frame["total"].tolist() == [0.2] * 54  # the median seed on the identification trajectory
     with style.house_style():
         assert exhibit.draw(frame)
 

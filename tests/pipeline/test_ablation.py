@@ -34,7 +34,8 @@ TINY["ablation"] = {"seeds": [1]}
 TINY["training"] |= {"steps": 3, "batch": 8, "test_samples": 16, "checkpoint_every": 2, "log_every": 1}
 TINY["training"] |= {"precision": "float32"}
 TINY["training"]["paper"] |= {"images": 10}
-TINY["networks"]["paper-recipe"]["training"] |= {"steps": 3, "batch": 2}
+for name in ("paper-recipe", "paper-recipe-ranges"):
+    TINY["networks"][name]["training"] |= {"steps": 3, "batch": 2}
 TINY["algorithm1"] |= {"executions": 5, "inner_limit": 2}
 TINY["refinement"] |= {"restarts": 20, "keep": 5, "passes": 2}
 CAPTURES = [
@@ -82,7 +83,7 @@ def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name)
         ("desired", ("model/cnn.safetensors", "model/training.csv")),
         ("tracked-measured", ("model/cnn-tracked-measured.safetensors", "model/training-tracked-measured.csv")),
         ("recipe-paper", ("model/cnn-paper-recipe.safetensors", "model/training-paper-recipe.csv")),
-        ("recipe-ranges", ("ablation/recipe-ranges.safetensors", "ablation/recipe-ranges.csv")),
+        ("recipe-ranges", ("model/cnn-paper-recipe-ranges.safetensors", "model/training-paper-recipe-ranges.csv")),
         ("metric-energy", ("model/cnn.safetensors", "model/training.csv")),
     ],
 )

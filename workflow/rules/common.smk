@@ -73,6 +73,7 @@ def factorial_sections():
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
 SUFFIXES = ["", "-tracked"]
 # Those of the arm: the motions of the training and the motion of line 18 are crossed there.
+RECIPE_SUFFIXES = ["-paper-recipe", "-paper-recipe-ranges"]
 ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 
 

@@ -22,10 +22,10 @@ SOURCES = {
     "weights": {"weights": f"{R}/model/cnn.safetensors"},
     "search": {"search": f"{R}/metric/search.csv", "motions": f"{R}/metric/motions.csv"},
     "paper_recipe": {
-        "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=["", "-paper-recipe"]),
-        "experiment": expand(f"{R}/validation/experiment{{suffix}}.csv", suffix=["", "-paper-recipe"]),
+        "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
+        "experiment": expand(f"{R}/validation/experiment{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
     },
-    "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", "-paper-recipe"])},
+    "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES])},
     "readings": {
         "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=VARIANTS),
         "losses": [f"{R}/{network_files(reading)[1]}" for reading in VARIANTS],

@@ -331,6 +331,14 @@ def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
 
 
+#: Methods of the two exhibits below, with their networks.
+_RECIPES = {
+    "algorithm1": "published",
+    "algorithm1+paper-recipe": "paper-recipe",
+    "algorithm1+paper-recipe-ranges": "paper-recipe-ranges",
+}
+
+
 @table(
     "paper_recipe",
     "Literal Algorithm 1 with it",
@@ -342,17 +350,17 @@ def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
 )
 def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the literal Algorithm 1 on N1 to N4 (identification trajectory) and on the simulated arm with a
-    network trained by the paper's own schedule, 500,000 iterations of one image each, and with ours.
+    network trained by the paper's own schedule, 500,000 iterations of one image each, without and with the printed
+    ranges of the parameters, and with ours.
     """
     numeric = _scores(inputs).query("trajectory == 'ID'")
     both = pd.concat([numeric, read_scores(inputs["experiment"], SCORES)], ignore_index=True)
-    return median_cells(both.query("method in ('algorithm1', 'algorithm1+paper-recipe')"))
+    return median_cells(both[both["method"].isin(_RECIPES)])
 
 
 def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     """Loss on held-out images over the images trained on, of the paper's schedule and of ours."""
-    names = ("algorithm1", "algorithm1+paper-recipe")
-    figure, axes = loss_panel(frame, names, "Training (images)", "Held-out loss (dimensionless)")
+    figure, axes = loss_panel(frame, tuple(_RECIPES), "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     style.legend_above(figure, axes, 2)
@@ -374,10 +382,9 @@ def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, beside
     ours.
     """
-    names = {"algorithm1": "published", "algorithm1+paper-recipe": "paper-recipe"}
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
-    batches = {method: training_settings(of_network(config, name)).batch for method, name in names.items()}
+    batches = {method: training_settings(of_network(config, name)).batch for method, name in _RECIPES.items()}
     return long_table(
         ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
-        for name, h in zip(names, histories, strict=True)
+        for name, h in zip(_RECIPES, histories, strict=True)
     )

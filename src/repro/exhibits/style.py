@@ -145,6 +145,11 @@ METHODS: Final[dict[str, Appearance]] = {
         "Algorithm 1, the paper's training",
         *_look("#666666", _DASH_DOT, 1.1, "h", 3.4),
     ),
+    "algorithm1+paper-recipe-ranges": Appearance(
+        "Algorithm 1, the paper's own training and ranges of parameters",
+        "Algorithm 1, the paper's training and ranges",
+        *_look("#999933", _DASH_DOT, 1.1, "H", 3.4),
+    ),
     "least-squares": Appearance("Least squares", "Least squares", *_look("#d1490a", (3.5, 2.5), 1.1, "x", 3.4)),
     "bounded": Appearance(
         "Least squares, no parameter below zero (line 22's constraint)",

@@ -34,6 +34,7 @@ TABLE_METHODS = (
     "algorithm1+local-search",
     "differential-evolution",
     "algorithm1+paper-recipe",
+    "algorithm1+paper-recipe-ranges",
     "least-squares",
     "bounded",
     "consistent",

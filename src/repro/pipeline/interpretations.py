@@ -44,8 +44,7 @@ VARIANTS: dict[str, Variant] = {
     "recipe-ranges": Variant(
         "training recipe",
         "the paper's schedule and ranges as printed",
-        {"data": {"prior": "published"}},
-        network="paper-recipe",
+        network="paper-recipe-ranges",
         trained=True,
     ),
     "desired": Variant("motion of line 18", "desired, network of Eq. 10", network="desired"),

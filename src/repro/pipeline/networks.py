@@ -36,7 +36,7 @@ def train_network(
 ) -> None:
     """Write ``weights``, ``history`` and ``card``, stored or trained; training continues from `checkpoint`."""
     out = {what: Path(file) for what, file in output.items()}
-    if config["training"]["source"] == "stored" and name != "paper-recipe":
+    if config["training"]["source"] == "stored" and not name.startswith("paper-recipe"):
         take_stored(name, out, config)
         return
     history, seconds = train_and_keep(name, out["weights"], out["history"], checkpoint, config, motions)
