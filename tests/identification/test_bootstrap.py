@@ -133,7 +133,8 @@ def test_other_choices_add_the_square_of_their_shift(names, weight, added):
     rng = np.random.default_rng(10)
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(3))
     parts = [others] if len(names) == 1 else [[other] for other in others]
-    as_good = {name: Perturbation(tuple(part), weight) for name, part in zip(names, parts, strict=True)}
+    rival = len(names) > 1
+    as_good = {name: Perturbation(tuple(part), weight, rival) for name, part in zip(names, parts, strict=True)}
     alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
     beta, *moved = (np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] for o in (r, *others))
     expected = added([np.square(other - beta) for other in moved])

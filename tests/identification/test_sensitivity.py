@@ -18,6 +18,7 @@ from repro.identification.sensitivity import (
     project_out,
     shrinkage,
     simex,
+    unmodelled_effects,
 )
 from repro.identification.solve import solve
 from repro.model.dynamics import regressor
@@ -103,6 +104,26 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
         found = perturbations(noisy, SETTINGS)
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
+
+
+def half_turn(log):
+    return replace(log, tau=log.tau + each(0.2, -0.1) * np.cos(2.0 * log.q + each(0.3, 1.0)))
+
+
+@pytest.mark.parametrize(("zero", "change", "explains"), [(0.05, half_turn, True), (0.0, lambda log: log, False)])
+def test_an_effect_that_explains_a_log_without_its_correction_has_weight(zero, change, explains):
+    # The log is corrected by 0.05 rad: wrongly if its zero is right and it has another effect.
+    noise = 0.02 * np.random.default_rng(4).normal(size=LOG.tau.shape)
+    recorded = change(replace(LOG, q=LOG.q + each(zero - 0.05, 0.0), tau=LOG.tau + noise))
+    corrected = replace(recorded, q=recorded.q + each(0.05, 0.0))
+    found = unmodelled_effects(recorded, SETTINGS, prepare(corrected, SETTINGS))["torque of period half a turn"]
+    assert found.rival
+    assert bool(found.weight > 0.9) is explains
+    if explains:
+        (r,) = found.regressions
+        assert solve(r.y, r.tau)[:5] == pytest.approx(BETA[:5], rel=0.03)
+    else:
+        assert found.weight < 0.05
 
 
 def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():

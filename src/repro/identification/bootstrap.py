@@ -34,7 +34,7 @@ from scipy.stats import t as student
 
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression, correlation_time
-from repro.identification.sensitivity import F_TEST_LEVEL, SIMEX, UNMODELLED_EFFECTS, Perturbation
+from repro.identification.sensitivity import F_TEST_LEVEL, SIMEX, Perturbation
 from repro.model.parameters import Array
 
 REPLICATES = 200
@@ -116,7 +116,7 @@ def bootstrap(
         square = other.weight * np.mean(np.square(shifts), axis=0)
         if name == SIMEX:
             attenuation = square
-        elif name in UNMODELLED_EFFECTS:  # rival explanations of the same residual: the largest shift counts
+        elif other.rival:
             unmodelled = np.maximum(unmodelled, square / 3.0)  # variance of a rectangular distribution up to that shift
         else:
             type_b += square

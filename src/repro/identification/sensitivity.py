@@ -1,7 +1,8 @@
 """Sensitivity of an estimate to choices of the analysis: the shift is an uncertainty of type B [1]_.
 
 Filters and delay could have been chosen slightly differently. Zero positions, torque offsets, load-dependent friction,
-Stribeck friction and torque that depends on the position are effects beyond Eq. 1. Each adds columns to the regressor.
+Stribeck friction and torque that depends on the position are effects beyond Eq. 1. Each adds columns to the regressor,
+and where calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead.
 With these projected out of torque and regressor, any method gives the parameters that it would give with the columns
 in its model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor
 1 - c / F [2]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than
@@ -53,6 +54,7 @@ class Perturbation:
 
     regressions: tuple[Regression, ...]  # one for each way to make it
     weight: float = 1.0  # factor on the squared shift of an estimate, 0 to 1
+    rival: bool = False  # whether it explains the same residual as other rivals, of which the largest shift counts
 
 
 def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
@@ -138,6 +140,24 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
 
 
+def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) -> dict[str, Perturbation]:
+    """Add the columns of each of `UNMODELLED_EFFECTS` to a uniformly sampled log, weighted against `plain`.
+
+    `plain` is the regression that gave the estimate: of this log, or of the log with its calibration errors corrected.
+    """
+    own = drop_standstill(prepare(log, settings))
+    forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
+    columns_of_forms = iter(filtered_columns(forms, log, settings, solve(own.y, own.tau)))
+    results = {}
+    for name, each in UNMODELLED_EFFECTS.items():
+        columns = [next(columns_of_forms) for _ in each]
+        projected = [project_out(own, one) for one in columns]
+        weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
+        best = int(np.argmax(weights))
+        results[name] = Perturbation((projected[best],), weights[best], rival=True)
+    return results
+
+
 def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
     """Prepare a uniformly sampled log with other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
 
@@ -152,18 +172,10 @@ def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) 
         prepared(replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut)) for cut, width in FILTER_FACTORS
     )
     plain = prepared(s)
-    beta = solve(plain.y, plain.tau)
     results = {"filters": Perturbation(filters)}
     if delay_error > 0.0:
         delays = (s.delay + by for by in (-delay_error, delay_error))
         results["delay"] = Perturbation(tuple(prepared(replace(s, delay=delay)) for delay in delays))
-    forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
-    columns_of_forms = iter(filtered_columns(forms, log, s, beta))
-    for name, each in UNMODELLED_EFFECTS.items():
-        columns = [next(columns_of_forms) for _ in each]
-        projected = [project_out(plain, one) for one in columns]
-        weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
-        best = int(np.argmax(weights))
-        results[name] = Perturbation((projected[best],), weights[best])
+    results |= unmodelled_effects(log, s, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results

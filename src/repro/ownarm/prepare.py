@@ -33,7 +33,7 @@ from repro.identification.filtering import (
     prepare,
 )
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.sensitivity import Perturbation, perturbations, project_out
+from repro.identification.sensitivity import Perturbation, perturbations, project_out, unmodelled_effects
 from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
@@ -169,7 +169,8 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[
 
     Regressions of other logs of the arm reveal errors that this log does not show by itself.
     """
-    settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
+    recorded = loaded.log
+    settings, chosen, delay_error = _choose_settings(recorded, arm, options)
     faults = find_calibration_errors(loaded.log, settings, others)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
         settings, _, _ = _choose_settings(correct_calibration(loaded.log, values_of(faults)), arm, options)
@@ -189,6 +190,8 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[
     if faults:
         columns = term_columns(CALIBRATION, loaded.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Perturbation((project_out(moving, columns),))
+        instead = unmodelled_effects(recorded, settings, drop_standstill(prepare(loaded.log, settings)))
+        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
     doubt = _interval_doubt(loaded.log, settings.delay, arm)
     return PreparedLog(loaded, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
 
@@ -232,7 +235,8 @@ def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Pertur
         each = [log.as_good.get(name, Perturbation((log.moving,), 0.0)) for log in logs]
         members = max(len(one.regressions) for one in each)
         mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
-        as_good[name] = Perturbation(tuple(mixed), max(one.weight for one in each))
+        weight, rival = max(one.weight for one in each), any(one.rival for one in each)
+        as_good[name] = Perturbation(tuple(mixed), weight, rival)
     return joined([log.moving for log in logs], weights), as_good
 
 
