@@ -214,7 +214,7 @@ def test_tables_are_tidy_and_hold_every_number():
     assert tuple(table.columns) == PARAMETER_COLUMNS
     assert len(table) == 9 * len(result.methods)
     row = table.query("method == 'consistent' and parameter == 'g1'").iloc[0]
-    assert (row["estimate"], row["standard_error"], row["unit"]) == (3.235, 0.021, "kg m^2/s^2")
+    assert (row["estimate"], row["standard_error"], row["unit"]) == (3.235, 0.021, "N m")
     assert table[table["method"] == "cnn"][["standard_error", "low", "high"]].isna().all(axis=None)
     scores = scores_table(result)
     assert tuple(scores.columns) == SCORE_COLUMNS
