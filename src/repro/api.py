@@ -21,7 +21,7 @@ from repro.logs.load import Source
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.ownarm.evaluate import Fit, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.evaluate import Fit, add_runs, add_self_test, assemble, fit_all, resolve
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
@@ -346,6 +346,8 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     if not fits:
         raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
+    if len(problem.logs) > 1:
+        result = add_runs(result, problem, methods, options.seed, progress)
     return (add_self_test(result, problem, arm, options, progress) if self_test else result), curves
 
 

@@ -1,6 +1,7 @@
 """Several logs of one arm as one fit: filters, delay and faults of each its own, and one that disagrees is named."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from log_example import BETA, motion
 from ownarm_problem import ARM, loaded, silent
@@ -8,8 +9,10 @@ from regression_example import log_from
 
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
-from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.evaluate import add_runs, assemble, fit_all
+from repro.ownarm.outputs import write_result
 from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.result import Curves
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 
@@ -105,6 +108,38 @@ def test_a_log_of_another_arm_is_named():
     )
     assert sum("disagrees" in line for line in result.warnings) == 1
     assert any(line.startswith("the log odd.csv disagrees with the others") for line in result.warnings)
+
+
+def runs_of(problem, result):
+    return add_runs(result, problem, METHODS.values(), 1, silent)
+
+
+def test_logs_of_one_arm_agree_from_run_to_run(two, tmp_path):
+    problem, result = two
+    assert result.spread == ()
+    assert "runs.csv" not in write_result(tmp_path / "one", result, Curves(), ARM)
+    result = runs_of(problem, result)
+    assert [run.log for run in result.runs] == ["a.csv", "b.csv"]
+    for k, row in enumerate(result.spread):
+        alone = [run.parameters[k] for run in result.runs]
+        assert row.estimates == tuple(p.estimate for p in alone)
+        assert row.range == pytest.approx(abs(row.estimates[0] - row.estimates[1]))
+        assert row.together == result.best.parameters[k].estimate
+    for row, truth in zip(result.spread[:5], BETA, strict=False):
+        assert row.agree
+        assert row.estimates == pytest.approx([truth, truth], rel=0.05)
+    assert "runs.csv" in write_result(tmp_path / "two", result, Curves(), ARM)
+    table = pd.read_csv(tmp_path / "two" / "runs.csv")
+    assert table["log"].to_list() == 9 * ["a.csv", "b.csv"]
+    assert table["estimate"].to_numpy() == pytest.approx(np.ravel([row.estimates for row in result.spread]))
+    assert 'id="runs"' in (tmp_path / "two" / "report.html").read_text()
+
+
+@pytest.mark.slow
+def test_logs_of_two_arms_disagree_from_run_to_run():
+    other = BETA * np.array([1, 1, 1, 1.5, 1.5, 1, 1, 1, 1])
+    result = runs_of(*result_of(noisy_log("a.csv", 0), noisy_log("odd.csv", 1, beta=other)))
+    assert {row.name for row in result.spread if row.agree is False} >= {"g1", "g2"}
 
 
 def test_a_noisy_log_counts_less():

@@ -15,7 +15,7 @@ from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import IdentificationProblem, Options, join_logs
+from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings
 from repro.ownarm.result import (
     HALVES,
@@ -27,6 +27,7 @@ from repro.ownarm.result import (
     Result,
     Score,
     Signals,
+    SingleFit,
 )
 from repro.ownarm.selftest import self_test
 from repro.ownarm.text import calibration_warnings, inconsistency, verdict
@@ -233,6 +234,25 @@ def add_self_test(
     except NoSolutionError as error:
         _LOG.warning("self-test: no result, %s", error)
         return result
+
+
+def add_runs(
+    result: Result, problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: Progress
+) -> Result:
+    """Fit each of several logs by itself with the recommended method; one without a solution is left out."""
+    method = next(m for m in methods if m.name == result.recommended)
+    runs = []
+    for log in problem.logs:
+        name = log.loaded.name
+        alone = single_problem(problem, log)
+        try:
+            fitted = fit(method, alone, seed, False, lambda k, n, name=name: progress(f"{name} alone", k, n, ""))
+        except NoSolutionError as error:
+            _LOG.warning("%s alone: no result, %s", name, error)
+            continue
+        share = torque_fraction(alone.moving, fitted.estimate.beta)
+        runs.append(SingleFit(name, _parameters(fitted, share, alone)))
+    return replace(result, runs=tuple(runs))
 
 
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:

@@ -254,6 +254,21 @@ def make_problem(
     return IdentificationProblem(logs, regression, moving, as_good, predicted, excitation(moving), arm.delay is None)
 
 
+def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
+    """Give the problem of one of its logs by itself, prepared as it is among the others."""
+    moving, as_good = join_logs((log,))
+    excited = excitation(moving)
+    return replace(
+        problem,
+        logs=(log,),
+        regression=log.regression,
+        moving=moving,
+        as_good=as_good,
+        validation=(),
+        excited=excited,
+    )
+
+
 def at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
     return abs(delay) >= 0.99 * MAX_DELAY
