@@ -136,7 +136,8 @@ def _mixed_friction(excitation: Excitation, method: MethodResult) -> Iterator[st
         if abs(correlation) > CORRELATION and not _known(method, 4 + joint, 6 + joint):
             yield (
                 f"viscous and Coulomb friction of joint {joint} are hard to distinguish "
-                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give --method parsimonious"
+                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give --method "
+                "parsimonious"
             )
 
 
