@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from repro.export.links import links_of
+from repro.export.links import horizontal_links_of, links_of
 from repro.export.models import mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
@@ -92,7 +92,10 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
     reason = f"The motion does not determine {', '.join(unknown)}, which masses and lengths depend on."
     if not unknown:
         try:
-            links = links_of(beta, arm.gravity, arm.link_lengths)
+            if arm.plane == "horizontal":
+                links = horizontal_links_of(beta, arm.link_lengths)
+            else:
+                links = links_of(beta, arm.gravity, arm.link_lengths)
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:

@@ -20,6 +20,8 @@ SMALL = 0.1
 #: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
 #: differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
+#: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
+CONTRADICTION = 3.0
 #: A delay below this is no drive's, s.
 EARLY = -0.005
 #: A log of fewer seconds deserves a warning.
@@ -85,6 +87,7 @@ def warnings(
     best = next(m for m in methods if m.method == recommended)
     return (
         *_inconsistent(methods, best),
+        *contradicted(problem, best),
         *odd_delay(problem),
         *undriven(problem, best),
         *disagreeing(problem, best),
@@ -107,6 +110,20 @@ def _inconsistent(methods: Sequence[MethodResult], best: MethodResult) -> Iterat
     if not best.consistent:
         option = "" if any(m.method == "consistent" for m in methods) else "; give --method consistent"
         yield f"{unusable(best)}{option}"
+
+
+def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
+    """Warn of a prior that the log contradicts."""
+    prior = problem.prior
+    if prior is None:
+        return
+    for k in prior.informative:
+        p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
+        if abs(p.estimate - mean) > CONTRADICTION * sd:
+            yield (
+                f"the log contradicts the prior of {p.name}: {mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes "
+                f"{p.estimate:.4g}; check the prior, or leave {p.name} out of it"
+            )
 
 
 def _weak_excitation(excitation: Excitation) -> Iterator[str]:

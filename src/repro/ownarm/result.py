@@ -1,7 +1,7 @@
 """The result of `repro identify`: plain dataclasses, written as JSON and drawn by the report."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import FrictionTerm
@@ -25,6 +25,7 @@ class Parameter:
     low: float | None  # ends of the 95 % interval
     high: float | None
     verdict: str  # such as "known to 3 %", "not excited by this motion"
+    prior_weight: float = 0.0  # by how much the estimate follows the mean of its own prior, 0 to 1
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,7 @@ class Result:
     hidden: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[FrictionTerm, ...], ...] = ()
     selftest: SelfTest | None = None
+    prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
     runs: tuple[SingleFit, ...] = ()  # each of several logs by itself
 
     @property

@@ -25,6 +25,7 @@ KNOWN = 0.5
 #: Cell without a number.
 NOTHING = "\N{EN DASH}"
 NOT_EXCITED = "not excited by this motion"
+FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
 COMBINED = "determined in a combination only, see the base parameters"
 
