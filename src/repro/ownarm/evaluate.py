@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class Fit:
     estimate: Estimate
     spread: Uncertainty | None  # standard errors and intervals, if it claims any
     halves: tuple[Score, ...]  # each half predicted from the other; of several logs each from the others
-    prior_weight: Array  # (9,), weight of the prior in each estimate, 0 to 1
+    prior_weight: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # of each estimate (9,), 0 to 1
 
 
 def resolve(options: Options, progress: Progress) -> list[Method]:
