@@ -14,7 +14,7 @@ from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "docs/reference"
-PAGES = ("README.md", "docs/results.md", "docs/reproduction-notes.md")
+PAGES = ("README.md", "docs/results.md", "docs/explanation/experiment.md", "docs/explanation/least-squares.md")
 NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]

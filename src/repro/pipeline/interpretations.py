@@ -1,4 +1,4 @@
-"""Variants of the configuration for what the paper leaves open (docs/reproduction-notes.md)."""
+"""Variants of the configuration for what the paper leaves open (docs/explanation)."""
 
 import copy
 from collections.abc import Mapping, Sequence
