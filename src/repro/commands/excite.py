@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import folder, integer, number, seconds, seed
+from repro.commands.options import folder, integer, number, options_named, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,8 +60,11 @@ def run(arguments: argparse.Namespace) -> int:
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
     harmonics, noise, h = arguments.harmonics, np.array(arguments.noise), 1.0 / arguments.rate
-    steps = check_samples(arguments.duration, arguments.rate, harmonics)
+    with options_named("duration", "rate", "harmonics"):
+        steps = check_samples(arguments.duration, arguments.rate, harmonics)
     arm, guess = read_arm(arguments.arm), read_guess(arguments.guess)
+    if arm.plane != "vertical":
+        raise InputError.at(f"{arguments.arm}: plane", arm.plane, "vertical, for which the motion is designed")
     limits = Envelope(arm, guess)
     asked = {key: getattr(arguments, key) for key in ("duration", "rate", "harmonics", "noise", "seed")}
     ours = excite(arm, guess=guess, **asked)
