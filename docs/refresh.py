@@ -5,8 +5,6 @@ copied: ledger and check sums of the reference, and the tables of the pages, are
 """
 
 import argparse
-import hashlib
-import json
 import shutil
 from pathlib import Path
 
@@ -17,7 +15,7 @@ from repro.config import load_config
 from repro.exhibits.catalogue import EXHIBITS
 from repro.files import write_json
 from repro.paper.ledger import write_ledger
-from repro.pipeline.provenance import commit
+from repro.pipeline.provenance import ASKED_FOR, commit, config_digest
 from repro.pipeline.stored_networks import stored_files
 
 #: Relative to the project, as the ledger's list of files is.
@@ -38,8 +36,6 @@ def refresh_gallery() -> None:
 #: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
 COSTS = "logs/costs.csv"
-#: Targets that `all` does not make: what they made is kept from their own run if this one has none.
-ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == "table"]
 OPTIONAL = (
     *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
@@ -65,8 +61,7 @@ def refresh_reference() -> None:
             (REFERENCE / name).write_bytes(content)
     for name in ASKED_FOR:
         if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
-            digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
-            write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": digest})
+            write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(config)})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
     (REFERENCE / COSTS).parent.mkdir()

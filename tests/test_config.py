@@ -200,6 +200,8 @@ BAD = {
     "coverage: {levels: [0.9, 0.5]}": ("coverage.levels", "[0.9, 0.5]", "rising shares"),
     "coverage: {levels: [0.999]}": ("coverage.levels", "[0.999]", "0.9967 at most"),
     "experiment: {lead_in_s: 0.001}": ("experiment.lead_in_s", "0.001", "one sampling period"),
+    "experiment: {lead_in_s: 100.0}": ("experiment.lead_in_s", "100.0", "one sampling period"),
+    "experiment: {margin_samples: 8192}": ("experiment.margin_samples", "8192", "one sampling period"),
     "training: {paper: {images: 10, train_share: 0.01}}": ("training.paper.images", "10", "one image to train"),
     "arm: {link_lengths_m: [0.2, 0.01]}": ("arm.link_lengths_m", "[0.2, 0.01]", "circle of T2"),
     "arm: {parameters: [0.1, 0.1, 0.2, 1, 1, 1, 1, 1, 1]}": ("arm.parameters", "[0.1, 0.1", "positive definite"),
@@ -266,18 +268,32 @@ def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):
     assert refused(load(base, file), base, file)["file"] == str(base)
 
 
-@pytest.mark.parametrize("target", ["src", "data/captures", ".git", "/etc", "results/link", "."])
+@pytest.mark.parametrize("target", ["src", "data/captures", ".git", "/etc", "results/link", ".", "..", "../gone/x"])
 def test_a_link_does_not_lead_a_run_into_protected_folders(tmp_path, monkeypatch, target):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     link = tmp_path / "results/link"
     link.symlink_to(tmp_path / target)
-    config = load(BASE) | {"results": "results/link/x" if target != "." else "results/link"}
+    config = load(BASE) | {"results": "results/link" if target in (".", "..") else "results/link/x"}
     assert refused(config, BASE)["field"] == "results"
     if target == "results/link":
         config = load(BASE)
         config["experiment"]["captures"] = "results/link"
         assert refused(config, BASE)["field"] == "experiment.captures"
+
+
+def test_links_may_lead_results_and_figures_to_folders_outside_of_the_project(tmp_path, monkeypatch):
+    (tmp_path / "project").mkdir()
+    monkeypatch.chdir(tmp_path / "project")
+    config = load(BASE)
+    for key in ("results", "figures"):
+        (tmp_path / "scratch" / key).mkdir(parents=True)
+        Path(config[key]).symlink_to(tmp_path / "scratch" / key)
+    check_config(config, [BASE])
+    check_config(config | {"results": "results/mine"}, [BASE])
+    assert refused(config | {"results": "data/mine"}, BASE)["field"] == "results"
+    Path("again").symlink_to(tmp_path / "scratch/figures")
+    assert refused(config | {"results": "again"}, BASE)["field"] == "results"
 
 
 @pytest.mark.parametrize("place", ["top", "arms"])

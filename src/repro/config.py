@@ -24,8 +24,12 @@ CONFIGURATION = "a configuration file"
 
 #: Folders of the project that no run may write to; those that begin with a point belong to tools.
 _OWN = {"benchmarks", "build", "config", "data", "docs", "envs", "profiles", "src", "tests", "workflow"}
+#: Folders of the system; nor are those directly below its root a run's.
+_SYSTEM = {"bin", "boot", "dev", "etc", "lib", "lib32", "lib64", "proc", "run", "sbin", "sys", "usr"}
 #: Nearest that the circle of T2 comes to joint 1, over the arm's reach.
 NEAREST = 0.7
+#: Check sums of the stored captures, which the ledger is made from.
+SUMS = "SHA256SUMS"
 #: Largest number that the board's memory holds.
 LARGEST = float(np.finfo(np.float32).max)
 #: What a value should be, by the kind of pydantic's error; limits are filled in.
@@ -126,16 +130,27 @@ def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence
     """Refuse folders that a run would spoil, by their own names and by where links lead."""
     project = Path.cwd().resolve()
     for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
-        folder = _resolved(config[key])
-        inside = folder is not None and folder != project and folder.is_relative_to(project)
-        tops = [Path(config[key]).parts[0], folder.relative_to(project).parts[0]] if folder and inside else []
-        if not tops or any(top.startswith(".") or top.lower() in _OWN or Path(top).is_file() for top in tops):
+        named, folder = Path(config[key]), _resolved(config[key])
+        tops = [named.parts[0]]
+        if folder is not None and folder != project and folder.is_relative_to(project):
+            tops.append(folder.relative_to(project).parts[0])
+        elif folder is None or not _is_elsewhere(named, folder, project):
+            tops.append(".")
+        if any(top.startswith(".") or top.lower() in _OWN or Path(top).is_file() for top in tops):
             yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
     if _resolved(config["results"]) == _resolved(config["figures"]):
         yield (("results",), ("figures",)), "two folders"
     for place in (("experiment", "captures"), ("training", "networks")):
         if _resolved(config[place[0]][place[1]]) is None:
             yield (place,), "a folder, and no link that leads back to itself"
+
+
+def _is_elsewhere(named: Path, folder: Path, project: Path) -> bool:
+    """Whether links lead out of the project to a folder that is there, not around it and not the system's."""
+    links = [each for each in (named, *named.parents) if each.is_symlink()]
+    of_system = len(folder.parts) < 3 or folder.parts[1] in _SYSTEM
+    around = project.is_relative_to(folder)
+    return all(link.is_dir() for link in links) and not (of_system or around) and not named.is_file()
 
 
 def _resolved(folder: str) -> Path | None:
@@ -153,6 +168,9 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
     if h != SAMPLING_PERIOD:
         yield (("signals", "sampling_period_s"),), f"{SAMPLING_PERIOD} s, the board's clock"
     edges = round(experiment["lead_in_s"] / h) + 2 * experiment["margin_samples"]
+    if not 1 <= round(experiment["lead_in_s"] / h) <= edges < MEMORY_SAMPLES:
+        expected = f"at least one sampling period ({h} s) of lead-in, with both margins below {MEMORY_SAMPLES * h:g} s"
+        yield (("experiment", "lead_in_s"), ("experiment", "margin_samples")), expected
     durations: list[tuple[Place, float]] = [(("signals", "duration_s"), signals["duration_s"])]
     durations += [(("spread", "durations_s", k), d) for k, d in enumerate(config["spread"]["durations_s"])]
     for place, duration in durations:
@@ -170,8 +188,6 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
     spread = config["spread"]
     if len(spread["seeds"]) % spread["arms"]:
         yield (("spread", "arms"), ("spread", "seeds")), "as many specimens of every arm"
-    if round(experiment["lead_in_s"] / h) < 1:
-        yield (("experiment", "lead_in_s"),), f"at least one sampling period ({h} s)"
     first, second = config["arm"]["link_lengths_m"]
     if abs(first - second) > NEAREST * (first + second):
         yield (("arm", "link_lengths_m"),), "links of which the shorter one reaches the circle of T2"
@@ -186,10 +202,10 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequ
 
 
 def capture_files(config: Mapping[str, Any], motion: str) -> list[str]:
-    """Files that a stored capture is read from; a simulated or real board needs none."""
+    """Files that a stored capture, or `SUMS`, is read from; a simulated or real board needs none."""
     experiment = config["experiment"]
-    ends = ("bin", "program", "json") if experiment["source"] == "stored" else ()
-    return [f"{experiment['captures']}/{motion}.{end}" for end in ends]
+    names = [SUMS] if motion == SUMS else [f"{motion}.{end}" for end in ("bin", "program", "json")]
+    return [f"{experiment['captures']}/{name}" for name in names if experiment["source"] == "stored"]
 
 
 def _missing_inputs(config: Mapping[str, Any], motions: Iterable[str]) -> Iterator[tuple[Sequence[Place], str]]:

@@ -17,8 +17,12 @@ _Validator = jsonschema.validators.extend(jsonschema.Draft202012Validator, type_
 
 
 def spelled(place: Place) -> str:
-    """``("numeric", "arms", "N1", 3)`` as ``numeric.arms.N1[3]``."""
-    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in place).removeprefix(".")
+    """``("numeric", "arms", "N1", 3)`` as ``numeric.arms.N1[3]``; a key of points alone in quotes."""
+
+    def part(key: str | int) -> str:
+        return f"[{key!r}]" if isinstance(key, int) or not key.strip(".") else f".{key}"
+
+    return "".join(map(part, place)).removeprefix(".")
 
 
 def violation(content: object, schema: Mapping[str, Any]) -> tuple[Place, object, str] | None:

@@ -103,7 +103,7 @@ def test_a_guess_is_read_from_an_identification(tmp_path):
         (("--guess", *BETA[:8], "nan"), {}, "expected parameters.json of repro identify, or nine numbers"),
         (("--guess", "arm.yaml"), {}, "arm.yaml: found No such file"),
         (("--harmonics", 2), {}, "harmonics: found 2, expected 3 to 20"),
-        (("--rate", 1), {}, "duration times rate: found 8 samples, expected 16 to 99999"),
+        (("--rate", 1), {}, "--rate times duration: found 8 samples, expected 16 to 99999"),
     ],
 )
 def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, words):

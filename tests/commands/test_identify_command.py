@@ -221,7 +221,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["log.csv", "-o", "out", "--arm", "degrees.yaml"], "degrees: 3.1416"),
         (["/dev/ttyNOPE", "-o", "out"], "no such port"),
         (["log.csv", "-o", "o" * 300], "File name too long"),
-        (["log.csv", "-o", "out", "--cutoff", "90"], "at least four times the cut-off"),
+        (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
         (["log.csv", "log.csv", "-o", "out"], "the same log twice"),

@@ -36,6 +36,7 @@ def content_of(folder):
 @pytest.mark.parametrize("board", [None, IDENTITY])
 @pytest.mark.parametrize(("data", "reason"), [(FRAMES, ""), (FRAMES[:1001], "disconnected")])
 def test_what_is_written_is_read(tmp_path, host, board, data, reason):
+    host = host and dataclasses.replace(host, chunks=((800, 0.05), (len(data), 0.1)))
     given_metadata = metadata(DESIRED, board=board, host=host, end_reason=reason)
     path = tmp_path / "new" / "T4.bin"
     write_capture(path, data, given_metadata)
@@ -140,7 +141,7 @@ def test_a_wrong_sidecar_is_named_in_one_line(stored, key, value, place):
         ("T4.bin", FRAMES[:-1], r"T4\.bin: size: found 3199 bytes, expected the 3200 of T4\.json"),
         ("T4.bin", FRAMES[:100] + bytes([FRAMES[100] ^ 1]) + FRAMES[101:], r"T4\.bin: SHA-256: found"),
         ("T4.bin", None, r"T4\.bin: found No such file"),
-        ("T4.json", None, r"T4\.json: found No such file"),
+        ("T4.json", None, r"T4\.bin: found no T4\.json next to it"),
         ("T4.json", b"{", r"T4\.json: found text that is not JSON"),
         ("T4.json", b"[]", r"T4\.json: content: found \[\], expected an object"),
         ("T4.json", b"\xff", r"T4\.json: found text that is not JSON"),
@@ -154,6 +155,19 @@ def test_a_wrong_file_is_named_in_one_line(stored, name, content, place):
     with pytest.raises(InputError, match=place) as caught:
         read_capture(stored)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "chunks", [[], [[800, 0.1]], [[800, 0.1], [3201, 0.2]], [[-1, 0.1], [3200, 0.2]], [[9, 0], [3, 0]]]
+)
+def test_chunks_that_are_not_those_of_the_bytes_are_refused(tmp_path, chunks):
+    path = tmp_path / "T4.bin"
+    write_capture(path, FRAMES, metadata(DESIRED, host=HOST))
+    content = json.loads(path.with_suffix(".json").read_text())
+    content["host"]["chunks"] = chunks
+    path.with_suffix(".json").write_text(json.dumps(content))
+    with pytest.raises(InputError, match=r"T4\.json: host\.chunks: found "):
+        read_capture(path)
 
 
 def test_flipped_bits_of_a_sidecar_are_refused_or_change_nothing(tmp_path):

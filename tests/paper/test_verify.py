@@ -15,8 +15,10 @@ from claims_example import make_project
 from repro.cli import main
 from repro.config import load_config
 from repro.errors import InputError
+from repro.files import write_json
 from repro.paper import ledger
 from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
+from repro.pipeline.provenance import config_digest
 
 pytestmark = pytest.mark.slow
 
@@ -100,6 +102,33 @@ def test_one_changed_text_is_named(project, capsys, file, old, new, named):
     code, out, _ = verify(capsys)
     assert code == 1
     assert all(text in out for text in named or [f"disagrees: {file}: SHA-256"])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "field"),
+    [
+        ("config.yaml", "margin_samples: 40", "margin_samples: 41", "numeric.margin_samples"),
+        ("config.yaml", "enforce: true", "", "claims"),
+        ("factorial.json", '"config_sha256": "', '"config_sha256": "0', "config_sha256"),
+        ("factorial.json", '"commit": "0', '"commit": "x', "commit"),
+    ],
+)
+def test_settings_that_are_kept_with_results_are_checked_under_a_new_seal(project, capsys, file, old, new, field):
+    config = project / "config/config.yaml"
+    shutil.copy(config, "results")
+    write_json("results/factorial.json", {"commit": "0" * 40, "config_sha256": config_digest(load_config(config))})
+    remake()
+    assert verify(capsys)[0] == 0
+    change(project / "results" / file, old, new)
+    remake()
+    code, out, _ = verify(capsys)
+    assert code == 1 and f"disagrees: results/{file}: {field}" in out and "SHA-256:" not in out
+
+
+def test_a_cell_without_a_number_is_shown_as_it_is(project, capsys):
+    change(project / "results/tables/table10.csv", "ID,algorithm1,1,0.975,1,0.975", "ID,algorithm1,1,0.975,1,n/a")
+    code, out, _ = verify(capsys)
+    assert code == 1 and re.search(r"table10\.csv: total of .*: found n/a, ", out)
 
 
 @pytest.mark.parametrize("column", ["published", "ours", "verdict", "asserted", "note"])

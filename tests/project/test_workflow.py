@@ -198,6 +198,19 @@ def test_a_bad_overlay_ends_the_run_with_one_line_and_exit_code_2(folder, text, 
     assert not (folder / "results").exists()
 
 
+def test_captures_without_check_sums_end_the_ledger_with_one_line_and_exit_code_2(folder):
+    (folder / "mine").mkdir()
+    for file in (ROOT / "data/captures").glob("*.[bpj]*"):
+        (folder / "mine" / file.name).symlink_to(file)
+    overlay = folder / "my.yaml"
+    overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
+    code, said = snakemake(folder, "--dry-run", "claims", "--configfile", str(overlay))
+    assert code == 2, said
+    (line,) = (line for line in said.splitlines() if ": found " in line)
+    assert line.startswith(f"{overlay}: experiment.captures: found ") and "SHA256SUMS" in line
+    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
+
+
 def test_a_bad_value_on_the_command_line_ends_the_run_with_one_line_and_exit_code_2(folder):
     code, said = snakemake(folder, "--dry-run", "--config", "stepz=3")
     assert code == 2, said

@@ -116,9 +116,14 @@ NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 def stored_capture(wildcards):
     """Files that a capture is read from, all of which must be there."""
-    files = capture_files(config, wildcards.motion)
+    return present_files(wildcards.motion)
+
+
+def present_files(motion):
+    """Files of a stored capture, or the check sums of all; one that is missing ends the run with one line."""
+    files = capture_files(config, motion)
     if not all(map(os.path.isfile, files)):
-        accept_config(config, CONFIG_FILES, [wildcards.motion])
+        accept_config(config, CONFIG_FILES, [motion])
     return files
 
 
@@ -139,9 +144,8 @@ def experiment_identifications(suffix=""):
 
 def ledger_sources():
     """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
-    stored = config["experiment"]["captures"] if config["experiment"]["source"] == "stored" else None
     return {
-        "captures": [f"{stored}/SHA256SUMS"] if stored else [],
+        "captures": lambda wildcards: present_files(SUMS),
         "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
         "training": f"{R}/model/training.csv",
         "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],

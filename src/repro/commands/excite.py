@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from repro.commands.options import folder, integer, number, seconds, seed
+from repro.commands.options import folder, integer, number, options_named, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
     harmonics, noise, h = arguments.harmonics, np.array(arguments.noise), 1.0 / arguments.rate
-    steps = check_samples(arguments.duration, arguments.rate, harmonics)
+    with options_named("duration", "rate", "harmonics"):
+        steps = check_samples(arguments.duration, arguments.rate, harmonics)
     arm, guess = read_arm(arguments.arm), read_guess(arguments.guess)
     limits = Envelope(arm, guess)
     asked = {key: getattr(arguments, key) for key in ("duration", "rate", "harmonics", "noise", "seed")}

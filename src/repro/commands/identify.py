@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from repro.commands.options import add_config, default_config, folder, integer, number, seed
+from repro.commands.options import add_config, default_config, folder, integer, number, options_named, seed
 from repro.errors import InputError
 from repro.identification.method import GROUPS, LEAST_SQUARES, NETWORKS, network_cache
 
@@ -74,19 +74,20 @@ def run(arguments: argparse.Namespace) -> int:
             if given not in (None, default_config()):
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
-    result = identify(
-        [_source(arguments, log) for log in arguments.logs],
-        validate=arguments.validate,
-        arm=arguments.arm,
-        method=method,
-        filter=arguments.filter,
-        cutoff=arguments.cutoff,
-        friction=arguments.friction,
-        self_test=arguments.self_test,
-        seed=arguments.seed,
-        steps=arguments.steps,
-        cache=arguments.cache,
-    )
+    with options_named("cutoff", "method", "validate", "cache"):
+        result = identify(
+            [_source(arguments, log) for log in arguments.logs],
+            validate=arguments.validate,
+            arm=arguments.arm,
+            method=method,
+            filter=arguments.filter,
+            cutoff=arguments.cutoff,
+            friction=arguments.friction,
+            self_test=arguments.self_test,
+            seed=arguments.seed,
+            steps=arguments.steps,
+            cache=arguments.cache,
+        )
     print(result, flush=True)
     files = result.save(arguments.out, arguments.overwrite)
     print(f"written to {arguments.out}: {', '.join(files)}")

@@ -2,8 +2,11 @@
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from repro.errors import InputError
 
 #: Configuration of the project's folder, and the copy that is used elsewhere.
 DEFAULT_CONFIG, PACKAGED_CONFIG = Path("config/config.yaml"), Path(__file__).parent.parent / "default.yaml"
@@ -57,3 +60,12 @@ def number(low: float, high: float, what: str) -> Callable[[str], float]:
 
 seed = integer(0, 2**32 - 1)
 seconds = number(0.1, 3600.0, "a time in s")
+
+
+@contextmanager
+def options_named(*names: str) -> Iterator[None]:
+    """Report these arguments of a function as the options that they are on the command line."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{'--' * str(error).startswith(names)}{error}") from error

@@ -14,10 +14,10 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
-    from repro.config import load_config
+    from repro.config import SUMS, load_config
     from repro.signals.programs import PROGRAMS
 
-    load_config(arguments.config, *arguments.overlays, inputs=True, motions=PROGRAMS)
+    load_config(arguments.config, *arguments.overlays, inputs=True, motions=(*PROGRAMS, SUMS))
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
     return 0
 
@@ -46,7 +46,7 @@ def verify(arguments: argparse.Namespace) -> int:
     from repro.paper.claims import broken
     from repro.paper.ledger import verify_ledger
     from repro.paper.ledger_page import summary
-    from repro.pipeline.provenance import recorded_fingerprint
+    from repro.pipeline.provenance import changed_settings, recorded_fingerprint
 
     files = arguments.config or [_project_config(arguments.results)]
     config = load_config(*files)
@@ -55,6 +55,7 @@ def verify(arguments: argparse.Namespace) -> int:
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config["results"]
     claims, problems = verify_ledger(results, config, root)
+    problems += changed_settings(results, config, root)
     print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
         print(line)

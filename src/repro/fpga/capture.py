@@ -121,12 +121,19 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
     assert isinstance(content, dict)  # checked above
     c: dict[str, Any] = content
     control, trajectory, board = _control(c), c["trajectory"], c["board"]
+    received = [chunk[0] for chunk in c["host"]["chunks"]] if "host" in c else [c["bytes"]]
     kp, kv = c["control"]["kp_counts"], c["control"]["kv_counts"]
     own_kp, own_kv = control.kp_counts.tolist(), control.kv_counts.tolist()
     rules = (
         ("board", board, (board is None) == (c["source"] == "serial"), "an object if simulated, null if not"),
         # Earlier versions, which wrote no sum, recorded over a link alone.
         ("host", None, "host" in c or "sidecar_sha256" in c, "the link that was recorded over"),
+        (
+            "host.chunks",
+            received[-3:],
+            [0, *received] == sorted([0, *received]) and received[-1:] == [c["bytes"]],
+            f"numbers of bytes that rise to the {c['bytes']} of bytes",
+        ),
         ("complete", c["complete"], c["complete"] == (c["reason"] == ""), "true if and only if there is no reason"),
         (
             "trajectory.n2",
@@ -302,6 +309,9 @@ def read_capture(path: str | Path) -> Capture:
     _check_suffix(path)
     _, program_file, sidecar_file = files_of(path)
     data = read_bytes(path, LARGEST, "a capture")
+    if not sidecar_file.exists():
+        expected = f"a capture with its {sidecar_file.name}; a table has another suffix, such as .csv"
+        raise InputError.at(str(path), f"no {sidecar_file.name} next to it", expected)
     content = check_sidecar(str(sidecar_file), read_json(sidecar_file))
     _check_bytes(path, data, content)
     program = read_bytes(program_file, LARGEST, "a capture")
@@ -309,7 +319,8 @@ def read_capture(path: str | Path) -> Capture:
     try:
         metadata = metadata_from(content, program)
     except ValueError as error:
-        raise InputError.at(str(program_file), str(error), f"what {sidecar_file.name} says") from error
+        found = str(error).removeprefix("program: ").rstrip(".")
+        raise InputError.at(f"{program_file}: program", found, f"what {sidecar_file.name} says") from error
     capture = decode_capture(data, metadata, str(path))
     for name, count in asdict(capture.counts).items():
         if content["counts"][name] != count:

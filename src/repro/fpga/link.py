@@ -234,8 +234,8 @@ class Receiver:
         return counts.good + undecided // FRAME_BYTES >= self._samples
 
     def _stamp(self, seconds: float, final: bool = False) -> None:
-        if final and self.stamps and self.stamps[-1][0] == len(self.data):
-            return
+        while final and self.stamps and self.stamps[-1][0] >= len(self.data):  # of bytes after the last sample, too
+            self.stamps.pop()
         if final or not self.stamps or seconds - self.stamps[-1][1] >= _STAMP:
             self.stamps.append((len(self.data), round(seconds, 6)))
 

@@ -199,7 +199,7 @@ def check_samples(duration: float, rate: float, harmonics: int) -> int:
         raise InputError.at("harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
     if not 4 * harmonics <= steps < _MOST_SAMPLES:
         expected = f"{4 * harmonics} to {_MOST_SAMPLES - 1} with these harmonics"
-        raise InputError.at("duration times rate", f"{steps} samples", expected)
+        raise InputError.at("rate times duration", f"{steps} samples", expected)
     return steps
 
 

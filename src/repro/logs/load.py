@@ -89,17 +89,9 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
 
 
 def _from_arrays(log: Log) -> Log:
-    """Check the shapes, numbers and times of arrays."""
-    t, q, tau = (np.asarray(x, dtype=np.float64) for x in (log.t, log.q, log.tau))
-    dq = None if log.dq is None else np.asarray(log.dq, dtype=np.float64)
-    pair = (2, t.size)
-    for name, x, shape in (("t", t, (t.size,)), ("q", q, pair), ("tau", tau, pair), ("dq", dq, pair)):
-        if x is not None and x.shape != shape:
-            raise InputError.at(f"{log.name}: {name}", f"shape {x.shape}", f"shape {shape}")
-        if x is not None and not np.isfinite(x).all():
-            raise InputError.at(f"{log.name}: {name}", f"{np.sum(~np.isfinite(x))} numbers that are not finite", "none")
-    _check_time(t, t, "s", log.name, range(1, t.size + 1))
-    return replace(log, t=t - t[0], q=q, tau=tau, dq=dq, breaks=())
+    """Check the times of arrays."""
+    _check_time(log.t, log.t, "s", log.name, range(1, log.t.size + 1))
+    return replace(log, t=log.t - log.t[0], breaks=())
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:

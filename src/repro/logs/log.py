@@ -37,6 +37,11 @@ class Log:
     breaks : tuple of int
         Samples that begin a new piece behind a long gap, of a log that was made even.
 
+    Raises
+    ------
+    InputError
+        If an array has another shape, is not of finite real numbers, or time does not increase.
+
     Examples
     --------
     >>> import numpy as np
@@ -56,6 +61,21 @@ class Log:
     torque_limit: Array | None = None
     breaks: tuple[int, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Check the arrays, and take them as double precision."""
+        if not isinstance(self.name, str):
+            raise InputError.at("name", repr(self.name)[:60], "text")
+        n = np.size(self.t)
+        for field, shape in (("t", (n,)), ("q", (2, n)), ("tau", (2, n)), ("dq", (2, n)), ("torque_limit", (2,))):
+            if (given := getattr(self, field)) is not None or field in ("t", "q", "tau"):
+                object.__setattr__(self, field, _numbers(f"{self.name}: {field}", given, shape))
+        wrong = np.flatnonzero(np.diff(self.t) <= 0.0)
+        if wrong.size:
+            now, before = self.t[wrong[0] + 1], self.t[wrong[0]]
+            raise InputError.at(
+                f"{self.name}: t[{wrong[0] + 1}]", f"{now:.10g} after {before:.10g}", "time that increases"
+            )
+
     def piece(self, begin: int, end: int) -> "Log":
         """Cut out samples ``begin ... end - 1``."""
         cut = slice(begin, end)
@@ -73,6 +93,22 @@ class Log:
     def longest(self) -> "Log":
         """The piece with the most samples."""
         return max(self.pieces, key=lambda piece: piece.t.size)
+
+
+def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
+    """Give an array of finite real numbers of this shape."""
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        raise InputError.at(place, "rows of different lengths", f"shape {shape}") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError.at(place, f"values of type {array.dtype}", "real numbers")
+    if array.shape != shape:
+        raise InputError.at(place, f"shape {array.shape}", f"shape {shape}")
+    numbers = np.asarray(array, dtype=np.float64)
+    if not np.isfinite(numbers).all():
+        raise InputError.at(place, f"{np.sum(~np.isfinite(numbers))} numbers that are not finite", "none")
+    return numbers
 
 
 #: Shortest log, s, and fewest samples.

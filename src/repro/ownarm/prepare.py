@@ -131,10 +131,17 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
 
 
+#: Why a cut-off is the user's.
+GIVEN = "given by the user"
+
+
 def _check_rate(log: Log, cutoff: Cutoff) -> None:
     """Refuse a log that is sampled too slowly for the cut-off."""
     rate = 1.0 / period(log)
     if cutoff.hertz > 0.25 * rate:
+        if cutoff.reason == GIVEN:
+            expected = f"at most a quarter of the {rate:.4g} Hz of {log.name}"
+            raise InputError.at("cutoff", f"{cutoff.hertz:.3g} Hz", expected)
         expected = f"at least four times the cut-off of {cutoff.hertz:.3g} Hz"
         raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
 
@@ -146,7 +153,7 @@ def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettin
         settings = replace(settings, friction_steepness=arm.friction_steepness)
     chosen = choose_cutoff(log, settings)
     if options.cutoff is not None:
-        chosen = replace(chosen, hertz=options.cutoff, reason="given by the user")
+        chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
     settings = replace(settings, cutoff=chosen.hertz)
     _check_rate(log, chosen)
     if arm.friction_steepness is None:

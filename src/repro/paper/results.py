@@ -8,7 +8,7 @@ import pandas as pd
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.errors import InputError
-from repro.files import read_csv
+from repro.files import read_csv, read_rows
 
 SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
@@ -65,14 +65,16 @@ class Results:
         return frame
 
     def _number(self, name: str, column: str, **wanted: object) -> float:
-        cell = self._rows(name, **wanted)[column].iloc[0]
+        row = self._rows(name, **wanted)
+        cell = row[column].iloc[0]
         try:
             number = float(cell)
         except ValueError:
             number = np.nan
         if not np.isfinite(number):
             what = ", ".join(f"{key} {value}" for key, value in wanted.items())
-            raise InputError.at(f"{self._folder / name}: {column} of {what}", cell, "a finite number")
+            text = read_rows(self._folder / name)[row.index[0]][column]  # pandas reads n/a as NaN
+            raise InputError.at(f"{self._folder / name}: {column} of {what}", text or "nothing", "a finite number")
         return number
 
     def _scores(self, table: str, **wanted: object) -> pd.DataFrame:

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -19,14 +20,19 @@ from typing import Any
 from urllib.parse import quote
 
 import pandas as pd
+import yaml
 
 from repro import __version__
 from repro.comparison.tolerances import LEDGER
 from repro.contract import held
-from repro.documents import read_json
+from repro.documents import read_json, read_yaml
 from repro.files import write_csv, write_json
 
 PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
+
+
+#: Targets that `all` does not make: what they made is kept from their own run if another one has none.
+ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 
 
 def commit(folder: Path) -> str:
@@ -76,6 +82,66 @@ def recorded_fingerprint(results: Path) -> dict[str, str] | None:
             found = content.get("fingerprint") if isinstance(content, dict) else None
             return found if isinstance(found, dict) else None
     return None
+
+
+def config_digest(config: Mapping[str, Any]) -> str:
+    """Compute the SHA-256 of a configuration's values."""
+    return hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+
+
+#: A commit as `commit` gives it.
+_COMMIT = re.compile("[0-9a-f]{40}(-dirty)?")
+
+
+def changed_settings(results: Path, config: Mapping[str, Any], root: Path) -> list[str]:
+    """List how the settings that are kept with results differ from a configuration.
+
+    They are a copy, ``config.yaml``, and for targets of `ASKED_FOR` commit and digest in ``TARGET.json``:
+    of the same configuration, or of that of the commit, where the repository has it.
+    """
+    problems, copy = [], results / "config.yaml"
+    if copy.exists():
+        kept = read_yaml(copy, "a configuration file")
+        for place in sorted({*_leaves(kept), *_leaves(config)}):
+            theirs, ours = (_leaves(each).get(place, "nothing") for each in (kept, config))
+            if theirs != ours:
+                problems.append(f"{copy}: {place}: found {theirs}, expected {ours}, as in the configuration")
+    for path in (results / f"{target}.json" for target in ASKED_FOR):
+        if not path.exists():
+            continue
+        content: Any = read_json(path)
+        made = content if isinstance(content, dict) else {}
+        found, digest = str(made.get("commit")), made.get("config_sha256")
+        of_commit = _config_of(found.removesuffix("-dirty"), root) if _COMMIT.fullmatch(found) else {}
+        if of_commit == {}:
+            problems.append(f"{path}: commit: found {found[:60]!r}, expected a commit of the project")
+        allowed = [config_digest(each) for each in (config, of_commit) if each]
+        if digest not in allowed:
+            problems.append(f"{path}: config_sha256: found {str(digest)[:80]!r}, expected {' or '.join(allowed)}")
+    return problems
+
+
+def _leaves(node: object, place: str = "") -> dict[str, str]:
+    """Give the values of a configuration by their places, as text."""
+    if not isinstance(node, Mapping):
+        return {place: repr(node)}
+    sections = (_leaves(value, f"{place}.{key}".removeprefix(".")) for key, value in node.items())
+    return {key: value for section in sections for key, value in section.items()}
+
+
+def _config_of(name: str, root: Path) -> dict[str, Any] | None:
+    """Read the configuration of a commit: empty if the whole history has none, None if only a part of it is here."""
+    git = ["git", "-C", str(root)]
+    try:
+        shown = subprocess.run([*git, "show", f"{name}:./config/config.yaml"], capture_output=True, check=False)
+        if shown.returncode == 0:
+            content: dict[str, Any] = yaml.safe_load(shown.stdout)
+            return content
+        shallow = [*git, "rev-parse", "--is-shallow-repository"]
+        whole = subprocess.run(shallow, capture_output=True, text=True, check=False).stdout.strip() == "false"
+    except (OSError, yaml.YAMLError):
+        return None
+    return {} if whole else None
 
 
 #: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
