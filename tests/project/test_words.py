@@ -25,6 +25,7 @@ AVOID = {
     r"\bpromises?\b|\bpromised\b": "asserted claim",
     r"\b(?:recipes?|versions?|runs?) ago\b|\bas (?:tried first|before)\b|\bformerly\b": "the present state",
     r"\(\d[\d., %]* before\)|\binstead of the old\b|\bat first it\b": "the present state",
+    r"kg m\^2/s\^2": "N m",
     r"\bdoubt the\b|\bsame hat\b|\bfor ever\b|\bby luck\b|\bby a hair\b": "the measurement",
 }
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "config/README.md", ROOT / "benchmarks/README.md"]
@@ -72,6 +73,7 @@ def test_help_texts_and_messages():
         "What is told is therefore there, but what is there is not always told.",
         "The log tells nothing of a scale.",
         "Twice the images (93.5 before) bring 0.1 points.",
+        "k1 = 0.55 kg m^2/s^2",
         "A table for each reading of the paper",
     ],
 )
