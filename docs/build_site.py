@@ -1,6 +1,6 @@
 """Build the site of the pages: copy them with what they link to, render the copy, and check that it is self-contained.
 
-Usage, in an environment with mkdocs-material: ``python docs/build_site.py``, or ``make site``. The site is in build/site.
+Usage, in an environment with mkdocs-material: ``python docs/build_site.py``, or ``make site``. It writes build/site.
 """
 
 import os
