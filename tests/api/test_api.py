@@ -25,7 +25,7 @@ from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
 SIGNATURES = {
-    "identify": "log, validate, arm, method, filter, cutoff, friction, self_test, seed, steps, cache",
+    "identify": "log, validate, arm, method, filter, cutoff, friction, prior, self_test, seed, steps, cache",
     "Identification": "details, method, _curves, _arm, _inputs",
     "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks",
     "read_log": "source, arm",
@@ -39,6 +39,8 @@ SIGNATURES = {
     "images": "q, dq, ddq, tau, guess, settings",
     "load_network": "path, settings, fact, precision",
     "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
+    "SearchSettings": "executions, inner_limit, threshold, low, high, feasibility, metric, image_motion",
+    "SignalSettings": "h, c_f, omega_unit, samples, duration, normalise_motion",
     "read_capture": "path",
 }
 METHODS = "of, beta, parameters, errors, residuals, warnings, unusable, predict, simulate, plot, save"

@@ -57,6 +57,7 @@ class Arm:
     speed_limit: Pair | None = None  # largest speed of each joint, rad/s
     # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
     workspace: tuple[Pair, Pair] | None = None
+    plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
     link_lengths: Pair | None = None  # lengths of the links, m
     friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: estimated from the data
