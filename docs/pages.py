@@ -1,16 +1,18 @@
-"""Write the tables of README.md and docs/*.md that show numbers of docs/reference or options of the commands.
+"""Write the tables of README.md and docs/*.md that show numbers of docs/reference options of commands, or the API.
 
 Such a table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function's name here. Usage, in the
 project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after each copy of a run.
 """
 
 import argparse
+import inspect
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pandas as pd
 
+import repro
 from repro.cli import parser
 from repro.paper.published import load_published
 
@@ -18,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "docs/reference"
 PAGES = (
     "README.md",
+    "docs/api.md",
     "docs/commands.md",
     "docs/results.md",
     "docs/explanation/experiment.md",
@@ -221,9 +224,32 @@ def options(name: str, command: argparse.ArgumentParser) -> str:
     return f"## repro {name}\n\n{command.description}\n\n{markdown(['option', 'meaning'], rows)}"
 
 
+def api() -> str:
+    """Signature and docstring of every public name, and of the methods of a result."""
+    methods = [(f"Identification.{name}", member) for name, member in public(repro.Identification)]
+    return "\n\n".join(described(name, what) for name, what in [*public(repro), *methods])
+
+
+def public(of: object) -> list[tuple[str, object]]:
+    """Public names of the package, or methods and properties of a class, in their order."""
+    names = repro.__all__ if of is repro else [name for name in vars(of) if not name.startswith("_")]
+    members = [(name, getattr(of, name)) for name in names]
+    return [(name, each) for name, each in members if callable(each) or isinstance(each, property)]
+
+
+def described(name: str, what: object) -> str:
+    """One name: heading, parameters with their defaults, docstring."""
+    shown = name
+    if inspect.isroutine(what) or what in (repro.Arm, repro.Log):
+        signature = inspect.signature(what)
+        bare = [each.replace(annotation=each.empty) for each in signature.parameters.values() if each.name != "self"]
+        shown += str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}\n```"
+
+
 TABLES: dict[str, Callable[[], str]] = {
     table.__name__: table
-    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, commands)
+    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, commands, api)
 }
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

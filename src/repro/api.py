@@ -313,7 +313,10 @@ def identify(
     True
     >>> figure = result.plot()
     """
-    logs, others = _several(log), _several(validate)
+    logs, others = _several("log", log), _several("validate", validate)
+    for name, value, kinds in (("arm", arm, (str, Path, Arm)), ("cache", cache, (str, Path))):
+        if value is not None and not isinstance(value, kinds):
+            raise InputError.at(name, repr(value)[:60], " or ".join(("a path", "an Arm")[: len(kinds) - 1]))
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
@@ -360,15 +363,19 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     return (add_self_test(result, problem, arm, options, progress) if self_test else result), curves
 
 
-def _several(given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
+def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
-    some = (given,) if isinstance(given, (str, Path, pd.DataFrame, Log)) else tuple(given)
+    kinds = (str, Path, pd.DataFrame, Log)
+    some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    for one in some:
+        if not isinstance(one, kinds):
+            raise InputError.at(name, repr(one)[:60], "a path, a DataFrame, a Log, or a list of these")
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
 
 
 def _check_options(options: Options) -> None:
     """Refuse what the command line refuses, too."""
-    if options.filter not in FILTERS:
+    if not isinstance(options.filter, str) or options.filter not in FILTERS:
         raise InputError.at("filter", repr(options.filter), f"one of {', '.join(FILTERS)}")
     limits: tuple[tuple[str, object, type | tuple[type, ...], float, float], ...] = (
         ("cutoff", 1.0 if options.cutoff is None else options.cutoff, (int, float, np.number), 0.1, 1000.0),

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,31 @@ class Arm:
     delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
     file: str = "arm file"  # where this was read, for messages
 
+    def __post_init__(self) -> None:
+        """Check the values as those of a file."""
+        given = {key: value for key, value in vars(self).items() if value is not None and key != "file"}
+        try:
+            content = json.loads(json.dumps(given, default=_plain))
+        except (TypeError, ValueError) as error:
+            raise InputError.at(self.file, f"a value of another type ({error})", "numbers, texts and pairs") from error
+        if wrong := violation(content, _schema()):
+            place, found, expected = wrong
+            raise InputError.at(f"{self.file}: {spelled(place)}", found, expected)
+
+
+def _plain(value: object) -> object:
+    """Give a NumPy array or number as JSON has it."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(type(value).__name__)
+
+
+@cache
+def _schema() -> Mapping[str, Any]:
+    """Schema of an arm file."""
+    schema: Mapping[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
+    return schema
+
 
 class _Loader(Loader):
     """YAML with numbers such as 1e-3."""
@@ -103,8 +129,7 @@ def read_arm(path: str | Path | None) -> Arm:
         return Arm()
     path = Path(path)
     content = read_yaml(path, "an arm file", _Loader)
-    schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
-    if wrong := violation(content, schema):
+    if wrong := violation(content, _schema()):
         place, found, expected = wrong
         raise InputError.at(f"{path}: {spelled(place)}", found, expected)
     for key, value in content.items():
