@@ -1,20 +1,31 @@
-"""Write the tables of README.md and docs/*.md that show numbers of docs/reference.
+"""Write the tables of README.md and docs/*.md that show numbers of docs/reference options of commands, or the API.
 
 Such a table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function's name here. Usage, in the
 project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after each copy of a run.
 """
 
+import argparse
+import inspect
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pandas as pd
 
+import repro
+from repro.cli import parser
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "docs/reference"
-PAGES = ("README.md", "docs/results.md", "docs/explanation/experiment.md", "docs/explanation/least-squares.md")
+PAGES = (
+    "README.md",
+    "docs/api.md",
+    "docs/commands.md",
+    "docs/results.md",
+    "docs/explanation/experiment.md",
+    "docs/explanation/least-squares.md",
+)
 NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]
@@ -192,8 +203,53 @@ def factorial() -> str:
     return (REFERENCE / "tables/factorial.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
 
 
+def commands() -> str:
+    """Options of every subcommand of `repro`."""
+    (subcommands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
+    return "\n\n".join(options(name, command) for name, command in subcommands.choices.items())
+
+
+def options(name: str, command: argparse.ArgumentParser) -> str:
+    """One subcommand: what it does, and its options."""
+    formatter = command._get_formatter()
+    rows = []
+    for action in command._actions:
+        if action.dest != "help":
+            value = action.metavar or action.dest.upper()
+            value = "" if action.nargs == 0 else f" {' '.join(value) if isinstance(value, tuple) else value}"
+            names = ", ".join(action.option_strings) or value.strip()
+            shown = f"`{names}{value if action.option_strings else ''}`"
+            choices = f"; one of {', '.join(f'`{each}`' for each in action.choices)}" if action.choices else ""
+            rows.append([shown, formatter._expand_help(action) + choices])
+    return f"## repro {name}\n\n{command.description}\n\n{markdown(['option', 'meaning'], rows)}"
+
+
+def api() -> str:
+    """Signature and docstring of every public name, and of the methods of a result."""
+    methods = [(f"Identification.{name}", member) for name, member in public(repro.Identification)]
+    return "\n\n".join(described(name, what) for name, what in [*public(repro), *methods])
+
+
+def public(of: object) -> list[tuple[str, object]]:
+    """Public names of the package, or methods and properties of a class, in their order."""
+    names = repro.__all__ if of is repro else [name for name in vars(of) if not name.startswith("_")]
+    members = [(name, getattr(of, name)) for name in names]
+    return [(name, each) for name, each in members if callable(each) or isinstance(each, property)]
+
+
+def described(name: str, what: object) -> str:
+    """One name: heading, parameters with their defaults, docstring."""
+    shown = name
+    if inspect.isroutine(what) or what in (repro.Arm, repro.Log):
+        signature = inspect.signature(what)
+        bare = [each.replace(annotation=each.empty) for each in signature.parameters.values() if each.name != "self"]
+        shown += str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}\n```"
+
+
 TABLES: dict[str, Callable[[], str]] = {
-    table.__name__: table for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial)
+    table.__name__: table
+    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, commands, api)
 }
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

@@ -201,6 +201,12 @@ BAD = {
     "coverage: {levels: [0.999]}": ("coverage.levels", "[0.999]", "0.9967 at most"),
     "experiment: {lead_in_s: 0.001}": ("experiment.lead_in_s", "0.001", "one sampling period"),
     "experiment: {lead_in_s: 100.0}": ("experiment.lead_in_s", "100.0", "one sampling period"),
+    "results: mine\nexperiment: {captures: mine/experiment}": (
+        "experiment.captures",
+        "mine/experiment",
+        "does not write",
+    ),
+    "training: {networks: results/model}": ("training.networks", "results/model", "does not write"),
     "experiment: {margin_samples: 8192}": ("experiment.margin_samples", "8192", "one sampling period"),
     "training: {paper: {images: 10, train_share: 0.01}}": ("training.paper.images", "10", "one image to train"),
     "arm: {link_lengths_m: [0.2, 0.01]}": ("arm.link_lengths_m", "[0.2, 0.01]", "circle of T2"),

@@ -61,12 +61,21 @@ show(slow)
 
 # %% [markdown]
 # Eq. 10 is a slow motion of 10 s. It excites gravity and friction, and hardly inertia: the interval of I2 contains
-# zero.
+# zero. b1 and k1 replace each other, because the arm has Stribeck friction, which Eq. 1 does not model. The intervals
+# contain the true values.
 #
-# ## A motion that excites all parameters
+# ## What to excite
 #
-# `repro.excite` designs a periodic motion within the limits of an arm. Gravity needs a large range, friction needs
-# slow and fast motion, and the coupling I2 needs both joints to accelerate at once.
+# | parameters | motion |
+# |---|---|
+# | gravity (g1, g2) | a large range, best beyond 90 degrees on both sides |
+# | friction (b, k) | slow *and* fast motion in the same log, each in both directions |
+# | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
+# | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign |
+#
+# All of it lasts longer than a few periods, with different frequencies for both joints. `repro.excite` designs such a
+# motion within the limits of an arm. The command refuses a motion beyond the limits of the board before it sends
+# anything ([recording](../../recording.md)).
 
 # %%
 arm = repro.Arm(position_limit=((-1.5, 1.5), (-1.5, 1.5)), speed_limit=(4.0, 6.0))
@@ -79,7 +88,7 @@ show(fast)
 # %% [markdown]
 # All parameters but I2 are determined now, and the intervals are far narrower. Those of I3 and g2 miss the true
 # value: the arm has ripple and Stribeck friction at once, and the intervals allow for one unmodelled effect at a time
-# ([intervals](../../own-arm.md#intervals)). The residual shows the ripple:
+# ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
 
 # %%
 fast.plot(log=0)

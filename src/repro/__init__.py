@@ -15,11 +15,13 @@ if TYPE_CHECKING:
     from repro.errors import InputError
     from repro.fpga.capture import read_capture
     from repro.identification.algorithm1.published import algorithm1
+    from repro.identification.algorithm1.search import SearchSettings
     from repro.identification.exciting_motion import excite
     from repro.logs.armfile import Arm, read_arm
     from repro.logs.load import read_log
     from repro.logs.log import Log
     from repro.model.dynamics import inverse_dynamics, regressor
+    from repro.signals.dct import SignalSettings
     from repro.signals.dct import dct2dev as differentiate
     from repro.signals.dct import dct2low as low_pass
     from repro.signals.metric import metr2ev as similarity
@@ -32,6 +34,8 @@ _PUBLIC = {
     "Identification": ("repro.api", "Identification"),
     "InputError": ("repro.errors", "InputError"),
     "Log": ("repro.logs.log", "Log"),
+    "SearchSettings": ("repro.identification.algorithm1.search", "SearchSettings"),
+    "SignalSettings": ("repro.signals.dct", "SignalSettings"),
     "algorithm1": ("repro.identification.algorithm1.published", "algorithm1"),
     "differentiate": ("repro.signals.dct", "dct2dev"),
     "excite": ("repro.identification.exciting_motion", "excite"),
@@ -64,6 +68,8 @@ __all__ = [  # noqa: RUF022  (by use)
     "images",
     "load_network",
     "algorithm1",
+    "SearchSettings",
+    "SignalSettings",
     "read_capture",
     "InputError",
 ]

@@ -3,7 +3,7 @@
 import html
 import logging
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,8 +21,9 @@ from repro.logs.load import Source
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.ownarm.evaluate import Fit, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.evaluate import Fit, add_runs, add_self_test, assemble, fit_all, resolve
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
+from repro.ownarm.prior import read_prior, with_plane
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
@@ -243,6 +244,7 @@ def identify(
     filter: str = "dct",
     cutoff: float | None = None,
     friction: bool = False,
+    prior: str | Path | Mapping[str, Mapping[str, float]] | None = None,
     self_test: bool = False,
     seed: int = 1,
     steps: int = 1500,
@@ -270,6 +272,9 @@ def identify(
         Its cut-off, Hz; chosen from the recording by default.
     friction : bool
         Whether to subtract friction that Eq. 1 does not model, where the recording shows it.
+    prior : path or mapping, optional
+        What is known before: ``parameters.json`` of an earlier result, whose intervals count, or
+        ``{"g1": {"value": 1.0, "sd": 0.1}}``, in a file or as a mapping. A standard deviation of 0 keeps the value.
     self_test : bool
         Whether to estimate known parameters from synthetic recordings of the same motion.
     seed : int
@@ -308,11 +313,18 @@ def identify(
     True
     >>> figure = result.plot()
     """
-    logs, others = _several(log), _several(validate)
+    logs, others = _several("log", log), _several("validate", validate)
+    for name, value, kinds in (("arm", arm, (str, Path, Arm)), ("cache", cache, (str, Path))):
+        if value is not None and not isinstance(value, kinds):
+            raise InputError.at(name, repr(value)[:60], " or ".join(("a path", "an Arm")[: len(kinds) - 1]))
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
-    options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, friction)
+    before = None if prior is None else read_prior(prior)
+    options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)
     _check_options(options)
+    if set(names) & set(NETWORKS) and with_plane(before, described) is not None:
+        given = "prior" if before is not None else f"{described.file}: plane"
+        raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
     if set(names) & set(NETWORKS):
         require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
@@ -326,7 +338,7 @@ def identify(
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
         _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
-    inputs = [source for source in (*logs, *others, arm) if isinstance(source, (str, Path))]
+    inputs = [source for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
     return Identification(result, result.recommended, curves, described, tuple(Path(name) for name in inputs))
 
 
@@ -346,18 +358,24 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     if not fits:
         raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
+    if len(problem.logs) > 1:
+        result = add_runs(result, problem, methods, options.seed, progress)
     return (add_self_test(result, problem, arm, options, progress) if self_test else result), curves
 
 
-def _several(given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
+def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
-    some = (given,) if isinstance(given, (str, Path, pd.DataFrame, Log)) else tuple(given)
+    kinds = (str, Path, pd.DataFrame, Log)
+    some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    for one in some:
+        if not isinstance(one, kinds):
+            raise InputError.at(name, repr(one)[:60], "a path, a DataFrame, a Log, or a list of these")
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
 
 
 def _check_options(options: Options) -> None:
     """Refuse what the command line refuses, too."""
-    if options.filter not in FILTERS:
+    if not isinstance(options.filter, str) or options.filter not in FILTERS:
         raise InputError.at("filter", repr(options.filter), f"one of {', '.join(FILTERS)}")
     limits: tuple[tuple[str, object, type | tuple[type, ...], float, float], ...] = (
         ("cutoff", 1.0 if options.cutoff is None else options.cutoff, (int, float, np.number), 0.1, 1000.0),

@@ -140,9 +140,12 @@ def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence
             yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
     if _resolved(config["results"]) == _resolved(config["figures"]):
         yield (("results",), ("figures",)), "two folders"
-    for place in (("experiment", "captures"), ("training", "networks")):
-        if _resolved(config[place[0]][place[1]]) is None:
+    for place, made in ((("experiment", "captures"), "experiment"), (("training", "networks"), "model")):
+        folder = _resolved(config[place[0]][place[1]])
+        if folder is None:
             yield (place,), "a folder, and no link that leads back to itself"
+        elif folder == _resolved(f"{config['results']}/{made}"):  # a job's outputs are deleted before it reads
+            yield (place, ("results",)), "a folder that the run does not write to"
 
 
 def _is_elsewhere(named: Path, folder: Path, project: Path) -> bool:

@@ -5,7 +5,7 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -61,13 +61,13 @@ def check_folder(out: Path, overwrite: bool) -> None:
             raise InputError.at(str(out), "a file", "a folder, or a name that is free")
         if out.exists() and not overwrite and any(out.iterdir()):
             raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
-        with _folder_near(out) as folder:
+        with _folder_near(out) as folder:  # fails where a parent is a link to nothing
             (Path(folder) / "space").write_bytes(bytes(_FREE_SPACE))
 
 
 def _folder_near(out: Path) -> tempfile.TemporaryDirectory[str]:
     """Create a temporary folder on the disk of `out`."""
-    near = next(parent for parent in out.absolute().parents if parent.exists())
+    near = next(parent for parent in out.absolute().parents if os.path.lexists(parent))
     if out.exists() and out.stat().st_dev != near.stat().st_dev:  # another file system: files cannot be moved there
         near = out
     return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
@@ -162,23 +162,25 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
         raise InputError.at(
             str(path), f"text that is not a table ({' '.join(str(error).split())})", "a CSV table"
         ) from error
-    _check_header(str(path), frame.columns, columns)
-    if twice := next((c for c in columns if f"{c}.1" in frame.columns), None):  # pandas renames the second one
-        raise InputError.at(f"{path}: header", f"the column {twice!r} twice", "names that differ")
+    _check_header(str(path), [str(name) for name in frame.columns], columns)
     return frame
 
 
-def _check_header(place: str, header: Collection[str], columns: tuple[str, ...]) -> None:
+def _check_header(place: str, header: Sequence[str], columns: tuple[str, ...]) -> None:
     missing = [name for name in columns if name not in header]
     if missing:
-        raise InputError.at(f"{place}: header", f"no column {', '.join(missing)}", f"columns {', '.join(columns)}")
+        found = f"no column {', '.join(missing)} but {', '.join(header)[:80] or 'nothing'}"
+        raise InputError.at(f"{place}: header", found, f"columns {', '.join(columns)}")
+    # pandas renames the second one
+    if twice := next((name for name in columns if header.count(name) > 1 or f"{name}.1" in header), None):
+        raise InputError.at(f"{place}: header", f"the column {twice!r} twice", "names that differ")
 
 
 def read_rows(path: Path, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
     """Read the rows of a CSV table as text, so that numbers keep their digits, and check that it has these columns."""
     try:
         check_size(path, LARGEST_TABLE, "a CSV table")
-        text = path.read_bytes().decode()
+        text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
     except UnicodeDecodeError as error:

@@ -25,7 +25,7 @@ from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
 SIGNATURES = {
-    "identify": "log, validate, arm, method, filter, cutoff, friction, self_test, seed, steps, cache",
+    "identify": "log, validate, arm, method, filter, cutoff, friction, prior, self_test, seed, steps, cache",
     "Identification": "details, method, _curves, _arm, _inputs",
     "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks",
     "read_log": "source, arm",
@@ -39,6 +39,8 @@ SIGNATURES = {
     "images": "q, dq, ddq, tau, guess, settings",
     "load_network": "path, settings, fact, precision",
     "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
+    "SearchSettings": "executions, inner_limit, threshold, low, high, feasibility, metric, image_motion",
+    "SignalSettings": "h, c_f, omega_unit, samples, duration, normalise_motion",
     "read_capture": "path",
 }
 METHODS = "of, beta, parameters, errors, residuals, warnings, unusable, predict, simulate, plot, save"
@@ -150,6 +152,40 @@ def test_wrong_arrays_are_refused_by_their_field(change, place):
 
 
 @pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"q": np.zeros((4, 2))}, "log: q"),
+        ({"q": [[1.0, 2.0], [3.0]]}, "log: q"),
+        ({"t": ["0", "1", "2", "3"]}, "log: t"),
+        ({"t": [0.0, 1.0, 1.0, 2.0]}, r"log: t\[2\]"),
+        ({"tau": np.zeros((2, 4), bool)}, "log: tau"),
+        ({"tau": np.zeros((2, 4)) * 1j}, "log: tau"),
+        ({"q": np.ma.masked_less(np.zeros((2, 4)), 1.0)}, "log: q"),
+        ({"dq": np.full((2, 4), np.inf)}, "log: dq"),
+        ({"torque_limit": [1.0]}, "log: torque_limit"),
+        ({"torque_limit": [0.0, 1.0]}, "log: torque_limit"),
+        ({"breaks": (9,)}, "log: breaks"),
+        ({"notes": "one"}, "log: notes"),
+        ({"name": 5}, "name"),
+    ],
+)
+def test_a_log_is_checked_when_it_is_made(change, place):
+    arrays = {"t": np.arange(4.0), "q": np.zeros((2, 4)), "tau": np.zeros((2, 4))}
+    assert repro.Log(**arrays).q.shape == (2, 4)
+    with pytest.raises(repro.InputError, match=f"^{place}: found "):
+        repro.Log(**arrays | change)
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [({"zero": (0.0,)}, "zero"), ({"torque_scale": "ab"}, "torque_scale"), ({"sign": (0.0, 1.0)}, r"sign\[0\]")],
+)
+def test_an_arm_is_checked_when_it_is_made(change, place):
+    with pytest.raises(repro.InputError, match=f"^arm file: {place}: found "):
+        repro.Arm(**change)
+
+
+@pytest.mark.parametrize(
     ("options", "place"),
     [
         ({"method": "bayes"}, "method"),
@@ -166,6 +202,11 @@ def test_wrong_arrays_are_refused_by_their_field(change, place):
         ({"method": "algorithm1", "self_test": True}, "self_test"),
         ({"validate": LOG}, "validate: "),
         ({"arm": "gone.yaml"}, "gone.yaml"),
+        ({"arm": {"zero": (0.0, 0.0)}}, "arm: found"),
+        ({"cache": 5}, "cache: found"),
+        ({"filter": ["dct"]}, "filter: found"),
+        ({"validate": 5}, "validate: found"),
+        ({"validate": [None]}, "validate: found"),
     ],
 )
 def test_wrong_options_are_refused_by_name(options, place):

@@ -83,7 +83,11 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
         ("q1_rad,q2_rad,q1_rad\n0,0,1\n0,0,1\n", "header: found the column 'q1_rad' twice"),
         ("q1_rad,q2_rad\n", "found no rows"),
         ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
-        ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found .*nan.*, expected a finite number"),
+        ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found an empty cell, expected a finite number"),
+        ("q1_rad,q2_rad\n0,n/a\n", "row 1, q2_rad: found 'n/a', expected a finite number"),
+        ("q1_rad,q2_rad\nFalse,True\n", "row 1, q1_rad: found 'False', expected a finite number"),
+        ("q1_rad,q2_rad\n0,0,0\n1,0,0\n", "line 2: found 3 fields, expected 2"),
+        ("q1_rad;q2_rad\n0;0\n0;0\n", "header: found no column q1_rad, q2_rad but q1_rad;q2_rad"),
         ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
         ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
         ("q1_rad,q2_rad\n0.1,0.2\n", "wave.csv: found 1 rows"),
@@ -97,6 +101,25 @@ def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     with pytest.raises(InputError, match=expected) as caught:
         read_program(path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_motion_that_a_spreadsheet_saved_is_read(tmp_path):
+    path = tmp_path / "wave.csv"
+    path.write_bytes(b"\xef\xbb\xbfq1_rad,q2_rad\r\n0.1,0.2\r\n0.3,0.4\r\n")
+    assert read_program(path).q.tolist() == [[0.1, 0.3], [0.2, 0.4]]
+
+
+def test_an_output_behind_a_link_that_leads_nowhere_is_refused_before_any_work(tmp_path, capsys):
+    (tmp_path / "loop").symlink_to("loop")
+    out = tmp_path / "loop/new"
+    for argv in (
+        ("record", "--port", "none", "--trajectory", "ID", "--out", f"{out}.bin"),
+        ("identify", "gone.csv", "-o", str(out)),
+        ("excite", "--arm", "gone.yaml", "-o", str(out)),
+    ):
+        assert main(argv) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith(str(out)) and "gone" not in line
 
 
 def test_decode_summarises_and_writes_a_table(stored, capsys):

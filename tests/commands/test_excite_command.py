@@ -119,7 +119,7 @@ def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, caps
         (0, "estimate", "0.1", "estimate: found '0.1', expected a number"),
         (0, "estimate", True, "estimate: found True, expected a number"),
         (1, "name", "I1", "name: found 'I1', expected 'I2'"),
-        (8, "unit", "N m", "unit: found 'N m', expected 'kg m^2/s^2'"),
+        (8, "unit", "kg m^2", "unit: found 'kg m^2', expected 'N m'"),
     ],
 )
 def test_a_guess_of_another_name_unit_or_type_is_refused(tmp_path, row, key, value, words):

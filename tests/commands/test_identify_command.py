@@ -276,9 +276,9 @@ def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figu
 
 
 def test_a_method_is_a_function_and_an_entry(log, tmp_path):
-    """The example of docs/own-arm.md in a copy of the package."""
+    """The example of docs/architecture.md in a copy of the package."""
     shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
-    guide = (ROOT / "docs" / "own-arm.md").read_text(encoding="utf-8")
+    guide = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     function = textwrap.dedent(re.search(r"^    def ridge.*?^        return [^\n]*\n", guide, re.M | re.S)[0])
     entry = re.search(r"^ *Method\(\"ridge\".*$", guide, re.M)[0].replace("hoerl1970ridge", "gautier1992exciting")
     folder = tmp_path / "repro" / "identification"

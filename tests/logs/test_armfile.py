@@ -28,6 +28,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         "position_limit": [[-1, 2], [0.5, 1]],
         "speed_limit": [3, 4.5],
         "workspace": [[-0.5, 0.5], [-1, 0]],
+        "plane": "horizontal",
         "gravity": 9.81,
         "link_lengths": [0.3, 0.2],
         "friction_steepness": "auto",

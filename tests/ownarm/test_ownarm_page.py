@@ -68,7 +68,7 @@ def test_the_recommended_parameters_stand_each_in_its_row(page):
             assert float(shown) == pytest.approx(true, abs=0.05 * error)
         assert float(row[5]) == pytest.approx(error, rel=0.05)
         assert row[3] == verdict
-    assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["kg·m²/s²"] * 2 + ["kg·m²/s"] * 2 + ["kg·m²/s²"] * 2
+    assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["N·m"] * 2 + ["N·m·s/rad"] * 2 + ["N·m"] * 2
 
 
 def test_every_method_has_its_estimates_in_its_column(page):
@@ -214,7 +214,7 @@ def test_tables_are_tidy_and_hold_every_number():
     assert tuple(table.columns) == PARAMETER_COLUMNS
     assert len(table) == 9 * len(result.methods)
     row = table.query("method == 'consistent' and parameter == 'g1'").iloc[0]
-    assert (row["estimate"], row["standard_error"], row["unit"]) == (3.235, 0.021, "kg m^2/s^2")
+    assert (row["estimate"], row["standard_error"], row["unit"]) == (3.235, 0.021, "N m")
     assert table[table["method"] == "cnn"][["standard_error", "low", "high"]].isna().all(axis=None)
     scores = scores_table(result)
     assert tuple(scores.columns) == SCORE_COLUMNS

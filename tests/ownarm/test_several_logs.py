@@ -1,6 +1,7 @@
 """Several logs of one arm as one fit: filters, delay and faults of each its own, and one that disagrees is named."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from log_example import BETA, motion
 from ownarm_problem import ARM, loaded, silent
@@ -8,7 +9,8 @@ from regression_example import log_from
 
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
-from repro.ownarm.evaluate import assemble, fit_all
+from repro.ownarm.evaluate import add_runs, assemble, fit_all
+from repro.ownarm.outputs import write_result
 from repro.ownarm.prepare import Options, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
@@ -26,7 +28,7 @@ def result_of(*logs):
     problem = make_problem(logs[0], (), ARM, OPTIONS, tuple(logs[1:]))
     methods = [METHODS[name] for name in OPTIONS.methods]
     found = fit_all(problem, methods, 1, silent, silent)
-    return problem, assemble(problem, found, ARM)[0]
+    return problem, *assemble(problem, found, ARM)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +38,7 @@ def two():
 
 @pytest.mark.slow
 def test_each_log_has_its_own_delay_and_faults(two):
-    problem, result = two
+    problem, result, _ = two
     assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, -0.006], abs=1e-3)
     assert [fault.name for fault in problem.logs[1].faults] == ["zero1"]
     assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
@@ -76,7 +78,7 @@ def test_beside_a_log_that_is_wrong_right_ones_are_not_blamed():
 
 
 def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
-    _, result = two
+    _, result, _ = two
     assert [log.name for log in (result.log, *result.more_logs)] == ["a.csv", "b.csv"]
     for method in result.methods:
         assert method.fit.log == "a.csv + b.csv"
@@ -89,7 +91,7 @@ def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
 
 @pytest.mark.slow
 def test_intervals_of_both_are_narrower_than_of_one(two):
-    _, alone = result_of(noisy_log("a.csv", 0, delay=0.004))
+    _, alone, _ = result_of(noisy_log("a.csv", 0, delay=0.004))
     widths = [
         [p.high - p.low for p in next(m for m in result.methods if m.method == "consistent").parameters[:5]]
         for result in (two[1], alone)
@@ -100,11 +102,44 @@ def test_intervals_of_both_are_narrower_than_of_one(two):
 @pytest.mark.slow
 def test_a_log_of_another_arm_is_named():
     other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
-    _, result = result_of(
+    _, result, _ = result_of(
         noisy_log("a.csv", 0), noisy_log("b.csv", 1), noisy_log("c.csv", 2), noisy_log("odd.csv", 3, beta=other)
     )
     assert sum("disagrees" in line for line in result.warnings) == 1
     assert any(line.startswith("the log odd.csv disagrees with the others") for line in result.warnings)
+
+
+def runs_of(problem, result):
+    return add_runs(result, problem, METHODS.values(), 1, silent)
+
+
+def test_logs_of_one_arm_agree_from_run_to_run(two, tmp_path):
+    problem, result, curves = two
+    assert result.spread == ()
+    assert "runs.csv" not in write_result(tmp_path / "one", result, curves, ARM)
+    result = runs_of(problem, result)
+    assert [run.log for run in result.runs] == ["a.csv", "b.csv"]
+    for k, row in enumerate(result.spread):
+        alone = [run.parameters[k] for run in result.runs]
+        assert row.estimates == tuple(p.estimate for p in alone)
+        assert row.range == pytest.approx(abs(row.estimates[0] - row.estimates[1]))
+        assert row.together == result.best.parameters[k].estimate
+    for row, truth in zip(result.spread[:5], BETA, strict=False):
+        assert row.agree
+        assert row.estimates == pytest.approx([truth, truth], rel=0.05)
+    assert "runs.csv" in write_result(tmp_path / "two", result, curves, ARM)
+    table = pd.read_csv(tmp_path / "two" / "runs.csv")
+    assert table["log"].to_list() == 9 * ["a.csv", "b.csv"]
+    assert table["estimate"].to_numpy() == pytest.approx(np.ravel([row.estimates for row in result.spread]))
+    assert 'id="runs"' in (tmp_path / "two" / "report.html").read_text()
+
+
+@pytest.mark.slow
+def test_logs_of_two_arms_disagree_from_run_to_run():
+    other = BETA * np.array([1, 1, 1, 1.5, 1.5, 1, 1, 1, 1])
+    problem, result, _ = result_of(noisy_log("a.csv", 0), noisy_log("odd.csv", 1, beta=other))
+    result = runs_of(problem, result)
+    assert {row.name for row in result.spread if row.agree is False} >= {"g1", "g2"}
 
 
 def test_a_noisy_log_counts_less():

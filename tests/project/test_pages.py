@@ -47,3 +47,10 @@ def test_each_benchmark_is_listed():
     page = (ROOT / "benchmarks/README.md").read_text(encoding="utf-8")
     scripts = [path.relative_to(ROOT / "benchmarks").as_posix() for path in (ROOT / "benchmarks").rglob("*.py")]
     assert not [name for name in scripts if f"`{name}" not in page]
+
+
+def test_each_page_is_in_the_navigation_of_the_site():
+    shown = re.findall(r": (\S+\.md)$", (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+    pages = {page.relative_to(ROOT).as_posix() for page in PAGES} - {"benchmarks/README.md"}
+    assert pages <= set(shown)
+    assert not [page for page in shown if not (ROOT / page).is_file()]

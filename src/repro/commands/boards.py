@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -168,23 +169,25 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "ReferenceTrajecto
 def read_program(path: Path) -> "ReferenceTrajectory":
     """Read the motion of a table."""
     import numpy as np
-    import pandas as pd
 
     from repro.documents import read_bytes
-    from repro.files import read_csv
+    from repro.files import read_rows
     from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.signals.programs import MEMORY_SAMPLES, ReferenceTrajectory
 
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
-    table = read_csv(path, ("q1_rad", "q2_rad"))
+    table = read_rows(path, ("q1_rad", "q2_rad"))
     for name in ("q1_rad", "q2_rad"):
-        column = np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
-        for row in np.flatnonzero(~np.isfinite(column)):
-            cell = table[name].iloc[row]
-            found = repr(cell[:40]) if isinstance(cell, str) else str(cell)
-            raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
-        for row in np.flatnonzero(np.abs(column) > largest):
+        column = np.full(len(table), np.nan)
+        for row, cell in enumerate(cells[name] for cells in table):
+            with suppress(ValueError):
+                column[row] = float("" if "_" in cell else cell)  # Python takes 1_000 for a number
+            if not np.isfinite(column[row]):
+                found = repr(cell[:40]) if cell.strip() else "an empty cell"
+                raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
+        if (beyond := np.abs(column) > largest).any():
+            row = int(np.argmax(beyond))
             expected = f"at most {largest:.4g} rad, which the encoder counts up to"
             raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.4g} rad", expected)
         columns.append(column)

@@ -63,6 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
     with options_named("duration", "rate", "harmonics"):
         steps = check_samples(arguments.duration, arguments.rate, harmonics)
     arm, guess = read_arm(arguments.arm), read_guess(arguments.guess)
+    if arm.plane != "vertical":
+        raise InputError.at(f"{arguments.arm}: plane", arm.plane, "vertical, for which the motion is designed")
     limits = Envelope(arm, guess)
     asked = {key: getattr(arguments, key) for key in ("duration", "rate", "harmonics", "noise", "seed")}
     ours = excite(arm, guess=guess, **asked)
@@ -110,28 +112,9 @@ def read_guess(given: list[str] | None) -> "Array | None":
 def _read_estimates(path: Path) -> list[float]:
     """Read the estimates of the recommended method."""
     from repro.documents import read_json
-    from repro.model.parameters import NAMES, UNITS
+    from repro.ownarm.prior import read_result
 
-    content: Any = read_json(path)
-    try:
-        index = [method["method"] for method in content["methods"]].index(content["recommended"])
-        parameters = list(content["methods"][index]["parameters"])
-    except (KeyError, ValueError, TypeError) as error:
-        raise InputError.at(str(path), "no recommended method", "parameters.json of repro identify") from error
-    place = f"{path}: methods[{index}].parameters"
-    if len(parameters) != len(NAMES):
-        raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
-    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
-        row = parameter if isinstance(parameter, dict) else {}
-        for key, wanted in (("name", name), ("unit", unit)):
-            if row.get(key) != wanted:
-                raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
-        estimate = row.get("estimate")
-        number = isinstance(estimate, (int, float)) and not isinstance(estimate, bool)
-        if not (number and abs(estimate) <= _LARGEST):  # type: ignore[arg-type]
-            found, expected = repr(estimate)[:60], f"a number of at most {_LARGEST:g}"
-            raise InputError.at(f"{place}[{k}].estimate", found, expected)
-    return [parameter["estimate"] for parameter in parameters]
+    return [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
 
 
 def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:

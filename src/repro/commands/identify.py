@@ -27,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
-        help="may be given more than once (default: all; least-squares takes seconds, the CNN half a minute and more)",
+        help="may be given more than once (default: all, or least-squares for several logs, a prior or a horizontal "
+        "plane; least-squares takes seconds, the CNN half a minute and more)",
     )
     parser.add_argument("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
@@ -43,6 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it"
+    )
+    parser.add_argument(
+        "--prior",
+        type=Path,
+        help="JSON of what is known before: parameters.json of an earlier result, or value and sd of some parameters",
     )
     parser.add_argument(
         "--strict",
@@ -66,9 +72,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Identify your own arm: from a log to parameters with intervals, and a report."""
     from repro.api import choose_methods, identify
     from repro.files import check_folder
+    from repro.logs.armfile import read_arm
 
     check_folder(arguments.out, arguments.overwrite)
-    method = arguments.method or ("all" if len(arguments.logs) == 1 else "least-squares")
+    every = len(arguments.logs) == 1 and arguments.prior is None and read_arm(arguments.arm).plane == "vertical"
+    method = arguments.method or ("all" if every else "least-squares")
     if not any(map(_is_port, arguments.logs)):
         for option, given in (("--trajectory", arguments.trajectory), ("--config", arguments.config)):
             if given not in (None, default_config()):
@@ -83,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
             filter=arguments.filter,
             cutoff=arguments.cutoff,
             friction=arguments.friction,
+            prior=arguments.prior,
             self_test=arguments.self_test,
             seed=arguments.seed,
             steps=arguments.steps,

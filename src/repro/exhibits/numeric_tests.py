@@ -369,7 +369,7 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
 
 @figure(
     "paper_recipe",
-    "Loss beside ours",
+    "Loss next to ours",
     ABLATION,
     draw_held_out_losses,
     label="The paper's training",

@@ -113,7 +113,7 @@ def _numbers(path: Path) -> dict[str, Any]:
 
 @table(
     "ablation",
-    "Headline numbers under other readings",
+    "Headline numbers under other interpretations",
     ABLATION,
     readings_layout,
     inputs=("readings",),

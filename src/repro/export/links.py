@@ -24,7 +24,7 @@ or more where J1 would otherwise fall below R / 4, its share in such a rod. The 
 l1 / 2 from joint 1. It lies behind the joint (lc1 < 0) if s < 0: a counterweight outweighs the rest of link 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 from repro.model.parameters import STANDARD_GRAVITY, Array, Links, check_beta
@@ -103,6 +103,23 @@ def _check_possible(i1: float, i2: float, i3: float, g2: float, gravity: float) 
     l1 = i2 * gravity / (2.0 * g2)
     if not LENGTHS[0] <= l1 <= LENGTHS[1]:
         raise ValueError(f"l1 = I2 g / (2 g2) = {l1:.4g} m is no arm's length: I2 = {i2:.4g}, g2 = {g2:.4g}.")
+
+
+def horizontal_links_of(beta: Array, lengths: tuple[float, float] | None) -> LinkSet:
+    """Links of given lengths that have the parameters of an arm in a horizontal plane, with link 1 a uniform rod.
+
+    Gravity does not turn its joints, so l1 fixes the first moment a = I2 / (2 l1), and that of link 1 is free.
+    """
+    beta = check_beta(beta).copy()
+    if lengths is None:
+        raise ValueError("In a horizontal plane no log determines l1: give link_lengths in the arm file.")
+    beta[4] = beta[1] * STANDARD_GRAVITY / (2.0 * lengths[0])
+    free = links_of(beta, STANDARD_GRAVITY, lengths)
+    rest = beta[0] - beta[2] - free.m2 * free.l1**2
+    beta[3] = (free.m2 * free.l1 + 1.5 * rest / free.l1) * STANDARD_GRAVITY
+    notes = ("the plane is horizontal: gravity turns no joint and is left out, and link 1 is drawn as a uniform rod",)
+    links = links_of(beta, STANDARD_GRAVITY, lengths)
+    return replace(links, gravity=0.0, notes=(*links.notes, *notes))
 
 
 def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[float, float] | None = None) -> LinkSet:

@@ -268,7 +268,7 @@ def _write_bytes(path: Path, data: bytes) -> None:
 def check_target(path: Path, overwrite: bool) -> None:
     """Refuse a name that is not ``NAME.bin``, is in a folder that cannot be written, or is in use."""
     _check_suffix(path)
-    folder = next(parent for parent in path.absolute().parents if parent.exists())
+    folder = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
         raise InputError.at(str(path), f"{folder.name}, where nothing can be written", "a name in a folder of yours")
     for file in files_of(path):
@@ -309,7 +309,7 @@ def read_capture(path: str | Path) -> Capture:
     _check_suffix(path)
     _, program_file, sidecar_file = files_of(path)
     data = read_bytes(path, LARGEST, "a capture")
-    if not sidecar_file.exists():
+    if not os.path.lexists(sidecar_file):
         expected = f"a capture with its {sidecar_file.name}; a table has another suffix, such as .csv"
         raise InputError.at(str(path), f"no {sidecar_file.name} next to it", expected)
     content = check_sidecar(str(sidecar_file), read_json(sidecar_file))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from repro.identification.regression import Regression
+from repro.identification.regression import Regression, without_known
 from repro.identification.solve import unit_columns
 from repro.model.parameters import NAMES, Array
 
@@ -37,8 +37,17 @@ class Identifiability:
 
 
 def excitation(regression: Regression) -> Identifiability:
-    """Compute rank, condition number, friction correlation and base parameters of a motion; no torque is used."""
-    a, scale = unit_columns(regression.y)
+    """Compute rank, condition number, friction correlation and base parameters of a motion; no torque is used.
+
+    Rows of a prior count as rows of the motion, and a known parameter as determined.
+    """
+    prior = regression.prior
+    y = without_known(regression).y
+    if prior is not None:
+        rows = np.diag(np.sqrt(prior.precision * prior.variance))
+        y = np.concatenate([y.reshape(-1, y.shape[-1]), rows])[np.newaxis]
+    known = np.zeros(len(NAMES), bool) if prior is None else prior.known
+    a, scale = unit_columns(y)
     moved = np.flatnonzero(np.linalg.norm(a, axis=0) > 0.0)
     if not moved.size:
         return Identifiability(0, np.inf, (0.0, 0.0), (False,) * len(NAMES), ())
@@ -51,11 +60,11 @@ def excitation(regression: Regression) -> Identifiability:
     covariance = np.asarray(np.linalg.inv(a.T @ a + MIN_SINGULAR_RATIO**2 * np.eye(len(NAMES))), dtype=np.float64)
     correlation = tuple(_correlation(covariance, 5 + j, 7 + j, moved) for j in range(2))
     return Identifiability(
-        rank,
+        rank + int(known.sum()),
         condition,
         (correlation[0], correlation[1]),
-        tuple((projection > 1.0 - MIN_COEFFICIENT).tolist()),
-        _combinations(a[:, moved], scale, moved, rank),
+        tuple(((projection > 1.0 - MIN_COEFFICIENT) | known).tolist()),
+        (*_combinations(a[:, moved], scale, moved, rank), *(name for name, k in zip(NAMES, known, strict=True) if k)),
     )
 
 

@@ -5,13 +5,17 @@ A new method is a function from a `Regression` to an `Estimate`, an entry of `ME
 """
 
 import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from functools import wraps
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.regression import Regression, joint_variance
+from repro.identification.prior import Prior
+from repro.identification.regression import Regression, joint_variance, without_known
 from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
 from repro.model.parameters import NAMES, Array, is_positive_definite
 
@@ -32,24 +36,41 @@ MIN_EIGENVALUE_RATIO = 1e-3
 MIN_FRICTION_RATIO = 1e-6
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+#: No parameter is known.
+NONE_KNOWN = np.zeros(9)
 #: Lower bounds: friction is zero or more, the rest is free.
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)
 
 
+def with_known(method: Callable[[Regression], Estimate]) -> Callable[[Regression], Estimate]:
+    """Let a method estimate only what the prior does not know, and add the rest to its estimate."""
+
+    @wraps(method)
+    def estimate(regression: Regression) -> Estimate:
+        found = method(without_known(regression))
+        prior = regression.prior
+        return found if prior is None else replace(found, beta=np.where(prior.known, prior.mean, found.beta))
+
+    return estimate
+
+
+@with_known
 def ordinary(regression: Regression) -> Estimate:
     """Minimise the sum of squared torque errors (Gautier and Khalil)."""
-    return Estimate(solve(regression.y, regression.tau))
+    return Estimate(solve(regression.y, regression.tau, prior=regression.prior))
 
 
+@with_known
 def weighted(regression: Regression) -> Estimate:
     """Minimise each joint's errors in units of their own standard deviation (Swevers and others)."""
-    beta = solve(regression.y, regression.tau)
+    beta = solve(regression.y, regression.tau, prior=regression.prior)
     for _ in range(WEIGHTED_ITERATIONS):
-        beta = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, beta))
+        beta = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, beta), regression.prior)
     first, second = np.sqrt(joint_variance(regression, beta))[:, 0]
     return Estimate(beta, (f"torque errors of {first:.3g} and {second:.3g} N m made the weights of joints 1 and 2",))
 
 
+@with_known
 def robust(regression: Regression) -> Estimate:
     """Compute Huber's M-estimate with each joint's own scale, by iteratively reweighted least squares.
 
@@ -57,12 +78,12 @@ def robust(regression: Regression) -> Estimate:
     events have little effect.
     """
     y, tau = regression.y, regression.tau
-    error = tau - y @ solve(y, tau)
+    error = tau - y @ solve(y, tau, prior=regression.prior)
     for _ in range(ROBUST_ITERATIONS):
         scale = _median_scale(error, regression.mask)
         size = np.abs(error) / scale
         weight = HUBER_THRESHOLD / np.maximum(size, HUBER_THRESHOLD)
-        beta = solve(y, tau, weight / scale**2)
+        beta = solve(y, tau, weight / scale**2, regression.prior)
         before, error = error, tau - y @ beta
         if np.max(np.abs(error - before) / scale) < ROBUST_TOLERANCE:
             break
@@ -76,6 +97,7 @@ def _median_scale(error: Array, mask: NDArray[np.bool_]) -> Array:
     return np.where(scale > 0.0, scale, 1.0)
 
 
+@with_known
 def instrumental(regression: Regression) -> Estimate:
     """Compute the instrumental-variable estimate, with the joints weighted as in weighted least squares.
 
@@ -85,8 +107,9 @@ def instrumental(regression: Regression) -> Estimate:
     friction remains, because it is not linear in the noise.)
     """
     moments = _instrumental_moments(regression)
-    beta = _solve_moments(moments, np.ones((2, 1)))
-    beta = _solve_moments(moments, joint_variance(regression, beta))
+    prior = regression.prior
+    beta = _solve_moments(moments, np.ones((2, 1)), prior, 1.0 if prior is None else prior.variance)
+    beta = _solve_moments(moments, joint_variance(regression, beta), prior)
     return Estimate(beta, ("the instruments are the regressors of every other sample",))
 
 
@@ -100,25 +123,34 @@ def _instrumental_moments(regression: Regression) -> tuple[Array, Array, Array]:
     return cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0], length
 
 
-def _solve_moments(moments: tuple[Array, Array, Array], variance: Array) -> Array:
-    """Solve Z' (tau - Y beta) = 0, each joint over its variance."""
+def _solve_moments(
+    moments: tuple[Array, Array, Array], variance: Array, prior: Prior | None, of_rows: float = 1.0
+) -> Array:
+    """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
     gram, right, length = moments
     weight = 1.0 / variance  # (2, 1)
     odd, even = np.sqrt((weight * length).sum(1))
-    return solve_normal((weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even))
+    whole, product, size = (weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even)
+    if prior is not None:
+        added = 2.0 * of_rows * prior.precision
+        whole, product = whole + np.diag(added), product + added * prior.mean
+        size = np.sqrt(size**2 + added)
+    return solve_normal(whole, product, size)
 
 
+@with_known
 def bounded(regression: Regression) -> Estimate:
     """Solve least squares under the bounds beta >= 0, which line 22 of Algorithm 1 requires of a candidate."""
-    r, c, scale = reduced_problem(regression.y, regression.tau)
+    r, c, scale = reduced_problem(regression.y, regression.tau, regression.prior)
     z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(r, c)
     beta = clip_to_bound(np.maximum(z, 0.0), 1e-12) / scale
-    zero = [name for name, value in zip(NAMES, beta, strict=True) if value == 0.0]
+    free = np.ones(9, bool) if regression.prior is None else ~regression.prior.known
+    zero = [name for name, value, estimated in zip(NAMES, beta, free, strict=True) if value == 0.0 and estimated]
     return Estimate(beta, (f"held at zero: {', '.join(zero)}",) if zero else ())
 
 
-def solve_inequality(r: Array, c: Array, scale: Array, margin: float) -> Array:
-    """Minimise |R z - c| over beta = z / scale (9,) whose inertia matrix has eigenvalues of `margin` (kg m^2) or more.
+def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array = NONE_KNOWN) -> Array:
+    """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
     M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.parameters`), that
     is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the parameters, solved by Clarabel through
@@ -131,7 +163,7 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float) -> Array:
 
     size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
     z = cp.Variable(9)
-    beta = cp.multiply(z, 1.0 / scale)
+    beta = cp.multiply(z, 1.0 / scale) + known / size
     off = beta[1] / 2.0
     inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
     conditions = [inertia >> margin / size * np.eye(2), beta[5:] >= 0.0]
@@ -146,10 +178,10 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float) -> Array:
     solution[5:] *= determined(r, c)[5:]
     # The solver stays inside its bounds by a hair: friction that small is a bound that holds.
     solution[5:] = np.maximum(clip_to_bound(solution, MIN_FRICTION_RATIO)[5:], 0.0)
-    return solution / scale
+    return solution / scale + known
 
 
-def solve_consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
+def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding.
 
     Least squares under the bounds on friction alone is cheap; where its inertia is positive definite with the margin,
@@ -158,20 +190,23 @@ def solve_consistent(r: Array, c: Array, scale: Array) -> tuple[Array, bool]:
     z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
     z *= determined(r, c)  # which leaves no rounding in the rows that pull
     z[5:] = np.maximum(clip_to_bound(z, 1e-12)[5:], 0.0)
-    bounded = z / scale
+    bounded = z / scale + known
     margin = MIN_EIGENVALUE_RATIO * max(abs(float(bounded[0] + bounded[2])), np.finfo(np.float64).tiny)
     if is_positive_definite(bounded - margin * INERTIA_MARGIN):
         return bounded, bool((bounded[5:] == 0.0).any())
-    return solve_inequality(r, c, scale, margin), True
+    return solve_inequality(r, c, scale, margin, known), True
 
 
+@with_known
 def consistent(regression: Regression) -> Estimate:
     """Solve least squares with M(q) positive definite in every pose and no friction negative."""
-    beta, binding = solve_consistent(*reduced_problem(regression.y, regression.tau))
+    problem = reduced_problem(regression.y, regression.tau, regression.prior)
+    beta, binding = solve_consistent(*problem, _known(regression))
     note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
     return Estimate(beta, (note,))
 
 
+@with_known
 def parsimonious(regression: Regression) -> Estimate:
     """Solve consistent least squares with no more viscous friction than the log can show.
 
@@ -188,15 +223,21 @@ def parsimonious(regression: Regression) -> Estimate:
 
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
-    return _shrunk(reduced_problem(regression.y, regression.tau), penalty)
+    known = _known(regression)
+    regression = without_known(regression)
+    return _shrunk(reduced_problem(regression.y, regression.tau, regression.prior), penalty, known)
 
 
-def _shrunk(problem: tuple[Array, Array, Array], penalty: float) -> Array:
+def _known(regression: Regression) -> Array:
+    return NONE_KNOWN if regression.prior is None else regression.prior.values
+
+
+def _shrunk(problem: tuple[Array, Array, Array], penalty: float, known: Array) -> Array:
     """Compute consistent parameters with two rows added that pull the viscous torque to zero."""
     r, c, scale = problem
     rows = np.zeros((len(VISCOUS), 9))
     rows[range(len(VISCOUS)), VISCOUS] = np.sqrt(penalty)
-    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(VISCOUS))]), scale)[0]
+    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(VISCOUS))]), scale, known)[0]
 
 
 def _cross_validation_errors(regression: Regression) -> Array:
@@ -210,9 +251,9 @@ def _cross_validation_errors(regression: Regression) -> Array:
         inside = np.zeros(n, dtype=bool)
         inside[edges[k] : edges[k + 1]] = True
         rest, block = regression.take(np.flatnonzero(~inside)), regression.take(np.flatnonzero(inside))
-        problem = reduced_problem(rest.y, rest.tau)
+        problem = reduced_problem(rest.y, rest.tau, rest.prior)
         for i, penalty in enumerate(PENALTIES):
-            error = block.tau - block.y @ _shrunk(problem, penalty)
+            error = block.tau - block.y @ _shrunk(problem, penalty, _known(rest))
             errors[i, k] = np.sum(np.mean(error**2, axis=-1) / energy)
     return errors
 

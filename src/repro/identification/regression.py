@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.identification.prior import Prior
 from repro.model.parameters import Array
 
 #: Speed below which a joint stands still, rad/s.
@@ -38,6 +39,7 @@ class Regression:
     #: The regressor (2, 2, n, 9) from the odd and from the even samples of the position alone, where it was made. Their
     #: noise is independent if that of the samples is.
     even_odd: Array | None = None
+    prior: Prior | None = None  # of the parameters
 
     def take(self, rows: NDArray[np.intp]) -> "Regression":
         """Select samples by number, in their order; one may come more than once."""
@@ -75,6 +77,19 @@ def _masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
         tau=regression.tau * mask,
         even_odd=None if regression.even_odd is None else regression.even_odd * factor,
         mask=mask,
+    )
+
+
+def without_known(regression: Regression) -> Regression:
+    """Subtract the torque of the parameters that the prior knows, and set their columns to zero."""
+    prior, halves = regression.prior, regression.even_odd
+    if prior is None or not prior.known.any():
+        return regression
+    return replace(
+        regression,
+        y=regression.y * ~prior.known,
+        tau=regression.tau - regression.y @ prior.values,
+        even_odd=None if halves is None else halves * ~prior.known,
     )
 
 

@@ -15,6 +15,7 @@ chance add nothing. Errors of the motion are simulated a second time (SIMEX [3]_
    Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -33,7 +34,8 @@ from repro.identification.extra_terms import (
     zero_position,
 )
 from repro.identification.filtering import FilterSettings, Moved, prepare
-from repro.identification.regression import Regression, correlation_time, drop_standstill
+from repro.identification.prior import Prior
+from repro.identification.regression import Regression, correlation_time, drop_standstill, joint_variance
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
@@ -179,3 +181,24 @@ def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) 
     results |= unmodelled_effects(log, s, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results
+
+
+def attach_prior(
+    prior: Prior, regression: Regression, others: Mapping[str, Perturbation]
+) -> tuple[Regression, dict[str, Perturbation]]:
+    """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
+
+    The squared shifts by means that are off by their standard deviations add up (JCGM 100:2008, 5.1.2). In linear least
+    squares they complete the covariance of the posterior.
+    """
+    beta = solve(regression.y, regression.tau)
+    rows = 2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0
+    prior = replace(prior, variance=float(np.mean(joint_variance(regression, beta))), correlated=max(rows, 1.0))
+    results = {
+        name: replace(other, regressions=tuple(replace(each, prior=prior) for each in other.regressions))
+        for name, other in others.items()
+    }
+    shifts = tuple(replace(regression, prior=prior.shifted(k)) for k in prior.informative)
+    if shifts:
+        results["prior"] = Perturbation(shifts, float(len(shifts)))
+    return replace(regression, prior=prior), results

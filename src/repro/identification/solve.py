@@ -7,6 +7,7 @@ digits remain, and a method can be repeated hundreds of times for its standard e
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.identification.prior import Prior
 from repro.model.parameters import Array
 
 #: Singular values below this fraction of the largest count as zero, for columns of unit length.
@@ -45,12 +46,19 @@ def solve_normal(gram: Array, right: Array, length: Array) -> Array:
     return pseudo_solve(gram * inverse * inverse[:, None], right * inverse) * inverse
 
 
-def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
+def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None = None) -> Array:
     """Compute the parameters (9,) with the smallest sum of squared torque errors, from y (2, n, 9) and tau (2, n).
 
     `weight` of each squared error broadcasts to (2, n). Where the parameters are not unique, they are those of the
-    smallest length in units of the columns' length; a parameter that the motion does not move is 0.
+    smallest length in units of the columns' length; a parameter that the motion does not move is 0. Weights next to a
+    prior are those of rows of variance 1.
     """
+    if prior is not None:
+        flat = y.reshape(-1, y.shape[-1])
+        weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
+        added = prior.precision * (prior.variance if weight is None else 1.0)
+        gram, right = weighted.T @ flat + np.diag(added), weighted.T @ tau.reshape(-1) + added * prior.mean
+        return solve_normal(gram, right, np.sqrt(gram.diagonal()))
     if weight is not None:  # one pass less over the rows; the same to rounding
         flat = y.reshape(-1, y.shape[-1])
         weighted = flat * np.broadcast_to(weight, tau.shape).reshape(-1, 1)
@@ -61,14 +69,20 @@ def solve(y: Array, tau: Array, weight: Array | None = None) -> Array:
     return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
 
 
-def reduced_problem(y: Array, tau: Array) -> tuple[Array, Array, Array]:
+def reduced_problem(y: Array, tau: Array, prior: Prior | None = None) -> tuple[Array, Array, Array]:
     """Reduce least squares to few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant, with beta = z / scale.
 
     Further rows make the solution unique: undetermined directions are pulled to zero, and so is all of z, too weakly to
-    matter where anything else determines it. Returns R (k, 9), c (k,) and scale (9,).
+    matter where anything else determines it. The rows of a prior are among them. Returns R (k, 9), c (k,) and
+    scale (9,).
     """
     a, scale = unit_columns(y)
-    gram = a.T @ a
+    gram, product = a.T @ a, a.T @ tau.reshape(-1)
+    if prior is not None:
+        added = prior.precision * prior.variance / scale
+        gram, product = gram + np.diag(added / scale), product + added * prior.mean
+        length = np.sqrt(np.where(gram.diagonal() > 0.0, gram.diagonal(), 1.0))
+        gram, product, scale = gram / length / length[:, None], product / length, scale * length
     moved = np.flatnonzero(gram.diagonal() > 0.0)
     values, vectors = np.linalg.eigh(gram[np.ix_(moved, moved)])
     nonzero = values > RANK_TOLERANCE**2 * values.max(initial=0.0)
@@ -78,7 +92,7 @@ def reduced_problem(y: Array, tau: Array) -> tuple[Array, Array, Array]:
     undetermined, weak = UNDETERMINED_WEIGHT * directions[~nonzero], REGULARISATION_WEIGHT * np.eye(len(scale))
     rows = np.vstack([root[:, None] * directions[nonzero], undetermined, weak])
     right = np.zeros(len(rows))
-    right[: root.size] = directions[nonzero] @ (a.T @ tau.reshape(-1)) / root
+    right[: root.size] = directions[nonzero] @ product / root
     return rows, right, scale
 
 

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -56,11 +57,37 @@ class Arm:
     speed_limit: Pair | None = None  # largest speed of each joint, rad/s
     # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
     workspace: tuple[Pair, Pair] | None = None
+    plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
     link_lengths: Pair | None = None  # lengths of the links, m
     friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: estimated from the data
     delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
     file: str = "arm file"  # where this was read, for messages
+
+    def __post_init__(self) -> None:
+        """Check the values as those of a file."""
+        given = {key: value for key, value in vars(self).items() if value is not None and key != "file"}
+        try:
+            content = json.loads(json.dumps(given, default=_plain))
+        except (TypeError, ValueError) as error:
+            raise InputError.at(self.file, f"a value of another type ({error})", "numbers, texts and pairs") from error
+        if wrong := violation(content, _schema()):
+            place, found, expected = wrong
+            raise InputError.at(f"{self.file}: {spelled(place)}", found, expected)
+
+
+def _plain(value: object) -> object:
+    """Give a NumPy array or number as JSON has it."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(type(value).__name__)
+
+
+@cache
+def _schema() -> Mapping[str, Any]:
+    """Schema of an arm file."""
+    schema: Mapping[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
+    return schema
 
 
 class _Loader(Loader):
@@ -102,8 +129,7 @@ def read_arm(path: str | Path | None) -> Arm:
         return Arm()
     path = Path(path)
     content = read_yaml(path, "an arm file", _Loader)
-    schema = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
-    if wrong := violation(content, schema):
+    if wrong := violation(content, _schema()):
         place, found, expected = wrong
         raise InputError.at(f"{path}: {spelled(place)}", found, expected)
     for key, value in content.items():

@@ -63,12 +63,18 @@ class Log:
 
     def __post_init__(self) -> None:
         """Check the arrays, and take them as double precision."""
-        if not isinstance(self.name, str):
-            raise InputError.at("name", repr(self.name)[:60], "text")
+        if not isinstance(self.name, str) or self.name.splitlines() != [self.name]:
+            raise InputError.at("name", repr(self.name)[:60], "one line of text")
+        if isinstance(self.notes, str):
+            raise InputError.at(f"{self.name}: notes", repr(self.notes)[:60], "a tuple of lines")
         n = np.size(self.t)
         for field, shape in (("t", (n,)), ("q", (2, n)), ("tau", (2, n)), ("dq", (2, n)), ("torque_limit", (2,))):
             if (given := getattr(self, field)) is not None or field in ("t", "q", "tau"):
                 object.__setattr__(self, field, _numbers(f"{self.name}: {field}", given, shape))
+        if self.torque_limit is not None and self.torque_limit.min() <= 0.0:
+            raise InputError.at(f"{self.name}: torque_limit", self.torque_limit, "numbers above 0")
+        if any(not isinstance(k, int) or not 0 < k < n for k in self.breaks):
+            raise InputError.at(f"{self.name}: breaks", self.breaks, f"whole numbers from 1 to {n - 1}")
         wrong = np.flatnonzero(np.diff(self.t) <= 0.0)
         if wrong.size:
             now, before = self.t[wrong[0] + 1], self.t[wrong[0]]
@@ -101,6 +107,8 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
         array = np.asarray(given)
     except ValueError:  # rows of different lengths
         raise InputError.at(place, "rows of different lengths", f"shape {shape}") from None
+    if np.ma.is_masked(given):
+        raise InputError.at(place, "masked values", "a value for each sample")
     if array.dtype.kind not in "iuf":
         raise InputError.at(place, f"values of type {array.dtype}", "real numbers")
     if array.shape != shape:

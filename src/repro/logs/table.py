@@ -174,7 +174,7 @@ def _cell(value: object) -> str:
     """Write a value of a DataFrame as a table would; every digit stays."""
     if value is None or value is pd.NA:
         return ""
-    return repr(float(value)) if isinstance(value, (int, float)) else str(value)
+    return repr(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else str(value)
 
 
 def _head(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:

@@ -10,9 +10,9 @@ Array = NDArray[np.float64]
 
 NAMES = ("I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2")
 
-# Units derived from Eq. 1. Tables 4 and 5 print kg m^2 s for b and kg m^2/s^2 for g and k; a viscous
-# coefficient must be kg m^2/s for B dq to be a torque.
-UNITS = ("kg m^2",) * 3 + ("kg m^2/s^2",) * 2 + ("kg m^2/s",) * 2 + ("kg m^2/s^2",) * 2
+# Tables 4 and 5 print kg m^2/s^2, which is N m, for g and k. They print kg m^2 s for b; B dq is a torque, so b is in
+# N m s/rad.
+UNITS = ("kg m^2",) * 3 + ("N m",) * 2 + ("N m s/rad",) * 2 + ("N m",) * 2
 
 DESCRIPTIONS = (
     "inertia of both links seen by joint 1",

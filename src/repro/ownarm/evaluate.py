@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
+from repro.identification.prior import Prior
 from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import IdentificationProblem, Options, join_logs
+from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings
 from repro.ownarm.result import (
     HALVES,
@@ -27,9 +28,10 @@ from repro.ownarm.result import (
     Result,
     Score,
     Signals,
+    SingleFit,
 )
 from repro.ownarm.selftest import self_test
-from repro.ownarm.text import calibration_warnings, inconsistency, verdict
+from repro.ownarm.text import FIXED, calibration_warnings, inconsistency, verdict
 from repro.signals.dct import spectrum
 from repro.streams import Stream, stream
 
@@ -41,6 +43,8 @@ Position = tuple[float, float] | None
 
 #: Parameters that may be negative: they depend on where masses and the zero position are.
 EITHER_SIGN = ("I2", "g1", "g2")
+#: Weight of the prior in an estimate above which the verdict reports it.
+MOSTLY = 0.5
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,7 @@ class Fit:
     estimate: Estimate
     spread: Uncertainty | None  # standard errors and intervals, if it claims any
     halves: tuple[Score, ...]  # each half predicted from the other; of several logs each from the others
+    prior_weight: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # of each estimate (9,), 0 to 1
 
 
 def resolve(options: Options, progress: Progress) -> list[Method]:
@@ -105,7 +110,8 @@ def fit(
     scores = []
     if len(problem.logs) > 1 and method.claims_intervals:
         for k, log in enumerate(problem.logs):
-            beta = method.estimate(join_logs([*problem.logs[:k], *problem.logs[k + 1 :]])[0]).beta
+            others = join_logs([*problem.logs[:k], *problem.logs[k + 1 :]], problem.prior)[0]
+            beta = method.estimate(others).beta
             scores.append(score(log.loaded.name, log.regression, beta, None))
     elif halves:
         middle = r.t.size // 2
@@ -113,7 +119,18 @@ def fit(
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
             beta = method.estimate(r.take(used)).beta
             scores.append(score(name, problem.regression.take(predicted), beta, None))
-    return Fit(method, estimate, spread, tuple(scores))
+    return Fit(method, estimate, spread, tuple(scores), _prior_weight(method, r, estimate))
+
+
+def _prior_weight(method: Method, regression: Regression, estimate: Estimate) -> Array:
+    """Compute by how much each estimate (9,) follows its own prior mean: 0 without a prior, 1 for a known parameter."""
+    weight, prior = np.zeros(len(NAMES)), regression.prior
+    if prior is not None:
+        weight[prior.known] = 1.0
+        for k in prior.informative:
+            moved = method.repeat(replace(regression, prior=prior.shifted(k)), estimate)
+            weight[k] = np.clip((moved[k] - estimate.beta[k]) / prior.sd[k], 0.0, 1.0)
+    return weight
 
 
 def score(name: str, regression: Regression, beta: Array, position: Position) -> Score:
@@ -151,9 +168,10 @@ def _parameters(fitted: Fit, share: Array, problem: IdentificationProblem) -> tu
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
     rough_joints = {term.name[-1] for log in problem.logs for term in log.terms if not term.taken}
+    known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
     for k, name in enumerate(NAMES):
-        at_bound = bool(beta[k] == 0.0)
+        at_bound = bool(beta[k] == 0.0 or known[k])
         error, low, high = (
             (None, None, None)
             if spread is None or at_bound or not determined[k] or problem.doubt
@@ -169,9 +187,14 @@ def _parameters(fitted: Fit, share: Array, problem: IdentificationProblem) -> tu
             name in EITHER_SIGN or beta[k] > 0.0,
             problem.doubt if spread is not None else "",
         )
+        weight = float(fitted.prior_weight[k])
+        if known[k]:
+            text = FIXED
+        elif weight > MOSTLY:
+            text += f"; mostly from the prior (weight {100 * weight:.0f} %)"
         if name[0] in "bk" and name[1] in rough_joints:
             text += "; includes other friction"
-        rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, text))
+        rows.append(Parameter(name, UNITS[k], DESCRIPTIONS[k], float(beta[k]), error, low, high, text, weight))
     return tuple(rows)
 
 
@@ -214,8 +237,16 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         setup=tuple(log.faults for log in problem.logs),
         hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),
+        prior=_prior_rows(problem.prior),
     )
     return result, _curves(problem, methods, betas)
+
+
+def _prior_rows(prior: Prior | None) -> dict[str, dict[str, float]]:
+    if prior is None:
+        return {}
+    rows = zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
+    return {name: {"value": mean, "sd": sd} for name, mean, sd in rows if np.isfinite(sd)}
 
 
 def add_self_test(
@@ -233,6 +264,29 @@ def add_self_test(
     except NoSolutionError as error:
         _LOG.warning("self-test: no result, %s", error)
         return result
+
+
+def add_runs(
+    result: Result, problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: Progress
+) -> Result:
+    """Fit each of several logs by itself with the recommended method; one without a solution is left out."""
+    method = next(m for m in methods if m.name == result.recommended)
+    runs = []
+    for log in problem.logs:
+        name = log.loaded.name
+        alone = single_problem(problem, log)
+
+        def report(k: int, n: int, name: str = name) -> None:
+            progress(f"{name} alone", k, n, "")
+
+        try:
+            fitted = fit(method, alone, seed, False, report)
+        except NoSolutionError as error:
+            _LOG.warning("%s alone: no result, %s", name, error)
+            continue
+        share = torque_fraction(alone.moving, fitted.estimate.beta)
+        runs.append(SingleFit(name, _parameters(fitted, share, alone)))
+    return replace(result, runs=tuple(runs))
 
 
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:

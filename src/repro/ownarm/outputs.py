@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from repro.export.links import links_of
+from repro.export.links import horizontal_links_of, links_of
 from repro.export.models import mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
@@ -16,7 +16,7 @@ from repro.logs.armfile import Arm
 from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.tables import parameters_table, residuals_table, scores_table
+from repro.ownarm.tables import parameters_table, residuals_table, runs_table, scores_table
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 from repro.pipeline.provenance import write_provenance
 
@@ -24,7 +24,7 @@ PAGE = "report.html"
 #: BibTeX entries of the methods.
 METHODS_FILE = Path(__file__).with_name("methods.bib")
 #: Files that are written or not, as the result has it.
-OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt"}
+OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}
 #: File next to a result with the versions that computed it.
 SIDECAR = "provenance.json"
 
@@ -48,6 +48,8 @@ def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None
     write_csv(folder / "parameters.csv", parameters_table(result))
     write_csv(folder / "scores.csv", scores_table(result))
     write_csv(folder / "residuals.csv", residuals_table(result, curves))
+    if result.spread:
+        write_csv(folder / "runs.csv", runs_table(result))
     write_text(folder / "methods.bib", bibtex(citations(result)))
     _write_links(folder, result, arm)
     names = sorted(path.name for path in folder.iterdir())
@@ -90,7 +92,10 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
     reason = f"The motion does not determine {', '.join(unknown)}, which masses and lengths depend on."
     if not unknown:
         try:
-            links = links_of(beta, arm.gravity, arm.link_lengths)
+            if arm.plane == "horizontal":
+                links = horizontal_links_of(beta, arm.link_lengths)
+            else:
+                links = links_of(beta, arm.gravity, arm.link_lengths)
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:

@@ -16,7 +16,7 @@ from repro.logs.diagnostics import Description
 from repro.ownarm.figures import drawn_methods
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import blocks, method_columns, percent, predictions, rounded, significant
-from repro.ownarm.text import ALLOWED, detection_limits, friction_line, self_test_rows, self_test_verdict
+from repro.ownarm.text import ALLOWED, detection_limits, friction_line, self_test_rows, self_test_verdict, spread_rows
 from repro.report.embed import Picture, environment, policy
 
 #: Screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size.
@@ -31,6 +31,7 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 FILES = {
     "parameters.json": "everything on this page, for programs",
     "parameters.csv": "the parameters of every method, a row each",
+    "runs.csv": "the parameters from each log alone, a row each, with their range",
     "residuals.csv": "measured and rebuilt torque over time",
     "scores.csv": "the errors of every method on every log, a row each",
     "arm.urdf": "two links with these inertias, for ROS and most simulators",
@@ -87,6 +88,7 @@ def _environment() -> Environment:
         "percent": percent,
         "significant": significant,
         "rows": self_test_rows,
+        "spread": spread_rows,
         "conclusion": self_test_verdict,
     }
     return jinja

@@ -32,8 +32,15 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
+from repro.identification.prior import Prior
 from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.sensitivity import Perturbation, perturbations, project_out, unmodelled_effects
+from repro.identification.sensitivity import (
+    Perturbation,
+    attach_prior,
+    perturbations,
+    project_out,
+    unmodelled_effects,
+)
 from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
@@ -41,6 +48,7 @@ from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
 from repro.model.parameters import Array
+from repro.ownarm.prior import with_plane
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,7 @@ class Options:
     cutoff: float | None = None  # Hz; None: chosen from the log
     seed: int = 1  # of the bootstrap, of training and of the search
     steps: int = 1500  # training steps of the CNN
+    prior: Prior | None = None  # of the parameters
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
 
 
@@ -100,6 +109,7 @@ class IdentificationProblem:
     validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
     excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
+    prior: Prior | None = None  # of the parameters
 
     @property
     def doubt(self) -> str:
@@ -226,8 +236,8 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     return tuple(prepared)
 
 
-def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Perturbation]]:
-    """Join several logs to one regression without standstill, and their alternatives."""
+def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
+    """Join several logs and a prior to one regression without standstill, and their alternatives."""
     size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
     weights = [float(np.mean(size)) / one for one in size]
     as_good = {}
@@ -237,7 +247,8 @@ def join_logs(logs: Sequence[PreparedLog]) -> tuple[Regression, dict[str, Pertur
         mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
         weight, rival = max(one.weight for one in each), any(one.rival for one in each)
         as_good[name] = Perturbation(tuple(mixed), weight, rival)
-    return joined([log.moving for log in logs], weights), as_good
+    moving = joined([log.moving for log in logs], weights)
+    return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
 
 def _correct_as(log: Log, first: PreparedLog) -> Log:
@@ -260,9 +271,26 @@ def make_problem(
     for loaded in validation:
         _check_rate(loaded.log, first.cutoff)
     predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
-    moving, as_good = join_logs(logs)
+    prior = with_plane(options.prior, arm)
+    moving, as_good = join_logs(logs, prior)
     regression = joined([log.regression for log in logs])
-    return IdentificationProblem(logs, regression, moving, as_good, predicted, excitation(moving), arm.delay is None)
+    excited = excitation(moving)
+    return IdentificationProblem(logs, regression, moving, as_good, predicted, excited, arm.delay is None, prior)
+
+
+def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
+    """Give the problem of one of its logs by itself, prepared as it is among the others."""
+    moving, as_good = join_logs((log,), problem.prior)
+    excited = excitation(moving)
+    return replace(
+        problem,
+        logs=(log,),
+        regression=log.regression,
+        moving=moving,
+        as_good=as_good,
+        validation=(),
+        excited=excited,
+    )
 
 
 def at_limit(delay: float) -> bool:

@@ -20,10 +20,14 @@ SMALL = 0.1
 #: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
 #: differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
+#: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
+CONTRADICTION = 3.0
 #: A delay below this is no drive's, s.
 EARLY = -0.005
 #: A log of fewer seconds deserves a warning.
 SHORT = 15.0
+#: What to type for a motion that shows more.
+EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT designs"
 #: Errors that differ by less than this factor are equally good.
 EQUAL = 1.01
 
@@ -79,18 +83,19 @@ def _comparison(method: MethodResult, best: MethodResult) -> str:
 def warnings(
     problem: IdentificationProblem, methods: Sequence[MethodResult], recommended: str, excitation: Excitation
 ) -> tuple[str, ...]:
-    """List what may spoil the result as a whole, one line each."""
+    """List what may spoil the result as a whole, one line each: first what an option or the arm file can change."""
     best = next(m for m in methods if m.method == recommended)
-    found = (
-        *_weak_excitation(excitation),
-        *undriven(problem, best),
-        *_mixed_friction(excitation, best),
-        *_poor_scores(best),
-        *disagreeing(problem, best),
-        *_short(problem),
+    return (
+        *_inconsistent(methods, best),
+        *contradicted(problem, best),
         *odd_delay(problem),
+        *undriven(problem, best),
+        *disagreeing(problem, best),
+        *_poor_scores(best),
+        *_weak_excitation(excitation),
+        *_mixed_friction(excitation, best),
+        *_short(problem),
     )
-    return found if best.consistent else (*found, unusable(best))
 
 
 def unusable(method: MethodResult) -> str:
@@ -101,12 +106,32 @@ def unusable(method: MethodResult) -> str:
     return f"Eq. 1 leaves up to {100 * worst:.3g} % of a torque unexplained" if worst > USELESS else ""
 
 
+def _inconsistent(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
+    if not best.consistent:
+        option = "" if any(m.method == "consistent" for m in methods) else "; give --method consistent"
+        yield f"{unusable(best)}{option}"
+
+
+def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
+    """Warn of a prior that the log contradicts."""
+    prior = problem.prior
+    if prior is None:
+        return
+    for k in prior.informative:
+        p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
+        if abs(p.estimate - mean) > CONTRADICTION * sd:
+            yield (
+                f"the log contradicts the prior of {p.name}: {mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes "
+                f"{p.estimate:.4g}; check the prior, or leave {p.name} out of it"
+            )
+
+
 def _weak_excitation(excitation: Excitation) -> Iterator[str]:
     if excitation.rank < 9:
-        yield f"the motion determines only {excitation.rank} combinations of the nine parameters: excite more"
+        yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
     elif excitation.condition > CONDITION:
         yield (
-            f"the motion hardly distinguishes the parameters (condition number {excitation.condition:.3g}): excite more"
+            f"the motion hardly distinguishes the parameters (condition number {excitation.condition:.3g}): {EXCITE}"
         )
 
 
@@ -118,7 +143,8 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
             if not has:
                 yield (
                     f"joint {joint} has next to no torque in {log.loaded.log.name}: either the other joint moves it or "
-                    "its torque was not recorded; its error is relative to the torques that should cancel"
+                    f"its torque was not recorded (arm file: columns.tau{joint}); its error is relative to the torques "
+                    "that should cancel"
                 )
 
 
@@ -127,7 +153,8 @@ def _mixed_friction(excitation: Excitation, method: MethodResult) -> Iterator[st
         if abs(correlation) > CORRELATION and not _known(method, 4 + joint, 6 + joint):
             yield (
                 f"viscous and Coulomb friction of joint {joint} are hard to distinguish "
-                f"(correlation {correlation:.2f}): log slow and fast motion"
+                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give --method "
+                "parsimonious"
             )
 
 
@@ -143,25 +170,25 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
     if fit > POOR:
         joint = int(np.argmax(method.fit.relative_rms)) + 1
         yield (
-            f"Eq. 1 leaves {100 * fit:.3g} % of the torque of joint {joint} unexplained: either units, signs or a zero "
-            "are wrong, or unmodelled effects are as large"
+            f"Eq. 1 leaves {100 * fit:.3g} % of the torque of joint {joint} unexplained: check units, sign and zero in "
+            "the arm file; if they are right, unmodelled effects are as large"
         )
     if max(np.abs(method.whiteness)) > AUTOCORRELATION:
         yield (
             f"residuals are far from white (autocorrelation {max(method.whiteness, key=abs):.2f}): Eq. 1 does not "
-            "model this friction or flexibility"
+            "model this friction or flexibility; compare with --friction and --self-test"
         )
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
     if worst > max(WORSE * fit, SMALL):
         yield (
             f"on the validation logs the torque error reaches {100 * worst:.3g} %, on the fitted log "
-            f"{100 * fit:.3g} %: the logs excite different effects"
+            f"{100 * fit:.3g} %: the logs excite different effects; fit both, and validate on a third"
         )
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
     if half > max(WORSE * fit, SMALL):
         yield (
             f"one half of the log predicts the other with a torque error of {100 * half:.3g} %: the log is too short, "
-            "or something changed during it"
+            "or something changed during it; record a longer one, or fit several logs"
         )
 
 
@@ -176,14 +203,14 @@ def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterato
     if predicted > max(WORSE * own, SMALL):
         yield (
             f"the log {left_out[worst].log} disagrees with the others: its torque error is {100 * predicted:.3g} % "
-            f"predicted from them, and {100 * own:.3g} % fitted alone"
+            f"predicted from them, and {100 * own:.3g} % fitted alone; leave it out if the arm changed"
         )
 
 
 def _short(problem: IdentificationProblem) -> Iterator[str]:
     length = sum(float(log.loaded.log.t[-1] - log.loaded.log.t[0]) for log in problem.logs)
     if length < SHORT:
-        yield f"the log is short, {length:.3g} s: the intervals are reliable from {SHORT:g} s on"
+        yield f"the log is short, {length:.3g} s: the intervals are reliable from {SHORT:g} s on; record more"
 
 
 def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
@@ -192,7 +219,10 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
         where = f" in {log.loaded.log.name}" if len(problem.logs) > 1 else ""
         delay = f"{1e3 * log.settings.delay:.3g} ms"
         if at_limit(log.settings.delay):
-            yield f"the delay of the torque{where} is at the end of the search range ({delay})"
+            yield (
+                f"the delay of the torque{where} is at the end of the search range ({delay}): check the time stamps, "
+                "then give delay (s) in the arm file"
+            )
         elif log.settings.delay < EARLY:
             yield (
                 f"the delay of the torque{where} is {delay}, as if it acted before it was recorded: either the stamps "

@@ -1,7 +1,7 @@
 """The result of `repro identify`: plain dataclasses, written as JSON and drawn by the report."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import FrictionTerm
@@ -25,6 +25,7 @@ class Parameter:
     low: float | None  # ends of the 95 % interval
     high: float | None
     verdict: str  # such as "known to 3 %", "not excited by this motion"
+    prior_weight: float = 0.0  # by how much the estimate follows the mean of its own prior, 0 to 1
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,26 @@ class SelfTest:
 
 
 @dataclass(frozen=True)
+class SingleFit:
+    """One of several fitted logs, fitted by itself with the recommended method."""
+
+    log: str  # file name
+    parameters: tuple[Parameter, ...]  # the nine
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One parameter in each of several logs by itself."""
+
+    name: str
+    unit: str
+    together: float  # estimate from all logs
+    estimates: tuple[float, ...]  # from each log, in the order of `Result.runs`
+    range: float  # largest less smallest
+    agree: bool | None  # whether the 95 % intervals have a common value; None with fewer than two
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything that the JSON file contains."""
 
@@ -137,6 +158,20 @@ class Result:
     hidden: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[FrictionTerm, ...], ...] = ()
     selftest: SelfTest | None = None
+    prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
+    runs: tuple[SingleFit, ...] = ()  # each of several logs by itself
+
+    @property
+    def spread(self) -> tuple[Spread, ...]:
+        """The nine parameters from log to log; empty unless two logs could be fitted by themselves."""
+        rows = []
+        for whole, *alone in zip(self.best.parameters, *(run.parameters for run in self.runs), strict=True):
+            estimates = tuple(p.estimate for p in alone)
+            ends = [(p.low, p.high) for p in alone if p.low is not None and p.high is not None]
+            agree = max(low for low, _ in ends) <= min(high for _, high in ends) if len(ends) > 1 else None
+            span = max(estimates, default=0.0) - min(estimates, default=0.0)
+            rows.append(Spread(whole.name, whole.unit, whole.estimate, estimates, span, agree))
+        return tuple(rows) if len(self.runs) > 1 else ()
 
     @property
     def best(self) -> MethodResult:

@@ -102,7 +102,7 @@ def self_test(
     for draw in range(draws):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
         logs = tuple(_prepare_synthetic(log, beta, arm, options, rng) for log in problem.logs)
-        moving, as_good = join_logs(logs)
+        moving, as_good = join_logs(logs, problem.prior)
         estimate = method.estimate(moving)
         spread = bootstrap(method, moving, estimate, as_good, rng)
         betas.append(estimate.beta)

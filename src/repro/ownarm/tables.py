@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import pandas as pd
 
 from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
+from repro.ownarm.text import NOTHING
 
 PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
 SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
 
-#: Cell without a number.
-NOTHING = "\N{EN DASH}"
 #: Headings of the scores by their kind.
 _HEADINGS = {
     "fit": "Fitted: {}",
@@ -34,6 +33,28 @@ def parameters_table(result: Result) -> pd.DataFrame:
     ]
     numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
     return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
+
+
+def runs_table(result: Result) -> pd.DataFrame:
+    """Tabulate the parameters from each log alone, a row each, with their range and agreement over the logs."""
+    rows = [
+        (
+            escape_formula(run.log),
+            p.name,
+            p.unit,
+            p.estimate,
+            p.standard_error,
+            p.low,
+            p.high,
+            p.verdict,
+            spread.range,
+            spread.agree,
+        )
+        for k, spread in enumerate(result.spread)
+        for run in result.runs
+        for p in (run.parameters[k],)
+    ]
+    return pd.DataFrame(rows, columns=["log", *PARAMETER_COLUMNS[1:], "range", "agree"])
 
 
 def scores_table(result: Result) -> pd.DataFrame:

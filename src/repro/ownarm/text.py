@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import MIN_Z_SCORE, FrictionTerm
+from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
 from repro.identification.sensitivity import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
@@ -22,7 +22,10 @@ ALLOWED = (
 #: Half an interval over the estimate: up to this the parameter is known.
 KNOWN = 0.5
 
+#: Cell without a number.
+NOTHING = "\N{EN DASH}"
 NOT_EXCITED = "not excited by this motion"
+FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
 COMBINED = "determined in a combination only, see the base parameters"
 
@@ -174,7 +177,14 @@ def friction_line(term: FrictionTerm) -> str:
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
-    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %"
+    option = ": give --friction" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
+    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{option}"
+
+
+def log_warnings(result: Result) -> tuple[str, ...]:
+    """List what may be wrong with the logs as read; their names come first if there are several."""
+    logs = (*result.fitted_logs, *result.validation_logs)
+    return tuple(f"{log.name}: {line}" if len(logs) > 1 else line for log in logs for line in log.warnings)
 
 
 def detection_limits(result: Result) -> tuple[str, ...]:
@@ -193,6 +203,19 @@ def _limit(kind: str, size: float | None) -> str:
         return "of any size"
     units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.0f} %"}
     return f"up to {units[kind]}"
+
+
+def spread_rows(result: Result) -> list[tuple[str, ...]]:
+    """Print a heading and a row for each parameter: together, each log alone, range, whether the intervals agree."""
+    if not result.spread:
+        return []
+    numbers = (str(k + 1) for k in range(len(result.runs)))
+    words = {None: NOTHING, True: "yes", False: "no"}
+    rows = [
+        (f"{row.name}, {row.unit}", *(f"{x:.4g}" for x in (row.together, *row.estimates, row.range)), words[row.agree])
+        for row in result.spread
+    ]
+    return [("", "together", *numbers, "range", "agree"), *rows]
 
 
 def self_test_rows(test: SelfTest) -> list[tuple[str, ...]]:
@@ -236,12 +259,16 @@ def summary(result: Result) -> str:
         errors = ", ".join(f"{_score_name(part, score)} {_errors(score)}" for part, score in m.scores)
         mark = "*" if m is best else " "
         lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
+    if rows := spread_rows(result):
+        logs = ", ".join(f"{k} = {run.log}" for k, run in enumerate(result.runs, 1))
+        lines.append(f"each log alone by {best.method} ({logs}):")
+        lines += ["  " + "".join((f"{row[0]:<15}", *(f"{cell:>12}" for cell in row[1:]))) for row in rows]
     if test := result.selftest:
         lines.append(f"self-test: {test.draws} synthetic logs of this motion with the parameters of {test.method}")
         heads = ("", "true", "median", "range", "in the interval")
         lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *self_test_rows(test))]
         lines.append(self_test_verdict(test))
-    lines += [f"WARNING: {warning}" for warning in result.warnings]
+    lines += [f"WARNING: {warning}" for warning in (*log_warnings(result), *result.warnings)]
     return "\n".join(lines)
 
 

@@ -184,7 +184,7 @@ def _training_ranges(c: Check) -> list[Finding]:
             c.compares(
                 float(high[k]), float(farthest), count == 0, uses=_true_ids(*name.split(" - ")), name=name,
                 id=name.replace(" ", ""), formula=formula, low=low[k], outside=outside,
-                range_unit="kg m^2/s^2" if name[0] == "g" else "kg m^2", values=", ".join(f"{x:.4f}" for x in v),
+                range_unit="N m" if name[0] == "g" else "kg m^2", values=", ".join(f"{x:.4f}" for x in v),
             )
         )  # fmt: skip
     return findings

@@ -114,7 +114,7 @@ def link(path: Path, page: Path) -> Link:
     kind, size = path.suffix[1:].upper(), _size(len(content))
     if len(content) <= LARGEST_DOWNLOAD and path.suffix != ".pdf":
         return Link(f"{kind} ({size})", _uri(content, f"{_TYPES[path.suffix]};charset=utf-8"), path.name)
-    return Link(f"{kind} ({size}, beside this report)", quote(Path(os.path.relpath(path, page.parent)).as_posix()), "")
+    return Link(f"{kind} ({size}, next to this report)", quote(Path(os.path.relpath(path, page.parent)).as_posix()), "")
 
 
 def _size(count: int) -> str:

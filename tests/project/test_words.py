@@ -1,0 +1,81 @@
+"""Pages, help texts and messages avoid the phrases that readers stumbled over most."""
+
+import argparse
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from repro.cli import parser
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Phrases, and what to write instead.
+AVOID = {
+    r"\b(?:un)?told\b|\bforet(?:old|ells?)\b": "reported, distinguished, predicted",
+    r"\btells? (?:nothing|little|of)\b": "does not determine, shows",
+    r"\b(?:is|are) said to\b|\bas said\b": "is reported, is stated",
+    r"\bvouch\w*": "verifies",
+    r"\bput right\b": "corrected",
+    r"\b(?:hangs?|hung) on\b": "depends on",
+    r"\bbeside\b": "next to, in addition to",
+    r"\basks? for\b": "requires, requests",
+    r"\b(?:other|another|literal|each|every|three|two|one) readings?\b|\breadings? of the paper\b": "interpretation",
+    r"\bpromises?\b|\bpromised\b": "asserted claim",
+    r"\b(?:recipes?|versions?|runs?) ago\b|\bas (?:tried first|before)\b|\bformerly\b": "the present state",
+    r"\(\d[\d., %]* before\)|\binstead of the old\b|\bat first it\b": "the present state",
+    r"kg m\^2/s\^2": "N m",
+    r"\bdoubt the\b|\bsame hat\b|\bfor ever\b|\bby luck\b|\bby a hair\b": "the measurement",
+}
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "config/README.md", ROOT / "benchmarks/README.md"]
+PAGES += [page for page in sorted((ROOT / "docs").rglob("*.md")) if ROOT / "docs/reference" not in page.parents]
+
+
+def found(text: str) -> list[str]:
+    """Avoided phrases of a text, each with what to write."""
+    hits = ((match[0], instead) for what, instead in AVOID.items() for match in re.finditer(what, text, re.I))
+    return [f"{phrase!r}: write {instead}" for phrase, instead in hits]
+
+
+def help_texts() -> Iterator[str]:
+    """Descriptions and options of the commands."""
+    (subcommands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    for command in subcommands.choices.values():
+        yield from (command.description or "", command.epilog or "", *(each.help or "" for each in command._actions))
+
+
+def messages(path: Path) -> Iterator[str]:
+    """Strings of a module with blanks, without its docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    bodies = [node.body for node in ast.walk(tree) if isinstance(getattr(node, "body", None), list)]
+    docstrings = {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
+    for node in ast.walk(tree):
+        text = node.value if isinstance(node, ast.Constant) and id(node) not in docstrings else None
+        if isinstance(text, str) and " " in text:
+            yield text
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pages(page):
+    assert not found(page.read_text(encoding="utf-8"))
+
+
+def test_help_texts_and_messages():
+    texts = [*help_texts(), *(text for path in sorted((ROOT / "src/repro").rglob("*.py")) for text in messages(path))]
+    assert len(texts) > 1000
+    assert not [(text, hits) for text in texts if (hits := found(text))]
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "What is told is therefore there, but what is there is not always told.",
+        "The log tells nothing of a scale.",
+        "Twice the images (93.5 before) bring 0.1 points.",
+        "k1 = 0.55 kg m^2/s^2",
+        "A table for each reading of the paper",
+    ],
+)
+def test_a_bad_sentence_is_found(sentence):
+    assert found(sentence)
