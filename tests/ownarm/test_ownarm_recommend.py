@@ -89,7 +89,7 @@ def test_each_limit_passed_makes_its_own_warning(excitation, changes, settings, 
 def test_a_short_log_is_warned_of():
     problem = problem_of(exciting(50), delay=0.0)
     for seconds, short in ((14.9, True), (15.1, False)):
-        log = replace(problem.fitted.log, t=np.linspace(0.0, seconds, 50))
+        log = replace(problem.fitted.log, t=np.linspace(0.0, seconds, problem.fitted.log.t.size))
         ready = replace(problem.logs[0], loaded=replace(problem.fitted, log=log))
         lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
         assert any("short" in line for line in lines) == short

@@ -17,10 +17,10 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
-from repro.paper.claims import broken
+from repro.paper.claims import Basis, broken
 from repro.report import page as page_module
 from repro.report.embed import link, pictures
-from repro.report.ledger import read_claims
+from repro.report.ledger import Tally, read_claims, tally
 from repro.report.page import answer, build_report, write_report
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -160,6 +160,18 @@ def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
     assert 0 < len(lost) < 12
     headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
     assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
+
+
+def test_the_first_section_counts_what_agrees(inputs, page):
+    claims = read_claims(inputs.results / "claims.csv")
+    own = [claim for claim in claims if "@" not in claim.id and claim.basis == "numeric"]
+    agree = sum(claim.verdict in ("reproduced", "better") for claim in own)
+    differ = sum(claim.verdict == "differs" for claim in own)
+    assert tally(claims, Basis.NUMERIC) == Tally(agree, differ, len(own) - agree - differ)
+    assert min(agree, differ, len(own) - agree - differ) > 0
+    short = " ".join(page.one("short")["text"].split())
+    assert f"own numeric tests, {agree} agree and {differ} differ." in short
+    assert answer(inputs).words in short
 
 
 @pytest.mark.parametrize(

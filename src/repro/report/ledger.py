@@ -173,6 +173,22 @@ def differences(claims: Sequence[Claim]) -> list[Difference]:
 
 
 @dataclass(frozen=True)
+class Tally:
+    """How many of the paper's own numbers on one basis agree with ours."""
+
+    agree: int  # reproduced or better
+    differ: int
+    open: int  # inconclusive, not comparable, or contradicted by other numbers of the paper
+
+
+def tally(claims: Sequence[Claim], basis: Basis) -> Tally:
+    """Count the numbers on a basis that is evidence, without extensions of ours."""
+    verdicts = [claim.verdict for claim in claims if claim.basis == basis and not claim.extension]
+    agree, differ = (sum(verdict in some for verdict in verdicts) for some in ((REPRODUCED, BETTER), (DIFFERS,)))
+    return Tally(agree, differ, len(verdicts) - agree - differ)
+
+
+@dataclass(frozen=True)
 class Counts:
     """How many claims have each verdict, by what their comparison rests on."""
 

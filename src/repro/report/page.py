@@ -18,12 +18,13 @@ from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
 from repro.exhibits.style import METHODS
 from repro.files import read_csv, read_rows, write_text
+from repro.paper.claims import Basis
 from repro.paper.ledger_page import summary
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions
 from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_text
-from repro.report.ledger import count, differences, read_claims
+from repro.report.ledger import count, differences, read_claims, tally
 from repro.signals.programs import SPAN
 
 #: The report must stay below this, so that it can be mailed and opened anywhere.
@@ -201,6 +202,8 @@ def build_report(inputs: ReportInputs) -> str:
         claims=claims,
         claims_link=link(ledger_file, inputs.page),
         counts=count(claims),
+        numeric=tally(claims, Basis.NUMERIC),
+        arm=tally(claims, Basis.ARM),
         asserted=[claim for claim in claims if claim.asserted],
         answer=answer(inputs),
         differing=differences(claims),
