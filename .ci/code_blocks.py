@@ -1,10 +1,18 @@
-"""Run the shell blocks of the pages and compare their output with what the pages show.
+"""Run the code blocks of the pages and compare their output with what the pages show.
 
-A block of commands is fenced as ``sh``; a block fenced as ``text`` right after it is its output, where a line ``...``
-stands for any lines. Each page runs in a folder of its own with links to the project's files, its blocks in order, each
-from the folder where the page starts. A comment before a block says what is special: ``<!-- not run: REASON -->``,
-``<!-- exit code: 2 -->``, or ``<!-- in the background -->`` for what runs until the page ends.
+Blocks fenced as ``sh`` and ``python`` are run. A block fenced as ``text`` right after one is its output, in which a
+line ``...`` stands for any lines. Each page has a folder of its own with links to the project. A comment before a
+block says what is special about it:
 
+| comment | meaning |
+|---|---|
+| not run: REASON | the block is left out |
+| exit code: 2 | the block ends with this code |
+| in the background | the block runs until the page ends |
+| part of the output above | text that the last block printed, among other text |
+| file: NAME | the content of this file |
+
+Python blocks of pages that ``tests/project/test_code_blocks.py`` runs are left to it.
 Usage: ``.venv/bin/python .ci/code_blocks.py [PAGE ...]``.
 """
 
@@ -21,9 +29,11 @@ sys.path.insert(0, str(ROOT / "tests"))
 from printed import same_output  # noqa: E402
 
 BLOCK = re.compile(
-    r"(?:^<!-- (?P<mark>[^\n]*) -->\n+)?^```sh\n(?P<code>.*?)^```\n(?:\n^```text\n(?P<shown>.*?)^```\n)?",
+    r"(?:^<!-- (?P<mark>[^\n]*) -->\n+)?^```(?P<lang>\w+)\n(?P<code>.*?)^```\n(?:\n^```text\n(?P<shown>.*?)^```\n)?",
     re.MULTILINE | re.DOTALL,
 )
+#: Pages whose Python blocks a test runs, one after another in one process.
+TESTED = ("README.md", "docs/use-from-python.md")
 #: Seconds that a block may take.
 LIMIT = 300
 #: Generated or kept elsewhere.
@@ -41,37 +51,46 @@ def pages() -> list[Path]:
     return [page for page in found if not str(page.relative_to(ROOT)).startswith(LEFT_OUT)]
 
 
-def matches(printed: str, shown: str) -> bool:
+def matches(printed: str, shown: str, anywhere: bool = False) -> bool:
     """Whether the parts between lines of dots follow each other in what was printed."""
-    lines = [line.rstrip() for line in printed.splitlines() if line.strip()]
-    parts = [part.strip("\n").splitlines() for part in re.split(r"^ *\.\.\. *\n", shown, flags=re.MULTILINE)]
-    parts = [[line for line in part if line.strip()] for part in parts]
+    lines = [line.strip() for line in printed.splitlines() if line.strip()]
+    parts = [part.splitlines() for part in re.split(r"^ *\.\.\. *(?:\n|$)", shown, flags=re.MULTILINE)]
+    parts = [[line.strip() for line in part if line.strip()] for part in parts]
     at = 0
     for k, part in enumerate(parts):
         if not part:
             continue
-        starts = [at] if k == 0 else range(at, len(lines) - len(part) + 1)
+        starts = range(at, len(lines) - len(part) + 1) if k or anywhere else [at]
         start = next((s for s in starts if same_output("\n".join(lines[s : s + len(part)]), "\n".join(part))), None)
         if start is None:
             return False
         at = start + len(part)
-    return not parts[-1] or at == len(lines)
+    return anywhere or not parts[-1] or at == len(lines)
 
 
 def run_page(page: Path) -> tuple[int, list[str]]:
     """Number of blocks that ran, and what went wrong."""
-    wrong, ran, background = [], 0, []
+    wrong, ran, background, printed = [], 0, [], ""
+    name = str(page.relative_to(ROOT))
     environment = {**os.environ, "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}", "COLUMNS": "120"}
     with tempfile.TemporaryDirectory() as folder:
         for entry in ROOT.iterdir():
             if entry.name not in (".git", "mine", "results", "paper_figures", ".snakemake"):
                 (Path(folder) / entry.name).symlink_to(entry)
         for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
-            mark, code, shown = (block[name] or "" for name in ("mark", "code", "shown"))
-            if mark.startswith("not run:"):
+            mark, language, code, shown = (block[part] or "" for part in ("mark", "lang", "code", "shown"))
+            if mark.startswith("file: "):
+                (Path(folder) / mark.removeprefix("file: ")).write_text(code, encoding="utf-8")
+            elif mark == "part of the output above" and not matches(printed, code, anywhere=True):
+                wrong.append(f"printed\n{printed}\nshown\n{code}")
+            if mark.startswith(("not run:", "file: ")) or language not in ("sh", "python"):
+                continue
+            if language == "python" and name in TESTED:
                 continue
             ran += 1
-            command = ["bash", "-eu", "-o", "pipefail", "-c", code]
+            command = (
+                ["bash", "-eu", "-o", "pipefail", "-c", code] if language == "sh" else [sys.executable, "-c", code]
+            )
             if mark == "in the background":
                 quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
                 background.append(
@@ -83,11 +102,12 @@ def run_page(page: Path) -> tuple[int, list[str]]:
                 command, cwd=folder, env=environment, timeout=LIMIT, text=True, check=False, stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             )  # fmt: skip
+            printed = done.stdout
             expected = int(mark.partition("exit code: ")[2] or 0)
             if done.returncode != expected:
-                wrong.append(f"{code}ended with {done.returncode}, expected {expected}:\n{done.stdout[-2000:]}")
-            elif shown and not matches(done.stdout, shown):
-                wrong.append(f"{code}printed\n{done.stdout}\nshown\n{shown}")
+                wrong.append(f"{code}ended with {done.returncode}, expected {expected}:\n{printed[-2000:]}")
+            elif shown and not matches(printed, shown):
+                wrong.append(f"{code}printed\n{printed}\nshown\n{shown}")
         for process in background:
             os.killpg(process.pid, 15)
             process.wait()
