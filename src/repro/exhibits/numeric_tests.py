@@ -363,7 +363,7 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     figure, axes = loss_panel(frame, tuple(_RECIPES), "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    style.legend_above(figure, axes, 2)
+    style.legend_above(figure, axes, 1)
     return figure
 
 
@@ -379,8 +379,8 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     optional=True,
 )
 def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, beside
-    ours.
+    """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, next to
+    ours. Each network is tested on images of the ranges that it is trained on.
     """
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
     batches = {method: training_settings(of_network(config, name)).batch for method, name in _RECIPES.items()}
