@@ -1,7 +1,7 @@
 """Check a configuration: its values against `repro.config_model`, and against each other."""
 
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -270,10 +270,17 @@ def load_config(path: Path, *overlays: Path, inputs: bool = False, motions: Iter
     return config
 
 
-def accept_config(config: Mapping[str, Any], files: Iterable[str | Path], motions: Iterable[str] = ()) -> None:
-    """Check the configuration of a run; on a fault print its one line and leave with exit code 2."""
+def accept_config(
+    config: Mapping[str, Any],
+    files: Iterable[str | Path],
+    motions: Iterable[str] = (),
+    further: Callable[[Mapping[str, Any]], None] | None = None,
+) -> None:
+    """Check the configuration of a run, `further` last; on a fault print its one line and leave with exit code 2."""
     try:
         check_config(config, [Path(file) for file in files], True, motions)
+        if further:
+            further(config)
     except InputError as error:
         print(error, file=sys.stderr)
         raise SystemExit(2) from None

@@ -261,6 +261,14 @@ def test_simulation_agrees_with_an_independent_integrator(result):
         own.simulate(t, tau[:, 1:], [0.0, 0.0], [0.0, 0.0])
 
 
+def test_errors_name_the_arguments_of_the_public_functions():
+    signal = np.ones((2, 40))
+    with pytest.raises(ValueError, match=r"^guess: "):
+        repro.images(signal, signal, signal, signal, np.ones(8))
+    with pytest.raises(ValueError, match=r"^begin, end: "):
+        repro.algorithm1(np.ones((2, 400)), np.ones((2, 400)), None, begin=300, end=10)
+
+
 def test_algorithm1_gives_the_numbers_of_the_workflow():
     config = load_config(Path("config/config.yaml"))
     recording = read_recording(Path("data/captures/ID.bin"), config)

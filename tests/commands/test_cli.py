@@ -13,7 +13,7 @@ from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import COMMANDS, main
-from repro.commands.boards import parse_faults, read_program
+from repro.commands.boards import parse_faults, program_of, read_program
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.server import PtyEndpoint
@@ -92,6 +92,8 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
         ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
         ("q1_rad,q2_rad\n0.1,0.2\n", "wave.csv: found 1 rows"),
         ("q1_rad,q2_rad\n1e308,0\n-1e308,0\n", "row 1, q1_rad"),
+        ("time,q1_rad,q2_rad\n0,0,0\n0.0025,0,0\n0.0125,0,0\n", "row 3, time: found a step of 0.01 s"),
+        ("T_s,q1_rad,q2_rad\n0,0,0\nnow,0,0\n", "row 2, T_s: found 'now'"),
         ("q1_rad,q2_rad\n0,0\n0,-30\n", "row 2, q2_rad"),
     ],
 )
@@ -101,6 +103,19 @@ def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     with pytest.raises(InputError, match=expected) as caught:
         read_program(path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_motion_that_begins_away_from_rest_is_refused(tmp_path):
+    path = tmp_path / "wave.csv"
+    path.write_text("q1_rad,q2_rad\n0,1.0\n0,1.0\n")
+    with pytest.raises(InputError, match=r"wave\.csv: row 1, q2_rad: found 1 rad"):
+        program_of({"board": {"speed_limit_rad_s": 8.0}}, str(path))
+
+
+def test_a_motion_with_the_boards_time_is_read(tmp_path):
+    path = tmp_path / "wave.csv"
+    path.write_text("time,q1_rad,q2_rad\n1.0,0.1,0.2\n1.0025,0.3,0.4\n")
+    assert read_program(path).q.tolist() == [[0.1, 0.3], [0.2, 0.4]]
 
 
 def test_a_motion_that_a_spreadsheet_saved_is_read(tmp_path):

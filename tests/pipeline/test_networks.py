@@ -11,7 +11,7 @@ from experiment_example import full_config
 
 from repro.errors import InputError
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.stored_networks import configuration_digest, stored_files, take_stored
+from repro.pipeline.stored_networks import check_stored, configuration_digest, stored_files, take_stored
 from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -73,6 +73,14 @@ def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, con
         taken(tmp_path, config=config)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_stored_networks_of_another_configuration_are_refused_before_any_work():
+    stored = {"training": {"source": "stored"}}
+    check_stored(other(**stored))
+    check_stored(other(network={"hidden": [80, 40]}))  # these are trained
+    with pytest.raises(InputError, match=r"cnn\.safetensors: found a network of another configuration"):
+        check_stored(other(**stored, network={"hidden": [80, 40]}))
 
 
 def test_what_does_not_decide_a_network_does_not_refuse_it():

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.model.dynamics import check_motion, inverse_dynamics
-from repro.model.parameters import Array
+from repro.model.parameters import NAMES, Array
 
 Floats = NDArray[np.floating]
 
@@ -128,6 +128,8 @@ def images(
     (3, 2, 100, 100)
     """
     q, dq, ddq, tau = check_motion(q, dq, ddq, tau)
+    if np.shape(guess)[-1:] != (len(NAMES),):
+        raise ValueError(f"guess: the last axis must hold {len(NAMES)} parameters, got shape {np.shape(guess)}.")
     largest = np.abs(tau).max()
     if largest == 0.0:
         raise ValueError("tau: the torque is zero throughout.")

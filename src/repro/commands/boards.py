@@ -159,6 +159,11 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "ReferenceTrajecto
     if not trajectory.endswith(".csv"):
         raise InputError.at("--trajectory", repr(trajectory), f"one of {', '.join(PROGRAMS)} or FILE.csv")
     program = read_program(Path(trajectory))
+    nearest = config["board"]["speed_limit_rad_s"] * program.h
+    for joint, start in enumerate(program.q[:, 0], start=1):
+        if abs(start) > nearest:
+            expected = f"at most {nearest:.2g} rad from zero, where the arm hangs at rest"
+            raise InputError.at(f"{trajectory}: row 1, q{joint}_rad", f"{start:.4g} rad", expected)
     try:
         check_program(config, program)
     except InputError as error:
@@ -178,7 +183,8 @@ def read_program(path: Path) -> "ReferenceTrajectory":
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
     table = read_rows(path, ("q1_rad", "q2_rad"))
-    for name in ("q1_rad", "q2_rad"):
+    times = [name for name in (table[0] if table else ()) if name.casefold() in ("t", "t_s", "time", "time_s")]
+    for name in (*times, "q1_rad", "q2_rad"):
         column = np.full(len(table), np.nan)
         for row, cell in enumerate(cells[name] for cells in table):
             with suppress(ValueError):
@@ -186,10 +192,17 @@ def read_program(path: Path) -> "ReferenceTrajectory":
             if not np.isfinite(column[row]):
                 found = repr(cell[:40]) if cell.strip() else "an empty cell"
                 raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
+        if name in times:
+            steps = np.diff(column)
+            if (other := np.abs(steps - SAMPLING_PERIOD) > 0.01 * SAMPLING_PERIOD).any():
+                row = int(np.argmax(other))
+                expected = f"{SAMPLING_PERIOD:g} s, the period of the board (repro excite --rate 400)"
+                raise InputError.at(f"{path}: row {row + 2}, {name}", f"a step of {steps[row]:.4g} s", expected)
+            continue
         if (beyond := np.abs(column) > largest).any():
             row = int(np.argmax(beyond))
-            expected = f"at most {largest:.4g} rad, which the encoder counts up to"
-            raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.4g} rad", expected)
+            expected = f"at most {largest:.6g} rad, which the encoder counts up to"
+            raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.6g} rad", expected)
         columns.append(column)
     if not 2 <= len(table) <= MEMORY_SAMPLES:
         expected = f"a motion of 2 to {MEMORY_SAMPLES}, as many as the board's memory has"

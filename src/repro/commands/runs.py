@@ -15,9 +15,10 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
     from repro.config import SUMS, load_config
+    from repro.pipeline.stored_networks import check_stored
     from repro.signals.programs import PROGRAMS
 
-    load_config(arguments.config, *arguments.overlays, inputs=True, motions=(*PROGRAMS, SUMS))
+    check_stored(load_config(arguments.config, *arguments.overlays, inputs=True, motions=(*PROGRAMS, SUMS)))
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
     return 0
 

@@ -50,7 +50,8 @@ def excitation(regression: Regression) -> Identifiability:
     a, scale = unit_columns(y)
     moved = np.flatnonzero(np.linalg.norm(a, axis=0) > 0.0)
     if not moved.size:
-        return Identifiability(0, np.inf, (0.0, 0.0), (False,) * len(NAMES), ())
+        condition = 1.0 if known.all() else np.inf
+        return Identifiability(int(known.sum()), condition, (0.0, 0.0), tuple(map(bool, known)), ())
     _, singular, right = np.linalg.svd(a[:, moved], full_matrices=False)
     rank = int((singular > MIN_SINGULAR_RATIO * singular[0]).sum())
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf

@@ -10,6 +10,7 @@ from typing import Any
 from repro.errors import InputError
 from repro.files import atomic_write, read_tensors, write_text
 from repro.pipeline.job import Config
+from repro.settings import of_network
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"
@@ -51,20 +52,38 @@ def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
     return {what: Path(folder) / name.format(suffix) for what, name in names.items()}
 
 
+def check_stored(config: Config) -> None:
+    """Refuse stored networks of another configuration; nothing is checked if networks are trained."""
+    if config["training"]["source"] != "stored":
+        return
+    for network in ("published", *config["networks"]):
+        whole = of_network(config, network)
+        weights = stored_files(config["training"]["networks"], "" if network == "published" else f"-{network}")[
+            "weights"
+        ]
+        if whole["training"]["recipe"] != "paper" and weights.exists():
+            _check_weights(weights, whole)
+
+
+def _check_weights(weights: Path, config: Config) -> None:
+    """Refuse weights that were not trained with this configuration."""
+    expected = "one trained with this configuration; training.source: trained trains it"
+    _, metadata = read_tensors(weights, expected)
+    if metadata.get(CONFIGURATION) != configuration_digest(config):
+        raise InputError.at(str(weights), "a network of another configuration", expected)
+
+
 def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     """Copy a stored network, its history and its model card to `out`."""
     suffix = "" if network == "published" else f"-{network}"
     stored = stored_files(config["training"]["networks"], suffix)
     weights = stored["weights"]
-    expected = "one trained with this configuration; training.source: trained trains it"
-    _, metadata = read_tensors(weights, expected)
+    _check_weights(weights, config)
     digest = hashlib.sha256(weights.read_bytes()).hexdigest()
     try:
         card = stored["card"].read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError.at(str(stored["card"]), f"no readable text ({error})", f"the card of {weights}") from error
-    if metadata.get(CONFIGURATION) != configuration_digest(config):
-        raise InputError.at(str(weights), "a network of another configuration", expected)
     if digest not in card:
         raise InputError.at(f"{weights}: SHA-256", digest, f"that of {stored['card'].name}")
     for what in ("weights", "history"):

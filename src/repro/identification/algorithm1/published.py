@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
+from repro.model.dynamics import check_motion
 from repro.model.parameters import Array
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
@@ -67,6 +68,11 @@ def algorithm1(
     """
     signals = signals or SignalSettings()
     constants = search_settings or SearchSettings(threshold=ARM_THRESHOLD)
+    q, tau = check_motion(q, tau)
+    n = q.shape[-1]
+    end = n if end is None else end
+    if not 0 <= begin < end - signals.samples <= n - signals.samples:
+        raise ValueError(f"begin, end: {begin} to {end} must lie in 0 to {n} and hold over {signals.samples} samples.")
     recorded = filtered(q, tau, signals, begin, end)
     # Line 5 fits the level to the mean training torque. Line 32 divides by that factor again, so any level will do.
     slower = round(signals.duration / signals.h) / recorded.t.size
