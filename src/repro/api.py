@@ -183,10 +183,18 @@ class Identification:
         -------
         matplotlib.figure.Figure
             To show or to save.
+
+        Raises
+        ------
+        InputError
+            If there is no such log.
         """
         from repro.exhibits import style  # noqa: PLC0415  (a fit alone needs no drawing)
         from repro.ownarm.figures import draw_overlay, ordered_titles  # noqa: PLC0415
 
+        n = len(self._curves.signals)
+        if log not in range(-n, n):
+            raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
         signals = self._curves.signals[log]
         with style.house_style():
             titles = ordered_titles(replace(self.details, recommended=self.method))
@@ -336,7 +344,9 @@ def identify(
     for prepared in problem.logs:
         s = prepared.settings
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
-        _LOG.info("the torque acts %.3g ms later than recorded; lambda %.4g s/rad", 1e3 * s.delay, s.friction_steepness)
+        side = "earlier" if s.delay < 0.0 else "later"
+        ms = 1e3 * abs(s.delay)
+        _LOG.info("the torque acts %.3g ms %s than recorded; lambda %.4g s/rad", ms, side, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
     inputs = [source for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
     return Identification(result, result.recommended, curves, described, tuple(Path(name) for name in inputs))

@@ -267,6 +267,17 @@ def test_errors_name_the_arguments_of_the_public_functions():
         repro.images(signal, signal, signal, signal, np.ones(8))
     with pytest.raises(ValueError, match=r"^begin, end: "):
         repro.algorithm1(np.ones((2, 400)), np.ones((2, 400)), None, begin=300, end=10)
+    for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}):
+        with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
+            repro.SearchSettings(**wrong)
+    for call in (lambda: repro.read_log({}), lambda: repro.excite({})):
+        with pytest.raises(repro.InputError, match=r"^(source|arm): found dict"):
+            call()
+
+
+def test_a_log_that_is_not_there_is_not_plotted(result):
+    with pytest.raises(repro.InputError, match=r"^log: found 7"):
+        result.plot(7)
 
 
 def test_algorithm1_gives_the_numbers_of_the_workflow():

@@ -115,6 +115,12 @@ REFUSED = [
         {},
         "column q1 [grad]: found the unit 'grad', expected a unit of position",
     ),
+    (
+        "unknown unit of a named column",
+        renamed(tau1="Moment [kgm]"),
+        {"columns": {"tau1": "Moment [kgm]"}},
+        "column Moment [kgm]: found the unit 'kgm', expected a unit of torque",
+    ),
     ("a unit of something else", renamed(tau1="tau1 (rad)"), {}, "found the unit 'rad', expected a unit of torque"),
     (
         "counts of unknown size",
@@ -192,6 +198,7 @@ SUSPECTED = [
     ("joint 2 of the other sign", other_sign("q2", "dq2", "tau2"), {}, "with joint 2 of the other sign"),
     ("absolute q2", absolute(), {}, "with q2 measured from the vertical"),
     ("q2 not absolute", good(), {"second_joint_absolute": True}, "with q2 relative to link 1"),
+    ("q2 of the other sign", other_sign("q2", "dq2"), {}, "sign: [1, -1] and torque_sign: [1, -1]"),
     ("zero upright", offset(np.pi, 0), {}, "with q1 = 0 upright"),
     ("zero horizontal", offset(np.pi / 2, 0), {}, "zero: [1.5708, 0]"),
     ("zero horizontal, other side", offset(-np.pi / 2, 0), {}, "zero: [-1.5708, 0]"),
@@ -290,6 +297,6 @@ def test_a_free_fall_is_no_other_reading(seed):
         v = v + h * forward_dynamics(x, v, np.zeros(2), BETA)
         x = x + h * v
     log = Log(name="fall.csv", t=h * np.arange(len(q)), q=np.array(q).T, tau=0.01 * rng.normal(size=(2, len(q))))
-    warnings = diagnose(log)
+    warnings = diagnose(log, Arm())
     assert len(warnings) <= 1
     assert all("this log can only test the motion" in line for line in warnings)

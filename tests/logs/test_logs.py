@@ -58,7 +58,7 @@ def test_a_plain_log(read):
 #: Headers for time, positions, velocities and torques, what the values in them are multiplied by, and the arm.
 SPELLINGS = {
     "brackets": ("Time [s]|q1 [rad]|q2 [rad]|dq1 [rad/s]|dq2 [rad/s]|tau1 [Nm]|tau2 [N·m]", (1, 1, 1, 1), {}),
-    "parentheses": ("t (ms)|pos1 (deg)|pos2 (°)|vel1 (deg/s)|vel2 (°/s)|torque1 (mNm)|torque2 (mN m)",
+    "parentheses": ("t (ms)|pos1 (deg)|pos2 (°)|vel1 (deg/s)|vel2 (°/s)|torque1 (mNm)|torque2 (Nmm)",
                     (1e3, DEGREE, DEGREE, 1e3), {}),
     "suffixes": ("time_us|q1_deg|q2_deg|dq1_deg_s|dq2_degps|tau1_mNm|tau2_mN_m", (1e6, DEGREE, DEGREE, 1e3), {}),
     "slashes": ("timestamp/ns|theta1/rad|theta2/rad|qd1/(rad/s)|qd2/rad/s|u1/Nm|u2/N m", (1e9, 1, 1, 1), {}),

@@ -93,7 +93,7 @@ class Tolerances:
         if column in COUNTED:
             return Kind.COMPUTED
         if table == LEDGER:
-            trained = row["target"] in self.targets and "least-squares" not in row["id"]
+            trained = row["target"] in self.targets and "least-squares" not in row["id"].split("/")
         else:
             whole = table in self.tables or table.startswith(self.folders)
             trained = whole or origin(row).startswith(TRAINED_ORIGINS)

@@ -184,6 +184,8 @@ def excite(
     ((2, 501), True)
     """
     steps = check_samples(duration, rate, harmonics)
+    if not isinstance(arm, str | Path | Arm):
+        raise InputError.at("arm", type(arm).__name__, "a path or an Arm")
     limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), guess)
     rng, report = np.random.default_rng(seed), Progress("searching for a motion")
     return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), rng, report)

@@ -48,7 +48,8 @@ SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
     },
     "torque": {
         "N m": ("nm", "newtonmeter", "newtonmetre", "newtonmeters", "newtonmetres"),
-        "mN m": ("mnm", "millinewtonmeter", "millinewtonmetre"),
+        "mN m": ("mnm", "nmm", "millinewtonmeter", "millinewtonmetre"),
+        "N cm": ("ncm",),
         "A": ("a", "amp", "amps", "ampere", "amperes"),
         "mA": ("ma", "milliamp", "milliamps"),
         "counts": ("counts", "count", "cts", "cnt", "pwm", "lsb", "ticks"),
@@ -58,7 +59,7 @@ SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
 _FACTORS: Final = {
     **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
     **{"rad": 1.0, "deg": math.pi / 180.0, "rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
-    **{"N m": 1.0, "mN m": 1e-3},
+    **{"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2},
 }
 
 _POSITION = ("q", "pos", "position", "theta", "angle")
@@ -124,7 +125,7 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         match = _match(name)
         if match and match[0] not in chosen and index not in {column.index for column in chosen.values()}:
             candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, match, arm, file)))
-    if candidates:
+    if candidates.keys() - {"time"}:
         _refuse_joint_0(header, file)
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
@@ -189,9 +190,10 @@ def _match(header: str) -> tuple[Signal, str, bool] | None:
 
 
 def _any_unit(header: str, kind: Kind) -> tuple[str, bool]:
-    """Find the unit in a header of any name."""
+    """Find the unit in a header of any name, and whether it is known; brackets enclose a unit."""
     units = [unit for _, unit in _split(header) if unit and unit_named(unit, kind)]
-    return (units[0], True) if units else ("", True)
+    brackets = _BRACKETS.match(header)
+    return (units[0], True) if units else (brackets[2], False) if brackets else ("", True)
 
 
 def _unit(header: str, match: tuple[Signal, str, bool], arm: Arm, file: str) -> str | None:

@@ -52,6 +52,8 @@ CONVENTIONS: Final = (
     Convention("the torque of joint 1 of the other sign", "torque_sign: [-1, 1]", torque=(-1.0, 0.0, 0.0, 1.0)),
     Convention("the torque of joint 2 of the other sign", "torque_sign: [1, -1]", torque=(1.0, 0.0, 0.0, -1.0)),
     Convention("joint 2 of the other sign", "sign: [1, -1]", (1.0, 0.0, 0.0, -1.0), (1.0, 0.0, 0.0, -1.0)),
+    Convention("q1 alone of the other sign", "sign: [-1, 1] and torque_sign: [-1, 1]", (-1.0, 0.0, 0.0, 1.0)),
+    Convention("q2 alone of the other sign", "sign: [1, -1] and torque_sign: [1, -1]", (1.0, 0.0, 0.0, -1.0)),
     Convention("q2 measured from the vertical", "second_joint_absolute: true", (1.0, 0.0, -1.0, 1.0)),
     Convention("q2 relative to link 1", "second_joint_absolute: false", (1.0, 0.0, 1.0, 1.0)),
     Convention("positions in degrees", "units: {position: deg}", (_DEGREE, 0.0, 0.0, _DEGREE)),
@@ -107,7 +109,7 @@ def quiet_joints(log: Log) -> list[int]:
     return _smoothed(log).noisy_joints()
 
 
-def better_convention(log: Log) -> str | None:
+def better_convention(log: Log, second_joint_absolute: bool) -> str | None:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
     Ordinary least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong
@@ -120,7 +122,9 @@ def better_convention(log: Log) -> str | None:
     if smoothed.noisy_joints(_MOST_NOISE):
         return _noise_message(smoothed.noisy_joints())
     given = _fit(smoothed, Convention("", ""))
-    fits = [(_fit(smoothed, convention), convention) for convention in CONVENTIONS]
+    in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
+    others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
+    fits = [(_fit(smoothed, convention), convention) for convention in others]
     bound = given.residual * (_RESIDUAL_RATIO if given.residual > _BAD_RESIDUAL else 0.0)
     least = min(fit.residual for fit, _ in fits)
     if least < bound:
@@ -129,8 +133,8 @@ def better_convention(log: Log) -> str | None:
         return _advice(convention, f"torque residual {_percent(best)} instead of {_percent(given)}")
     if given.residual > _USELESS_RESIDUAL:
         return (
-            f"Eq. 1 explains little of the torque (residual {_percent(given)}) however the log is read: "
-            "check units, signs, zeros and which column is which"
+            f"Eq. 1 explains little of the torque (residual {_percent(given)}) with any single change of "
+            "how the log is read: check units, signs, zeros and which column is which"
         )
     possible = [
         convention

@@ -233,15 +233,14 @@ IN_SIGNALS: Final[tuple[Callable[[Log], str | None], ...]] = (
     torque_in_counts,
     saturated,
 )
-#: Checks of signals against each other, which a jump or a joint at rest would mislead.
-BETWEEN_SIGNALS: Final[tuple[Callable[[Log], str | None], ...]] = (velocity_disagrees, better_convention, late_torque)
 
 
-def diagnose(log: Log) -> tuple[str, ...]:
+def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
+    warnings = [check(log) for check in IN_SIGNALS]
     jumps = position_jump(log) is not None and large_range(log) is None  # degrees seem to jump, too
-    misled = jumps or still_joint(log) is not None
-    warnings = (check(log) for check in (IN_SIGNALS if misled else IN_SIGNALS + BETWEEN_SIGNALS))
+    if not (jumps or still_joint(log)):  # which would mislead checks of signals against each other
+        warnings += [velocity_disagrees(log), better_convention(log, arm.second_joint_absolute), late_torque(log)]
     return tuple(warning for warning in warnings if warning is not None)
 
 
@@ -264,7 +263,7 @@ AT_REST = 0.02
 def describe(log: Log, arm: Arm) -> Description:
     """Describe a log as read, before resampling."""
     facts = (("arm", arm.name), *_timing(log), *_motion(log), *_torque(log))
-    return Description(log.name, facts, log.notes, diagnose(log), log.simulated)
+    return Description(log.name, facts, log.notes, diagnose(log, arm), log.simulated)
 
 
 def _timing(log: Log) -> Iterator[tuple[str, str]]:

@@ -69,8 +69,10 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     arm = arm or Arm()
     if isinstance(source, str):
         source = Path(source)
+    if not isinstance(source, Path | pd.DataFrame | Log):
+        raise InputError.at("source", type(source).__name__, "a path, a DataFrame or a Log")
     if isinstance(source, Log):
-        place, raw = source.name, _from_arrays(source)
+        place, raw = source.name, _from_arrays(source, arm)
     elif isinstance(source, pd.DataFrame):
         place, raw = FRAME, _from_table(table_of(source, FRAME), FRAME, arm)
     elif source.is_dir() and not is_bag(source):
@@ -88,10 +90,12 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     return log
 
 
-def _from_arrays(log: Log) -> Log:
+def _from_arrays(log: Log, arm: Arm) -> Log:
     """Check the times of arrays."""
     _check_time(log.t, log.t, "s", log.name, range(1, log.t.size + 1))
-    return replace(log, t=log.t - log.t[0], breaks=())
+    unused = (f"columns and units of {arm.file} are not used: the arrays of a Log are SI",)
+    notes = (*log.notes, *(unused if arm.columns or arm.units else ()))
+    return replace(log, t=log.t - log.t[0], breaks=(), notes=notes)
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:
@@ -209,7 +213,8 @@ def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Seque
         now, before = (f"{value:.10g} {unit}" for value in (recorded[k + 1], recorded[k]))
         digits = " (too few digits?)" if np.all(steps[wrong] == 0.0) and wrong.size > 0.05 * steps.size else ""
         found = f"{now} twice{digits}" if steps[k] == 0.0 else f"{now} after {before}"
-        raise InputError.at(f"{file}: line {lines[k + 1]}, time", found, "time that increases")
+        expected = "time that increases; of two runs in one file, a file for each"
+        raise InputError.at(f"{file}: line {lines[k + 1]}, time", found, expected)
     rate = 1.0 / float(np.median(np.diff(time)))
     if not _SLOWEST <= rate <= _FASTEST:
         period = float(np.median(steps))

@@ -119,7 +119,8 @@ def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterat
         return
     for k in prior.informative:
         p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
-        if abs(p.estimate - mean) > CONTRADICTION * sd:
+        inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
+        if abs(p.estimate - mean) > CONTRADICTION * sd and not inside:
             yield (
                 f"the log contradicts the prior of {p.name}: {mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes "
                 f"{p.estimate:.4g}; check the prior, or leave {p.name} out of it"

@@ -32,6 +32,17 @@ class SearchSettings:
     #: Motion that f of the image is taken on, line 18: the measured one as listed, or the one that was sent.
     image_motion: ImageMotion = "measured"
 
+    def __post_init__(self) -> None:
+        """Check the constants."""
+        for name in ("executions", "inner_limit"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 1:
+                raise ValueError(f"{name}: expected an integer of at least 1, got {value!r}.")
+        if not 0.0 <= self.threshold <= 1.0:
+            raise ValueError(f"threshold: expected a fraction of 1, got {self.threshold!r}.")
+        if not 0.0 < self.low < self.high:
+            raise ValueError(f"low, high: expected 0 < low < high, got {self.low!r} and {self.high!r}.")
+
 
 @dataclass(frozen=True)
 class Candidates:
