@@ -34,8 +34,8 @@ CAUSES: dict[str, Cause] = {
     ),
     "another arm": Cause(
         "A simulated arm in place of the published one",
-        "The arm is calibrated on the least-squares cells of ID, and the bands of T1 were chosen by those of T1. Friction, "
-        "ripple and motors are not the published arm's, so all other cells are predictions for another arm.",
+        "The arm is calibrated on the least-squares cells of ID, and the bands of T1 were chosen by those of T1. Its "
+        "friction, ripple and motors are not the published arm's, so all other cells are predictions for another arm.",
         "explanation/experiment.md#four-numbers-calibrate-the-simulated-arm",
     ),
     "another network": Cause(
