@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import textwrap
 from functools import partial
 from pathlib import Path
 
@@ -279,8 +278,8 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     """The example of docs/architecture.md in a copy of the package."""
     shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
     guide = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    function = textwrap.dedent(re.search(r"^    def ridge.*?^        return [^\n]*\n", guide, re.M | re.S)[0])
-    entry = re.search(r"^ *Method\(\"ridge\".*$", guide, re.M)[0].replace("hoerl1970ridge", "gautier1992exciting")
+    function = re.search(r"^def ridge.*?^    return [^\n]*\n", guide, re.M | re.S)[0]
+    entry = re.search(r"^\((Method\(\"ridge\".*,)\)$", guide, re.M)[1].replace("hoerl1970ridge", "gautier1992exciting")
     folder = tmp_path / "repro" / "identification"
     code = (folder / "least_squares.py").read_text()
     code = code.replace("#: Methods by name.", f"{function}\n\n#: Methods by name.")

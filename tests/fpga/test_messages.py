@@ -1,6 +1,7 @@
 """Downlink messages: to the byte, refused when wrong, and found again after damage."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,5 +166,5 @@ def test_a_wrong_payload_is_refused(parse, message, found):
 
 def test_examples_of_the_document():
     text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
-    examples = [bytes.fromhex(line) for line in text.splitlines() if line.startswith("    ")]
+    examples = [bytes.fromhex(block) for block in re.findall(r"^```text\n(.*?)^```", text, re.MULTILINE | re.DOTALL)]
     assert examples == [encode([[165], [-2]], [[5], [-1023]]), encode_start(3770)]

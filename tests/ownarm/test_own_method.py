@@ -3,7 +3,6 @@
 import json
 import re
 from pathlib import Path
-from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -21,10 +20,10 @@ HEADING = "Adding a method\n"
 def test_the_method_of_the_guide_runs_as_printed(tmp_path, monkeypatch):
     pages = [path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))]
     (section,) = [page.split(f"# {HEADING}")[1] for page in pages if f"# {HEADING}" in page]
-    code, entry, source = map(dedent, re.findall(r"^\n((?:    .*\n)+)", section, re.MULTILINE)[:3])
+    code, entry, source = re.findall(r"^```\w+\n(.*?)^```", section, re.MULTILINE | re.DOTALL)[:3]
     scope = dict(vars(least_squares))
     exec(code, scope)
-    method = eval(entry.strip().rstrip(","), scope)
+    (method,) = eval(entry, scope)
     file = tmp_path / "methods.bib"
     file.write_text(outputs.METHODS_FILE.read_text(encoding="utf-8") + "\n" + source, encoding="utf-8")
     monkeypatch.setattr(outputs, "METHODS_FILE", file)
