@@ -325,6 +325,9 @@ def identify(
     for name, value, kinds in (("arm", arm, (str, Path, Arm)), ("cache", cache, (str, Path))):
         if value is not None and not isinstance(value, kinds):
             raise InputError.at(name, repr(value)[:60], " or ".join(("a path", "an Arm")[: len(kinds) - 1]))
+    for name, switch in (("friction", friction), ("self_test", self_test)):
+        if not isinstance(switch, bool):
+            raise InputError.at(name, repr(switch)[:60], "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)

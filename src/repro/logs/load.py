@@ -157,7 +157,8 @@ def _full_rows(
     empty = np.isnan(values[needed]).any(0)
     kept, notes = np.flatnonzero(~empty), []
     if kept.size < min(FEWEST, empty.size):
-        found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows"
+        worst = signals[int(np.argmax(np.isnan(values).sum(1) * needed))]
+        found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows, most of {worst}"
         row = int(np.argmax(empty))
         raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {FEWEST} full rows")
     full = values[:, kept]
