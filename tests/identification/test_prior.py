@@ -12,7 +12,7 @@ from repro.identification.bootstrap import bootstrap
 from repro.identification.excitation import excitation
 from repro.identification.least_squares import METHODS
 from repro.identification.prior import Prior
-from repro.identification.sensitivity import attach_prior
+from repro.identification.sensitivity import Perturbation, attach_prior
 
 SIZE = 0.05
 NOTHING = np.full(9, np.inf)
@@ -106,6 +106,19 @@ def test_standard_errors_are_those_of_the_posterior():
         found.append(spread.standard_error)
     _, covariance = posterior(r, PRIOR, SIZE**2)
     assert np.median(found, axis=0) == pytest.approx(np.sqrt(covariance.diagonal()), rel=0.2)
+
+
+def test_the_log_counts_by_its_whole_variance():
+    # Two analyses 0.2 apart in g1: the log alone has this standard uncertainty, many times its sampling error.
+    r, prior = noisy(BETA, size=SIZE), prior_of(g1=(BETA[3] + 0.3, 0.1))
+    apart = Perturbation(tuple(replace(r, tau=r.tau + step * r.y[..., 3]) for step in (-0.2, 0.2)))
+    attached, others = attach_prior(prior, r, {"delay": apart})
+    method = METHODS["ordinary"]
+    estimate = method.estimate(attached)
+    weight = 0.1**2 / (0.1**2 + 0.2**2)
+    assert estimate.beta[3] == pytest.approx(weight * BETA[3] + (1.0 - weight) * prior.mean[3], abs=0.02)
+    spread = bootstrap(method, attached, estimate, others, np.random.default_rng(1))
+    assert spread.standard_error[3] == pytest.approx(0.1 * 0.2 / np.hypot(0.1, 0.2), rel=0.1)
 
 
 def test_what_the_motion_does_not_excite_comes_from_the_prior():

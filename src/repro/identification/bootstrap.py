@@ -34,7 +34,7 @@ from scipy.stats import t as student
 
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression, correlation_time
-from repro.identification.sensitivity import F_TEST_LEVEL, SIMEX, Perturbation
+from repro.identification.sensitivity import F_TEST_LEVEL, Perturbation, type_b_variance
 from repro.model.parameters import Array
 
 REPLICATES = 200
@@ -110,17 +110,7 @@ def bootstrap(
     slow, groups = jackknife(method, regression, first)
     slower = slow > float(fisher.isf(F_TEST_LEVEL, groups, blocks)) * sampling
     sampling = np.where(slower, slow, sampling)
-    type_b, unmodelled, attenuation = np.zeros((3, len(beta)))
-    for name, other in perturbations.items():
-        shifts = [method.repeat(regression, first) - beta for regression in other.regressions]
-        square = other.weight * np.mean(np.square(shifts), axis=0)
-        if name == SIMEX:
-            attenuation = square
-        elif other.rival:
-            unmodelled = np.maximum(unmodelled, square / 3.0)  # variance of a rectangular distribution up to that shift
-        else:
-            type_b += square
-    type_b += unmodelled
+    type_b, attenuation = type_b_variance(lambda other: method.repeat(other, first), beta, perturbations)
     if method.unbiased is not None:
         type_b += (method.unbiased(regression).beta - beta) ** 2
     factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))

@@ -22,6 +22,7 @@ class Prior:
     sd: Array  # (9,); infinity where nothing is known, 0 where the value is known
     variance: float = 1.0  # of the torque errors of the log next to it, N^2 m^2
     correlated: float = 1.0  # rows of that log that are worth one independent row
+    inflation: float | Array = 1.0  # whole over sampling variance of the log's own estimates (9,)
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -37,7 +38,8 @@ class Prior:
     def precision(self) -> Array:
         """Weight (9,) of each squared error of the prior next to squared errors of rows of variance 1."""
         weight = np.zeros(len(self.sd))
-        weight[self.informative] = self.correlated / self.sd[self.informative] ** 2
+        inflation = np.broadcast_to(self.inflation, weight.shape)
+        weight[self.informative] = self.correlated * inflation[self.informative] / self.sd[self.informative] ** 2
         return weight
 
     @property

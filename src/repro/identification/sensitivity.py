@@ -15,7 +15,7 @@ chance add nothing. Errors of the motion are simulated a second time (SIMEX [3]_
    Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -183,17 +183,37 @@ def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) 
     return results
 
 
+def type_b_variance(
+    solution: Callable[[Regression], Array], beta: Array, others: Mapping[str, Perturbation]
+) -> tuple[Array, Array]:
+    """Compute the variance of type B of an estimate (9,), and the squared shift by errors of the motion (`SIMEX`)."""
+    type_b, unmodelled, attenuation = np.zeros((3, len(beta)))
+    for name, other in others.items():
+        square = other.weight * np.mean([np.square(solution(r) - beta) for r in other.regressions], axis=0)
+        if name == SIMEX:
+            attenuation = square
+        elif other.rival:
+            unmodelled = np.maximum(unmodelled, square / 3.0)  # variance of a rectangular distribution up to that shift
+        else:
+            type_b += square
+    return type_b + unmodelled, attenuation
+
+
 def attach_prior(
     prior: Prior, regression: Regression, others: Mapping[str, Perturbation]
 ) -> tuple[Regression, dict[str, Perturbation]]:
     """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
 
     The squared shifts by means that are off by their standard deviations add up (JCGM 100:2008, 5.1.2). In linear least
-    squares they complete the covariance of the posterior.
+    squares they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
     """
     beta = solve(regression.y, regression.tau)
-    rows = 2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0
-    prior = replace(prior, variance=float(np.mean(joint_variance(regression, beta))), correlated=max(rows, 1.0))
+    rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
+    variance, y = float(np.mean(joint_variance(regression, beta))), regression.y.reshape(-1, len(beta))
+    sampling = variance * rows * np.diag(np.linalg.pinv(y.T @ y))
+    shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, others))
+    inflation = 1.0 + np.where(sampling > 0.0, shifted / np.where(sampling > 0.0, sampling, 1.0), 0.0)
+    prior = replace(prior, variance=variance, correlated=rows, inflation=inflation)
     results = {
         name: replace(other, regressions=tuple(replace(each, prior=prior) for each in other.regressions))
         for name, other in others.items()
