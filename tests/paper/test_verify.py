@@ -54,6 +54,14 @@ def change(path, old, new):
     path.write_bytes(content.replace(old.encode(), new.encode(), 1))
 
 
+def committed(folder):
+    """Commit everything in a folder; return the commit."""
+    git = ["git", "-C", str(folder), "-c", "user.name=test", "-c", "user.email=test@localhost"]
+    for command in (["init", "-q"], ["add", "-A"], ["commit", "-q", "-m", "test"]):
+        subprocess.run([*git, *command], check=True)
+    return subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+
+
 def remake(results=Path("results")):
     """Write the ledger of the results as they are."""
     write_ledger(results, load_config(Path("config/config.yaml")), [], folders=[results])
@@ -110,13 +118,14 @@ def test_one_changed_text_is_named(project, capsys, file, old, new, named):
         ("config.yaml", "margin_samples: 40", "margin_samples: 41", "numeric.margin_samples"),
         ("config.yaml", "enforce: true", "", "claims"),
         ("factorial.json", '"config_sha256": "', '"config_sha256": "0', "config_sha256"),
-        ("factorial.json", '"commit": "0', '"commit": "x', "commit"),
+        ("factorial.json", '"commit": "', '"commit": "x', "commit"),
     ],
 )
 def test_settings_that_are_kept_with_results_are_checked_under_a_new_seal(project, capsys, file, old, new, field):
     config = project / "config/config.yaml"
     shutil.copy(config, "results")
-    write_json("results/factorial.json", {"commit": "0" * 40, "config_sha256": config_digest(load_config(config))})
+    commit = committed(project)
+    write_json("results/factorial.json", {"commit": commit, "config_sha256": config_digest(load_config(config))})
     remake()
     assert verify(capsys)[0] == 0
     change(project / "results" / file, old, new)
