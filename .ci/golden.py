@@ -32,8 +32,8 @@ TRAINED = 2e-3
 SEARCHED, WIDER = ("refinement", "local-search", "differential-evolution"), 10.0
 #: Further factor for spreads of a few seeds, and for the prediction intervals that follow from them.
 SPREADS, OF_SPREADS = ("tolerance", "total_sd", "estimate_sd"), 5.0
-#: Largest relative and absolute difference of a number on a page: the tables that it comes from are compared closely.
-ON_PAGES = 0.5
+#: The same for numbers in a row of a page that names such a method: its interval may be one of a few seeds.
+IN_A_ROW = 0.5
 #: A table with more rows than the first number is kept as about the second number of them.
 LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
@@ -64,7 +64,8 @@ def pages(folder: Path) -> dict[str, list[str]]:
     for path in sorted([*folder.glob("*.md"), *folder.glob("tables/*.md"), *folder.glob("report/*.html")]):
         text = path.read_text(encoding="utf-8")
         if path.suffix == ".html":
-            text = "\n".join(re.sub(r"<[^>]+>", " ", row) for row in re.findall(r"<tr.*?</tr>", text, re.DOTALL))
+            rows_of_page = re.findall(r"<tr.*?</tr>", text, re.DOTALL)
+            text = "\n".join(" ".join(re.sub(r"<[^>]+>", " ", row).split()) for row in rows_of_page)
         found[str(path.relative_to(folder))] = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
     return found
 
@@ -101,11 +102,12 @@ def keep() -> None:
 
 
 def like(a: str, b: str) -> bool:
-    """Whether two lines have the same words, and numbers within `ON_PAGES`."""
+    """Whether two lines have the same words, and numbers within what `TRAINED` allows."""
     if NUMBER.sub("#", a) != NUMBER.sub("#", b):
         return False
+    allowed = IN_A_ROW if any(word in a for word in SEARCHED) else TRAINED * WIDER
     pairs = zip(NUMBER.findall(a), NUMBER.findall(b), strict=True)
-    return all(abs(float(x) - float(y)) <= ON_PAGES * max(abs(float(x)), 1.0) for x, y in pairs)
+    return all(abs(float(x) - float(y)) <= allowed * max(abs(float(x)), 1.0) for x, y in pairs)
 
 
 def kept_json(name: str) -> dict:
