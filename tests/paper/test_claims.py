@@ -13,6 +13,7 @@ from repro.errors import InputError
 from repro.paper.audit import findings
 from repro.paper.claims import (
     BETTER,
+    CAUSES,
     CONTRADICTS,
     DIFFERS,
     HARDWARE,
@@ -30,10 +31,11 @@ from repro.paper.claims import (
     judge,
     judge_all,
     lower,
+    markdown,
     specificity,
+    summary,
 )
 from repro.paper.ledger import ASSERTED, compute, our_values, refuted_number
-from repro.paper.ledger_page import CAUSES, markdown, summary
 from repro.paper.published import PublishedValue, load_published
 from repro.paper.results import FILES, Results
 

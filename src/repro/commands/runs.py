@@ -44,9 +44,8 @@ def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config import load_config
     from repro.fingerprint import compare_hosts
-    from repro.paper.claims import broken
+    from repro.paper.claims import broken, summary
     from repro.paper.ledger import verify_ledger
-    from repro.paper.ledger_page import summary
     from repro.pipeline.provenance import changed_settings, recorded_fingerprint
 
     files = arguments.config or [_project_config(arguments.results)]

@@ -17,9 +17,18 @@ from repro.documents import read_bytes
 from repro.errors import InputError
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
-from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, broken, judge_all, specificity
+from repro.paper.claims import (
+    LEFT_OUT,
+    REPRODUCED,
+    SETTING,
+    OurValue,
+    broken,
+    judge_all,
+    markdown,
+    specificity,
+    summary,
+)
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
-from repro.paper.ledger_page import markdown, summary
 from repro.paper.our_values import REFINED, values_of
 from repro.paper.published import PUBLISHED_FILE, Published, load_published
 from repro.paper.results import Results
