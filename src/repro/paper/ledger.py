@@ -29,9 +29,8 @@ from repro.paper.claims import (
     summary,
 )
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
-from repro.paper.our_values import REFINED, values_of
+from repro.paper.our_values import REFINED, Results, values_of
 from repro.paper.published import PUBLISHED_FILE, Published, load_published
-from repro.paper.results import Results
 
 _LOG = logging.getLogger(__name__)
 
@@ -240,7 +239,7 @@ def verify_ledger(
     try:
         numbers = load_published(published)
         claims = compute(numbers, config, Results(results))
-    except (InputError, ValueError) as error:  # ValueError: a value without a published number, or none for it
+    except (ValueError, LookupError) as error:  # published numbers that were changed are named among the problems
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
     if not problems and page != _page(table, numbers):
