@@ -7,13 +7,13 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from experiment_example import CAPTURES, MOTIONS, full_config
-from repro.paper.metric_checks import least_squares_torque
 
 from repro.fpga.capture import read_capture, recording_of, verify_control
 from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced
+from repro.paper.metric_search import least_squares_torque
 from repro.paper.published import load_published
 from repro.pipeline.experiment import (
     control_constants,
