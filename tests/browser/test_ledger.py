@@ -23,13 +23,19 @@ def column(page, number):
     return page.evaluate(f"{rows}.map(row => row.cells[{number}].dataset.value ?? row.cells[{number}].textContent)")
 
 
+def data(page, name):
+    """What the ledger's visible rows are filtered by."""
+    rows = "[...document.querySelectorAll('#ledger tbody tr:not([hidden])')]"
+    return page.evaluate(f"{rows}.map(row => row.dataset[{name!r}])")
+
+
 def numbers(texts):
     return [float(text) for text in texts if text != NOTHING]
 
 
 def test_the_ledger_is_searched_and_filtered(page):
     everything = len(column(page, 0))
-    word = column(page, 6)[-1]
+    word = data(page, "place")[-1]
     page.evaluate(
         f"(box => {{ box.value = {word.upper()!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})"
         "(document.getElementById('search'))"
@@ -39,12 +45,12 @@ def test_the_ledger_is_searched_and_filtered(page):
     page.evaluate("document.querySelector('#filters [type=reset]').click()")
     page.evaluate("new Promise(done => setTimeout(done, 50))")
     assert len(column(page, 0)) == everything
-    for field, place in (("verdict", 1), ("place", 6), ("basis", 7)):
-        wanted = column(page, place)[-1]
+    for field in ("verdict", "place", "basis"):
+        wanted = data(page, field)[-1]
         choose = "(box => {{ box.value = {!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})"
         box = f"(document.querySelector('[data-filter={field}]'))"
         page.evaluate(choose.format(wanted) + box)
-        assert set(column(page, place)) == {wanted}
+        assert set(data(page, field)) == {wanted}
         page.evaluate(choose.format("") + box)
     page.evaluate("document.getElementById('asserted').click()")
     assert 0 < len(column(page, 0)) < everything
