@@ -20,7 +20,7 @@ from repro.config import load_config
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.model.dynamics import forward_dynamics
 from repro.pipeline.experiment import read_recording
-from repro.pipeline.experiment_runs import identify_recording
+from repro.pipeline.identifications import identify_recording
 from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
