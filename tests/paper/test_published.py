@@ -139,8 +139,8 @@ def test_a_missing_or_empty_file_is_refused_in_one_line(tmp_path, content):
 
 
 @pytest.mark.slow
-def test_nothing_that_makes_results_reads_the_published_numbers(tmp_path):
-    code, workflow = CodeDigests(tmp_path / "kept.json"), Path(repro.__file__).parents[2] / "workflow"
+def test_nothing_that_makes_results_reads_the_published_numbers():
+    code, workflow = CodeDigests(), Path(repro.__file__).parents[2] / "workflow"
     rules = "".join(file.read_text(encoding="utf-8") for file in workflow.glob("rules/*.smk"))
     computing = set(re.findall(r'"(repro\.pipeline[\w.]*:\w+)"', rules))
     assert len(computing) > 10

@@ -1,4 +1,4 @@
-CODE = CodeDigests(Path(".snakemake/code.json"))
+CODE = CodeDigests()
 
 # What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
