@@ -153,7 +153,6 @@ def gains_message(**changes):
         (parse_gains, gains_message(kv=(1.0, np.inf)), "kv: must be finite"),
         (parse_gains, gains_message(pwm_hz=(0.0, 1.0)), "pwm_hz: must be positive"),
         (parse_start, Message(MessageKind.START, b"\0\0"), "RAM contains 1"),
-        (parse_start, Message(MessageKind.STOP, b""), "message: must be START, got STOP"),
         (parse_identity, Message(MessageKind.IDENTITY, b"[1]"), "must be a JSON object, got list"),
         (parse_identity, Message(MessageKind.IDENTITY, b"{"), "must be UTF-8 JSON"),
         (parse_identity, Message(MessageKind.IDENTITY, b"\xff"), "must be UTF-8 JSON"),

@@ -230,7 +230,7 @@ def test_many_faults_are_counted_and_wrong_frames_stay_within_the_bound():
         sent = motion(n, seed=seed % 20)
         injector = ErrorInjector(ErrorRates(drop=rate, flip=rate, insert=rate), rng)
         data = injector.apply(sent)
-        done = injector.counts()
+        done = injector.counts
         frames, _, gaps, counts = parse(data)
         check_books(data, frames, gaps, counts)
         was = Counter(sent[i : i + 8] for i in range(0, len(sent), 8))

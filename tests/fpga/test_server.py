@@ -10,13 +10,12 @@ import serial
 from fake_board import CONTROL, IDENTITY, PlayedBoard, frames_of, served
 
 from repro.errors import InputError
-from repro.fpga.board import Board
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
-from repro.fpga.server import BoardServer, PtyEndpoint, SocketEndpoint
+from repro.fpga.server import Board, BoardServer, PtyEndpoint, SocketEndpoint
 
 pytestmark = pytest.mark.slow
 
@@ -187,7 +186,7 @@ def test_a_stall_delays_and_loses_nothing(endpoint):
         line.write(encode_start(200))
         assert line.read(1600) == FRAMES
         taken = time.monotonic() - began
-    stalls = injectors[0].counts()["stall"]
+    stalls = injectors[0].counts["stall"]
     assert stalls >= 1
     assert taken >= 0.05 * stalls
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.files import atomic_write
-from repro.fpga.board import Board
 from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.server import Board
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.parameters import Array
