@@ -21,7 +21,6 @@ from repro.paper.metric_search import (
     Scores,
     abstract_check,
     band_number_motion,
-    compare_motions,
     pair_bounds,
     rank_candidates,
     score_candidates,
@@ -188,30 +187,6 @@ def test_ranks_without_an_arm_use_the_other_three_and_choose_the_motion_again():
     assert spans.to_numpy().tolist() == [[1, 3], [1, 2], [1, 3]]
     # All other time formulas have the same error, and share the place after these.
     assert set(table[table["factor"] == "time"]["rank"]) == {1, 2, 3, 4}
-
-
-def test_compared_motions_report_torque_bounds_and_errors():
-    made = made_scores(
-        {
-            "mean square": [[3.0, 3.0, 3.0, 3.0], [0.1, 0.1, 0.1, 0.7]],
-            "energy": [[4.0, 4.0, 4.0, 4.0], [1.0, 1.0, 1.0, 1.0]],
-            CHOSEN["frequency"]: [[1.0, 1.0, 1.0, 1.0], [0.2, 0.2, 0.2, 0.2]],
-        }
-    )
-    # Bounds of Table 7, (N m)^2: 1.37, 6.71; 18.88, 3.29; 9.16, 8.51; 0.93, 6.39.
-    torque = np.array([[1.3, 6.8], [18.0, 3.4], [9.0, 8.0], [0.95, 6.0]])
-    table = compare_motions(replace(made, mean_square=np.stack([torque, 0.1 * torque])))
-    assert table["bounds_satisfied"].tolist() == [5, 8]
-    assert table["mean_square_low"].tolist() == pytest.approx([0.95, 0.095])
-    assert table["mean_square_high"].tolist() == pytest.approx([18.0, 1.8])
-    assert table["rms_log_error_mean_square"].tolist() == pytest.approx([3.0, np.sqrt((0.03 + 0.49) / 4)])
-    assert table["rms_log_error_energy"].tolist() == pytest.approx([4.0, 1.0])
-    assert table["rms_log_error_frequency"].tolist() == pytest.approx([1.0, 0.2])
-    time = table[f"rms_log_error_{CHOSEN['time'].replace(' ', '_')}"]
-    np.testing.assert_allclose(
-        table["rms_log_error_pair"], np.sqrt((time**2 + table["rms_log_error_frequency"] ** 2) / 2)
-    )
-    assert not table["chosen"].any()
 
 
 def test_torque_and_errors_of_a_motion_are_those_of_its_draws():
