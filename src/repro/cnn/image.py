@@ -39,8 +39,7 @@ def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
     """Shift and scale to the range 0 to 1 over `axes` (**normalize** of Eq. 9); a constant becomes 0."""
     low = x.min(axes, keepdims=True)
     span = x.max(axes, keepdims=True) - low
-    unit: Floats = (x - low) / np.where(span > 0, span, 1)
-    return unit
+    return np.asarray((x - low) / np.where(span > 0, span, 1))
 
 
 def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[Floats, Floats]:
@@ -70,8 +69,7 @@ def assemble(u: Floats, v: Floats) -> Floats:
     Its axes are channel, row (psi) and column (alpha). Training and identification never call this: the network works
     on the factors.
     """
-    image: Floats = np.swapaxes(u, -1, -2) @ v
-    return image
+    return np.swapaxes(u, -1, -2) @ v
 
 
 def images(
@@ -123,5 +121,4 @@ def colours(image: Floats) -> Floats:
     z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
     (red1, red2), (green1, _), (blue1, _) = COLOUR_WEIGHTS
     rgb = np.stack([red1 * z1 + red2 * z2, green1 * z1, blue1 * z1 + z2], -1)
-    shown: Floats = np.clip(rgb, 0.0, 1.0)
-    return shown
+    return np.asarray(np.clip(rgb, 0.0, 1.0))

@@ -140,8 +140,7 @@ def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_stee
     r2 = driving[..., 1] - swing * dq1**2 - load
     m11, m12 = i1 + i2 * np.cos(q2), i3 + 0.5 * i2 * np.cos(q2)
     determinant = m11 * i3 - m12**2
-    ddq: Array = np.stack([i3 * r1 - m12 * r2, m11 * r2 - m12 * r1], axis=-1) / determinant[..., None]
-    return ddq
+    return np.stack([i3 * r1 - m12 * r2, m11 * r2 - m12 * r1], axis=-1) / determinant[..., None]
 
 
 @dataclass(frozen=True)
