@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.identification.regression import Regression
 from repro.model.dynamics import LAMBDA, check_motion, regressor
@@ -62,7 +63,9 @@ def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: Sign
     return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
 
 
-def filtered(q: Array, tau: Array, settings: SignalSettings, begin: int = 0, end: int | None = None) -> Regression:
+def filtered(
+    q: ArrayLike, tau: ArrayLike, settings: SignalSettings, begin: int = 0, end: int | None = None
+) -> Regression:
     """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples begin to end - 1.
 
     `q` and `tau` (2, N) are measured. The regression is in recorded time. ValueError is raised if shapes differ, values

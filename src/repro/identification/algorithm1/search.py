@@ -1,10 +1,10 @@
 """Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
 from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
@@ -47,6 +47,9 @@ class SearchSettings:
             raise ValueError(f"threshold: expected a fraction of 1, got {self.threshold!r}.")
         if not 0.0 < self.low < self.high:
             raise ValueError(f"low, high: expected 0 < low < high, got {self.low!r} and {self.high!r}.")
+        for name, known in (("feasibility", tuple(FEASIBILITY)), ("image_motion", get_args(ImageMotion))):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name}: expected one of {', '.join(known)}, got {getattr(self, name)!r}.")
 
 
 @dataclass(frozen=True)
@@ -151,8 +154,8 @@ def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) ->
 
 
 def algorithm1(
-    q: Array,
-    tau: Array,
+    q: ArrayLike,
+    tau: ArrayLike,
     network: "FactoredCNN",
     *,
     begin: int = 0,
@@ -165,7 +168,7 @@ def algorithm1(
 
     Parameters
     ----------
-    q, tau : arrays of shape (2, N)
+    q, tau : array_like of shape (2, N)
         Measured position, rad, and torque, N m, evenly sampled.
     network : FactoredCNN
         Trained for this trajectory, see `load_network`.
