@@ -23,7 +23,7 @@ from repro.pipeline.experiment import (
     read_recording,
     true_parameters,
 )
-from repro.pipeline.experiment_runs import tracking
+from repro.pipeline.identifications import tracking
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
 

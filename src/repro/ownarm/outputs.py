@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.ownarm.figures import figures_of
 from repro.ownarm.page import render_page
+from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import parameters_table, residuals_table, runs_table, scores_table
 from repro.ownarm.text import COMBINED, NOT_EXCITED
@@ -99,6 +100,8 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:
+            if poor := unusable(result.best):
+                links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             write_text(folder / "arm.urdf", urdf(links, result.arm))
             write_text(folder / "arm.xml", mjcf(links, result.arm))
             return

@@ -8,7 +8,7 @@ import numpy as np
 
 from repro.documents import read_json
 from repro.errors import InputError
-from repro.identification.prior import Prior
+from repro.identification.regression import Prior
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, UNITS
 

@@ -19,11 +19,11 @@ from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import Board
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
+from repro.model.dynamics import ArmGeometry
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
-from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
 from repro.streams import Stream, stream
 
