@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.documents import read_bytes, read_json
+from repro.documents import read_bytes, read_json, spelled, violation
 from repro.errors import InputError
 from repro.files import atomic_write, write_json
 from repro.fpga.controller import ControlConstants, PDController
@@ -24,7 +24,6 @@ from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.messages import SingleArray, parse_program
 from repro.fpga.parser import Counts, Gap, StreamParser
 from repro.model.parameters import Array
-from repro.schema import spelled, violation
 
 #: Version of the layout of the sidecar.
 FORMAT = 2
