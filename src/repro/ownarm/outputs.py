@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from repro.export.links import horizontal_links_of, links_of
-from repro.export.models import mjcf, urdf
+from repro.export import horizontal_links_of, links_of, mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
