@@ -23,7 +23,7 @@ GOOD = {"value": 1.0, "sd": 0.1}
 
 
 def result_of(problem, arm=ARM, methods=("ordinary",)):
-    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent, silent), arm)
+    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent), arm)
 
 
 def test_a_prior_is_read_from_values_and_from_a_result():
