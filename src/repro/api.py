@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from repro.errors import InputError, require
 from repro.files import check_folder
@@ -139,12 +140,12 @@ class Identification:
         """The reason not to use the parameters of this method; empty if they can be used."""
         return unusable(self._best)
 
-    def predict(self, q: Array, dq: Array, ddq: Array) -> Array:
+    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
         """Compute the torque (..., 2, N) that a motion needs, N m.
 
         Parameters
         ----------
-        q, dq, ddq : arrays of shape (2, N)
+        q, dq, ddq : array_like of shape (2, N)
             Position (rad), velocity (rad/s) and acceleration (rad/s^2).
 
         Raises
@@ -154,16 +155,16 @@ class Identification:
         """
         return inverse_dynamics(q, dq, ddq, self.beta, self.details.preparation.friction_steepness)
 
-    def simulate(self, t: Array, tau: Array, q0: Array, dq0: Array) -> tuple[Array, Array]:
+    def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
         """Integrate Eq. 1 under a torque that is linear between samples.
 
         Parameters
         ----------
-        t : array of shape (N,)
+        t : array_like of shape (N,)
             Instants, s, that increase.
-        tau : array of shape (2, N)
+        tau : array_like of shape (2, N)
             Torque at these instants, N m.
-        q0, dq0 : arrays of shape (2,)
+        q0, dq0 : array_like of shape (2,)
             Position (rad) and velocity (rad/s) at the first instant.
 
         Returns
@@ -174,7 +175,7 @@ class Identification:
         Raises
         ------
         ValueError
-            If the inertia matrix is not positive definite in every pose, or a shape is wrong.
+            If the inertia matrix is not positive definite in every pose, a shape is wrong, or a value is not finite.
         """
         return integrate(t, tau, q0, dq0, self.beta, self.details.preparation.friction_steepness)
 

@@ -17,7 +17,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from repro.documents import check_size
-from repro.errors import InputError
+from repro.errors import InputError, option
 
 #: Disk space that `check_folder` tests, bytes: more than a usual result needs.
 _FREE_SPACE = 8 << 20
@@ -60,7 +60,9 @@ def check_folder(out: Path, overwrite: bool) -> None:
         if out.exists() and not out.is_dir():
             raise InputError.at(str(out), "a file", "a folder, or a name that is free")
         if out.exists() and not overwrite and any(out.iterdir()):
-            raise InputError.at(str(out), "a folder with files in it", "a new or empty folder, or --overwrite")
+            raise InputError.at(
+                str(out), "a folder with files in it", f"a new or empty folder, or {option('overwrite')}"
+            )
         with _folder_near(out) as folder:  # fails where a parent is a link to nothing
             (Path(folder) / "space").write_bytes(bytes(_FREE_SPACE))
 

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 
 from repro.cli import main
-from repro.comparison.runs import compare_runs
-from repro.comparison.tolerances import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, differences, origin
+from repro.comparison.tolerances import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
 from repro.errors import InputError
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_csv

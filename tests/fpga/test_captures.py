@@ -13,7 +13,7 @@ from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced
-from repro.paper.metric_checks import least_squares_torque
+from repro.paper.metric_search import least_squares_torque
 from repro.paper.published import load_published
 from repro.pipeline.experiment import (
     control_constants,
@@ -23,7 +23,7 @@ from repro.pipeline.experiment import (
     read_recording,
     true_parameters,
 )
-from repro.pipeline.experiment_runs import tracking
+from repro.pipeline.identifications import tracking
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.model.dynamics import check_motion, inverse_dynamics
-from repro.model.parameters import NAMES, Array
+from repro.model.parameters import NAMES
 
 Floats = NDArray[np.floating]
 
@@ -95,17 +95,22 @@ def assemble(u: Floats, v: Floats) -> Floats:
 
 
 def images(
-    q: Array, dq: Array, ddq: Array, tau: Array, guess: Array, settings: ImageSettings = ImageSettings()
+    q: ArrayLike,
+    dq: ArrayLike,
+    ddq: ArrayLike,
+    tau: ArrayLike,
+    guess: ArrayLike,
+    settings: ImageSettings = ImageSettings(),
 ) -> Floats:
     """Build the images that the network reads, from a torque and from what Eq. 1 gives for a guess (Eq. 8 and 9).
 
     Parameters
     ----------
-    q, dq, ddq : arrays of shape (2, S)
+    q, dq, ddq : array_like of shape (2, S)
         Position (rad), velocity (rad/s) and acceleration (rad/s^2), subsampled; the paper has S = 100.
-    tau : array of shape (2, S)
+    tau : array_like of shape (2, S)
         Torque at the same instants, N m, not zero throughout.
-    guess : array of shape (..., 9)
+    guess : array_like of shape (..., 9)
         Guesses of the parameters in units of the largest torque, as line 17 draws them.
     settings : ImageSettings
         Divisors of Eq. 9.

@@ -35,9 +35,9 @@ from repro.pipeline.experiment import (
     program_settings,
     read_recordings,
 )
-from repro.pipeline.experiment_runs import CASE, every_seed, read_identifications, read_scores, tracking
+from repro.pipeline.identifications import CASE, SCORES, read_identifications, read_scores, tracking
 from repro.pipeline.job import Config
-from repro.pipeline.summary import SCORES, experiment_table, median_seeds, parameter_table
+from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import SignalSettings, spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
@@ -57,7 +57,7 @@ def _recordings(inputs: Inputs, config: Config) -> list[Recording]:
 
 
 def _runs(inputs: Inputs) -> list[dict[str, Any]]:
-    return every_seed(read_identifications(inputs["identifications"]))
+    return read_identifications(inputs["identifications"])
 
 
 def _scores(inputs: Inputs) -> pd.DataFrame:

@@ -10,10 +10,9 @@ from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
 from repro.exhibits.markup import EMPTY, Table, Text, number, plain
 from repro.files import read_csv
-from repro.pipeline.experiment_runs import CASE, read_scores
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
+from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.summary import SCORES
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {

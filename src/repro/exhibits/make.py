@@ -12,7 +12,7 @@ from repro.exhibits import style
 from repro.exhibits.declare import Exhibit, Inputs
 from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
-from repro.pipeline.job import Config, Named, paths
+from repro.pipeline.job import Config
 
 
 def declared(definition: str) -> Exhibit:
@@ -22,10 +22,11 @@ def declared(definition: str) -> Exhibit:
     return exhibit
 
 
-def make_exhibits(definitions: Sequence[str], named_inputs: Named, named_outputs: Named, config: Config) -> None:
+def make_exhibits(
+    exhibits: Sequence[str], inputs: Inputs, outputs: Mapping[str, Sequence[Path]], config: Config
+) -> None:
     """Write exhibits of the same inputs, each to outputs named after its target and kind."""
-    inputs, outputs = paths(named_inputs), paths(named_outputs)
-    for exhibit in map(declared, definitions):
+    for exhibit in map(declared, exhibits):
         own = exhibit.target + "_"
         out = {name.removeprefix(own): files[0] for name, files in outputs.items() if name.startswith(own)}
         make_exhibit(exhibit, inputs, out, config)

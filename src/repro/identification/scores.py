@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.regression import Regression
@@ -94,7 +94,7 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
 
 
 def integrate(
-    t: Array, tau: Array, q0: Array, dq0: Array, beta: Array, friction_steepness: float
+    t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike, beta: Array, friction_steepness: float
 ) -> tuple[Array, Array]:
     """Integrate Eq. 1 from a state (2,) under a torque (2, N) that is linear between the instants t (N,)."""
     t, (tau,) = np.asarray(t, dtype=np.float64), check_motion(tau)
@@ -103,6 +103,8 @@ def integrate(
         raise ValueError(f"t, tau, q0, dq0: shapes {t.shape}, {tau.shape}, {x.shape}, {v.shape} do not fit together.")
     if not (np.diff(t) > 0.0).all():
         raise ValueError("t: instants must increase.")
+    if not (np.isfinite(t).all() and np.isfinite([x, v]).all()):
+        raise ValueError("t, q0, dq0: every value must be finite.")
     longest = float(np.diff(t).max(initial=0.0))
     steps = _steps_per_sample(beta, longest, friction_steepness)
     if not np.isfinite(steps):

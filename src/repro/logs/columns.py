@@ -1,6 +1,7 @@
 """Signals of a recording: the column of each, its unit, and the factor to SI, from the header and the arm file."""
 
 import difflib
+import json
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -70,6 +71,8 @@ _WORDS: Final[tuple[tuple[str, tuple[str, ...], str | None], ...]] = (
     ("tau", ("current", "cur"), "A"),
     ("tau", ("pwm",), "counts"),
 )
+#: Longest header that a message proposes as a column.
+_LONG_HEADER = 80
 
 #: Column of `repro decode` that states whether the simulated board made a recording.
 SIMULATED: Final = "simulated"
@@ -228,16 +231,21 @@ def _refuse_joint_0(header: Sequence[str], file: str) -> None:
 
 
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:
-    """Report signals without a column."""
+    """Report signals without a column, with columns of the file to correct and paste into the arm file."""
     used = {column.header for column in found.values()}
     free = {squeeze(name): name for name in header if name and name not in used}
-    near = []
+    near, likely = [], {signal: column.header for signal, column in found.items()}
     for signal in missing:
         spellings = [name for name, (known, _) in _NAMES.items() if known == signal]
         close = [name for plain, name in free.items() if difflib.get_close_matches(plain, spellings, 1, 0.75)]
-        near += [f"{name!r} for {signal}" for name in close[:1]]
+        if close:
+            near.append(f"{close[0]!r} for {signal}")
+            likely[signal] = close[0]
     hint = f" (perhaps {', '.join(near)})" if near else ""
-    expected = f"a column for {', '.join(missing)}{hint}; name it there or as columns.{missing[0]} in the arm file"
+    rest = iter(name for name in free.values() if name not in likely.values() and len(name) <= _LONG_HEADER)
+    columns = {signal: likely.get(signal) or next(rest, "HEADER") for signal in KINDS if signal in {*likely, *missing}}
+    paste = ", ".join(f"{signal}: {json.dumps(name, ensure_ascii=False)}" for signal, name in columns.items())
+    expected = f"a column for {', '.join(missing)}{hint}; for arm.yaml, to correct: columns: {{{paste}}}"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)
 
 

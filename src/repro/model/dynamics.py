@@ -5,6 +5,7 @@ The paper prints ``tanh(lambda q)``; Coulomb friction opposes velocity, so the v
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.model.parameters import Array, check_beta
 
@@ -12,7 +13,7 @@ from repro.model.parameters import Array, check_beta
 LAMBDA = 20.0
 
 
-def check_motion(*signals: Array) -> tuple[Array, ...]:
+def check_motion(*signals: ArrayLike) -> tuple[Array, ...]:
     """Return the signals (..., 2, N) as float64, or raise ValueError if a shape differs or a sample is not finite."""
     checked = tuple(np.asarray(s, dtype=np.float64) for s in signals)
     for s in checked:
@@ -25,12 +26,12 @@ def check_motion(*signals: Array) -> tuple[Array, ...]:
     return checked
 
 
-def regressor(q: Array, dq: Array, ddq: Array, friction_steepness: float = LAMBDA) -> Array:
+def regressor(q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, friction_steepness: float = LAMBDA) -> Array:
     """Compute the regressor Y of Eq. 1, which is linear in beta: tau = Y(q, dq, ddq) beta.
 
     Parameters
     ----------
-    q, dq, ddq : arrays of shape (..., 2, N)
+    q, dq, ddq : array_like of shape (..., 2, N)
         Position (rad), velocity (rad/s) and acceleration (rad/s^2).
     friction_steepness : float
         lambda of Eq. 1, s/rad.
@@ -72,14 +73,16 @@ def regressor(q: Array, dq: Array, ddq: Array, friction_steepness: float = LAMBD
     return y
 
 
-def inverse_dynamics(q: Array, dq: Array, ddq: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
+def inverse_dynamics(
+    q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, beta: ArrayLike, friction_steepness: float = LAMBDA
+) -> Array:
     """Compute the torque that a motion needs (Eq. 1).
 
     Parameters
     ----------
-    q, dq, ddq : arrays of shape (2, N)
+    q, dq, ddq : array_like of shape (2, N)
         Position (rad), velocity (rad/s) and acceleration (rad/s^2).
-    beta : array of shape (..., 9)
+    beta : array_like of shape (..., 9)
         Parameter sets, SI units.
     friction_steepness : float
         lambda of Eq. 1, s/rad.
@@ -104,7 +107,7 @@ def inverse_dynamics(q: Array, dq: Array, ddq: Array, beta: Array, friction_stee
     return rebuild_torque(regressor(q, dq, ddq, friction_steepness), beta)
 
 
-def rebuild_torque(y: Array, beta: Array) -> Array:
+def rebuild_torque(y: Array, beta: ArrayLike) -> Array:
     """Compute the torque Y beta (..., 2, N), N m, from a regressor (2, N, 9) and parameter sets (..., 9)."""
     beta = check_beta(beta)
     if y.ndim < 1 or y.shape[-1] != 9:

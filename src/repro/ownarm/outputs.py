@@ -19,6 +19,7 @@ from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.ownarm.figures import drawn_methods, figures_of
+from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
 from repro.ownarm.tables import (
     blocks,
@@ -117,6 +118,8 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:
+            if poor := unusable(result.best):
+                links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             write_text(folder / "arm.urdf", urdf(links, result.arm))
             write_text(folder / "arm.xml", mjcf(links, result.arm))
             return

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from repro.errors import option
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
 from repro.identification.sensitivity import UNMODELLED_EFFECTS
@@ -159,8 +160,8 @@ def friction_line(term: FrictionTerm) -> str:
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
-    option = ": give --friction" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
-    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{option}"
+    remedy = f": give {option('friction')}" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
+    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
 def log_warnings(result: Result) -> tuple[str, ...]:

@@ -11,9 +11,11 @@ from repro.exhibits.markup import unit as unit_text
 from repro.files import read_rows
 from repro.paper.claims import (
     BETTER,
+    CAUSES,
     CONTRADICTS,
     DIFFERS,
     EXTENSION,
+    EXTENSIONS,
     HARDWARE,
     INCONCLUSIVE,
     NOT_COMPARABLE,
@@ -21,8 +23,8 @@ from repro.paper.claims import (
     REPRODUCED,
     VERDICTS,
     Basis,
+    Cause,
 )
-from repro.paper.ledger_page import CAUSES, EXTENSIONS, Cause
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",

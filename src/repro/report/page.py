@@ -18,8 +18,7 @@ from repro.exhibits.make import laid_out
 from repro.exhibits.markup import Table
 from repro.exhibits.style import METHODS
 from repro.files import read_csv, read_rows, write_text
-from repro.paper.claims import Basis
-from repro.paper.ledger_page import summary
+from repro.paper.claims import Basis, summary
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
 from repro.pipeline.provenance import commit, package_versions

@@ -2,11 +2,12 @@
 
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
 from repro.model.dynamics import check_motion
-from repro.model.parameters import Array
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
 
@@ -18,8 +19,8 @@ ARM_THRESHOLD = 0.9237
 
 
 def algorithm1(
-    q: Array,
-    tau: Array,
+    q: ArrayLike,
+    tau: ArrayLike,
     network: "FactoredCNN",
     *,
     begin: int = 0,
@@ -32,7 +33,7 @@ def algorithm1(
 
     Parameters
     ----------
-    q, tau : arrays of shape (2, N)
+    q, tau : array_like of shape (2, N)
         Measured position, rad, and torque, N m, evenly sampled.
     network : FactoredCNN
         Trained for this trajectory, see `load_network`.

@@ -1,7 +1,7 @@
 """Algorithm 1: parametric identification, lines 8 to 32; `preprocessing` has lines 1 to 12."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,9 @@ class SearchSettings:
             raise ValueError(f"threshold: expected a fraction of 1, got {self.threshold!r}.")
         if not 0.0 < self.low < self.high:
             raise ValueError(f"low, high: expected 0 < low < high, got {self.low!r} and {self.high!r}.")
+        for name, known in (("feasibility", tuple(FEASIBILITY)), ("image_motion", get_args(ImageMotion))):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name}: expected one of {', '.join(known)}, got {getattr(self, name)!r}.")
 
 
 @dataclass(frozen=True)
