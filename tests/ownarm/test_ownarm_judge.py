@@ -10,9 +10,9 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent
 from regression_example import H, exact, exciting
 
-from repro.identification.bootstrap import Uncertainty
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate, Method
+from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency

@@ -251,9 +251,8 @@ class RawFile:
         self._path, self._pieces = path, list[bytes]()
         self._file = path.open("xb", buffering=0)
         try:
-            for _ in range(0, reserved, len(_ZEROS)):
-                if self._file.write(_ZEROS) < len(_ZEROS):
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            if self._file.write(bytes(reserved)) < reserved:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             self._file.seek(0)
         except OSError:
             self.remove()
@@ -291,9 +290,6 @@ class RawFile:
             other.write(data)
             return f"; the {len(data)} bytes received are in {other.name}"
         return f"; the {len(data)} bytes received could not be written anywhere"
-
-
-_ZEROS = bytes(1 << 16)
 
 
 @contextmanager

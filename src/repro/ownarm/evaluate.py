@@ -7,14 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from repro.identification.bootstrap import Uncertainty, bootstrap
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
-from repro.identification.prior import Prior
-from repro.identification.regression import Regression, residual_autocorrelation
+from repro.identification.regression import Prior, Regression, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
+from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem

@@ -34,16 +34,15 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.prior import Prior
-from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.sensitivity import (
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.solve import solve
+from repro.identification.uncertainty import (
     Perturbation,
     attach_prior,
     perturbations,
     project_out,
     unmodelled_effects,
 )
-from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe

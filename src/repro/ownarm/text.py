@@ -8,7 +8,7 @@ import numpy as np
 from repro.errors import option
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
-from repro.identification.sensitivity import UNMODELLED_EFFECTS
+from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
