@@ -25,7 +25,7 @@ from repro.exhibits.panels import (
 )
 from repro.exhibits.result_tables import heading_of, methods_of, one_row, similarities, with_unit
 from repro.identification.regression import Regression
-from repro.model.dynamics import rebuild_torque
+from repro.model.dynamics import ArmGeometry, forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import (
@@ -40,7 +40,6 @@ from repro.pipeline.job import Config
 from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import SignalSettings, spectrum
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.

@@ -19,10 +19,9 @@ from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
 from repro.identification.solve import unit_columns
 from repro.logs.armfile import Arm, read_arm
-from repro.model.dynamics import LAMBDA, regressor
+from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
 from repro.model.parameters import Array, check_beta
 from repro.progress import Progress
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
 #: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.

@@ -55,8 +55,7 @@ def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:
 
 
 def _rms(tau: Array) -> Array:
-    size: Array = np.sqrt(np.mean(tau**2, axis=-1))
-    return size
+    return np.asarray(np.sqrt(np.mean(tau**2, axis=-1)))
 
 
 def _rms_of_parts(regression: Regression, beta: Array) -> Array:
@@ -158,8 +157,7 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
                 squares[diverged] = np.inf
                 x[diverged], v[diverged] = 0.0, 0.0
             squares += (x - q[:, starts + k + 1].T) ** 2
-    error: Array = np.median(np.sqrt(squares / length), axis=1)
-    return error
+    return np.median(np.sqrt(squares / length), axis=1)
 
 
 def _runge_kutta(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from repro.documents import Loader, read_yaml
+from repro.documents import Loader, read_yaml, spelled, violation
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
-from repro.schema import spelled, violation
 
 #: One value for each joint.
 Pair = tuple[float, float]
@@ -55,7 +54,7 @@ class Arm:
     torque_limit: Pair | None = None  # largest torque of each joint, N m
     position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
     speed_limit: Pair | None = None  # largest speed of each joint, rad/s
-    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
+    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.model.dynamics`
     workspace: tuple[Pair, Pair] | None = None
     plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
