@@ -138,11 +138,6 @@ def blocks(recorded):
 
 
 @pytest.fixture(scope="module")
-def tau_mean():
-    return mean_training_torque(signal_settings(CONFIG), data_settings(CONFIG), 1)
-
-
-@pytest.fixture(scope="module")
 def mean_torque_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("mean") / "mean_torque.csv"
     write_csv(path, mean_torque(CONFIG))
@@ -208,59 +203,40 @@ def test_references_are_scored_on_every_block_under_both_metrics(recorded, block
     assert (bounded["id"] > 0).all()
 
 
-def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, mean_torque_file, tmp_path):
-    name = "plain-ideal-index"
-    weights = tmp_path / f"{name}.safetensors"
-    train_cell(name, 1, weights, str(tmp_path / "none"), CONFIG)
-    assert sorted(tmp_path.iterdir()) == [weights]
-    table = score_cell(name, 1, 1, weights, recorded, mean_torque_file, CONFIG)
-    assert tuple(table.columns) == COLUMNS
-    assert len(table) == len(BLOCKS) * 2
-    assert set(zip(table["block"], table["back_emf"], strict=True)) == set(BLOCKS)
-    assert (table["met"] == 0).all()
-    for column, level in (("reader", "plain"), ("training", "ideal"), ("omega", "index"), ("image_motion", "")):
-        assert set(table[column]) == {level}
-    c = configured(CONFIG, CELLS[name], 1)
-    p = CONFIG["factorial"]["plain"]
-    block, signals = blocks[5], signal_settings(c)
-    from_disk = load_plain(weights, signals.samples, PlainSettings(p["width"], p["steps"], p["batch"]))
-    prepared = prepare_recording(block.recordings["ID"], tau_mean, signals)
-    estimate = read_torque(from_disk, prepared.alpha)
-    for formula in TIME_FORMULAS:
-        (row,) = rows_of(table, block="6", back_emf=HIGH, metric=formula).to_dict("records")
-        expected = similarities(block, prepared.torque_scale * estimate, formula, c)
-        np.testing.assert_allclose([row["id"], row["validation"]], expected, rtol=0, atol=1e-7)
-        error = np.sqrt(np.mean((estimate - block.true / prepared.torque_scale) ** 2))
-        assert row["error"] == pytest.approx(error, rel=1e-6)
-
-
-def test_an_image_network_is_searched_with_on_both_motions_of_line_18(
-    recorded, blocks, tau_mean, mean_torque_file, tmp_path
-):
-    """Each block and motion against `search` and `select` with the guesses of that block."""
-    name, seed = "cnn-ideal-index", 2
-    weights = tmp_path / f"{name}.safetensors"
+@pytest.mark.parametrize("name", ["plain-ideal-index", "cnn-ideal-index"])
+def test_a_network_is_scored_on_every_block(name, recorded, blocks, mean_torque_file, tmp_path):
+    """Of an image network each block and motion of line 18 against `search` and `select` with the block's guesses."""
+    cell, seed, weights = CELLS[name], 2, tmp_path / f"{name}.safetensors"
     train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), CONFIG)
     table = score_cell(name, 1, seed, weights, recorded, mean_torque_file, CONFIG)
-    assert len(table) == len(BLOCKS) * 2 * 2
-    assert set(table["image_motion"]) == {"measured", "desired"}
-    c = configured(CONFIG, CELLS[name], 1)
-    network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
-    signals, image = signal_settings(c), data_settings(c).image
-    for k, motion in itertools.product((0, 5), ("measured", "desired")):
-        block = blocks[k]
-        prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, motion)
-        for formula in TIME_FORMULAS:
-            settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
-            settings = replace(settings, metric=MetricSettings(formula))
-            reader = ResidualEstimator(network, image, prepared)
-            candidates = search(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
-            expected = select(candidates.beta, prepared, settings).beta
-            levels = {"block": block.block, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
-            (row,) = rows_of(table, **levels).to_dict("records")
-            totals = similarities(block, expected, formula, c)
-            np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)
-            guesses = [s.uniform(1e-3, 3.0, 9) for s in stream(seed, Stream.FACTORIAL_SEARCH, k).spawn(4)]
-            first = reader.estimate(np.stack(guesses)) - block.true / prepared.torque_scale
-            assert row["error"] == pytest.approx(np.sqrt(np.mean(first**2)), rel=1e-5)
-            assert (row["search_seed"], row["training_seed"]) == (seed, 1)
+    assert tuple(table.columns) == COLUMNS
+    assert len(table) == len(BLOCKS) * 2 * max(len(cell.image_motions), 1)
+    assert set(zip(table["block"], table["back_emf"], strict=True)) == set(BLOCKS)
+    c = configured(CONFIG, cell, 1)
+    signals, p = signal_settings(c), CONFIG["factorial"]["plain"]
+    tau_mean = mean_training_torque(signals, data_settings(c), 1)
+    settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
+    for k, motion, formula in itertools.product((0, 5), cell.image_motions or ("",), TIME_FORMULAS):
+        prepared = prepare_recording(blocks[k].recordings["ID"], tau_mean, signals, motion or "measured")
+        if cell.reader == "plain":
+            network = load_plain(weights, signals.samples, PlainSettings(p["width"], p["steps"], p["batch"]))
+            first = read_torque(network, prepared.alpha)
+            estimate = prepared.torque_scale * first
+        else:
+            network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
+            reader, own = ResidualEstimator(network, data_settings(c).image, prepared), MetricSettings(formula)
+            candidates = search(reader, prepared, replace(settings, metric=own), guesses_of(seed, k))
+            estimate = select(candidates.beta, prepared, replace(settings, metric=own)).beta
+            first = reader.estimate(np.stack([s.uniform(1e-3, 3.0, 9) for s in guesses_of(seed, k).spawn(4)]))
+        levels = {"block": blocks[k].block, "back_emf": blocks[k].back_emf, "metric": formula, "image_motion": motion}
+        (row,) = rows_of(table, **levels).to_dict("records")
+        totals = similarities(blocks[k], estimate, formula, c)
+        np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)
+        error = np.sqrt(np.mean((first - blocks[k].true / prepared.torque_scale) ** 2))
+        assert row["error"] == pytest.approx(error, rel=1e-5)
+        assert (row["reader"], row["training"], row["omega"]) == (cell.reader, "ideal", "index")
+        assert (row["search_seed"], row["training_seed"]) == (seed, 1)
+
+
+def guesses_of(seed, block):
+    return stream(seed, Stream.FACTORIAL_SEARCH, block)

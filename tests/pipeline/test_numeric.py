@@ -1,7 +1,6 @@
 """The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -98,37 +97,20 @@ class PerfectNetwork:
         return torch.from_numpy((right - guess).astype(np.float32))
 
 
-def experiment(**changes):
-    settings = {
-        "variant": "tracked",
-        "data": DataSettings(image=AWARE),
-        "search": SearchSettings(executions=4, inner_limit=3),
-        "refinement": RefinementSettings(restarts=5, keep=9, passes=2),
-        "numeric": NUMERIC,
-    }
-    return SimpleNamespace(**settings | changes)
+def identify(network, arms):
+    search, refinement = SearchSettings(executions=4, inner_limit=3), RefinementSettings(restarts=5, keep=9, passes=2)
+    algorithm1 = Algorithm1("tracked", network, AWARE, search, refinement)
+    tau_mean = mean_training_torque(SIGNALS, DataSettings(), 1)
+    return identify_arms(algorithm1, SIGNALS, replace(NUMERIC, arms=arms), tau_mean, 1)["arms"]
 
 
-def identify(network, e, seed):
-    algorithm1 = Algorithm1(e.variant, network, e.data.image, e.search, e.refinement)
-    return identify_arms(algorithm1, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
-
-
-@pytest.fixture(scope="module")
-def perfect():
-    """Uses the model of the exact trajectory, so the filter's error remains."""
+def test_a_perfect_network_finds_every_arm():
+    """It uses the model of the exact trajectory, so the filter's error remains."""
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    return PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
-
-
-@pytest.fixture(scope="module")
-def found(perfect):
-    return identify(perfect, experiment(), 1)
-
-
-def test_a_perfect_network_finds_every_arm(found):
+    network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
+    found = identify(network, ARMS)
     for name, beta in ARMS.items():
-        arm = found["arms"][name]
+        arm = found[name]
         np.testing.assert_array_equal(arm["true"], beta)
         for method in ("algorithm1+tracked", "algorithm1+refinement+tracked"):
             # What is left is the filter's: it rounds the torque's steps, and f of the image does not.
@@ -153,7 +135,7 @@ def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monk
     assert list(arm["methods"]) == ["least-squares", "bounded"]
     seen = []
     monkeypatch.setattr(Algorithm1, "run", lambda _, prepared, *__: (seen.append(prepared.regression) or {}, 0))
-    identify(None, experiment(numeric=replace(NUMERIC, arms={name: ARMS[name]})), 1)
+    identify(None, {name: ARMS[name]})
     (r,) = seen
     expected, *_ = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)
     np.testing.assert_allclose(arm["methods"]["least-squares"]["beta"], expected, rtol=1e-8)
