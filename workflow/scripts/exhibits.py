@@ -1,6 +1,6 @@
 """Tables and figures made from the same files: their numbers, then their layouts or drawings."""
 
-from repro.exhibits.make import make_exhibits
+from repro.exhibits.declare import make_exhibits
 from repro.pipeline.job import job
 
 with job(snakemake.log[0], snakemake.threads):

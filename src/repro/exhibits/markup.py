@@ -8,7 +8,7 @@ from typing import Final
 #: Width of the full page, inches.
 PAGE: Final = 7.16
 
-_TIMES = "\N{MULTIPLICATION SIGN}"
+TIMES = "\N{MULTIPLICATION SIGN}"
 _DASH = "\N{EN DASH}"
 _TEX_SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -26,12 +26,12 @@ _TEX_SPECIAL = {
     "|": r"\textbar{}",
     "±": r"$\pm$",
     _DASH: "--",
-    _TIMES: r"$\times$",
+    TIMES: r"$\times$",
 }
 _TEX_MATHS = {" ": r"\,", "*": r"\cdot ", "|": r"\vert ", "<": "<", ">": ">", "^": r"\hat{}", "~": r"\sim "}
 _MD_SPECIAL = re.compile(r"([\\`*_|<>\[\]])")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
     "alpha": "\N{GREEK SMALL LETTER ALPHA}",
     "beta": "β",
@@ -75,7 +75,7 @@ EMPTY = Text("", "")
 
 def plain(text: str) -> Text:
     """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product."""
-    text = _PRODUCT.sub(_TIMES, " ".join(text.split()))
+    text = _PRODUCT.sub(TIMES, " ".join(text.split()))
     return Text("".join(_TEX_SPECIAL.get(c, c) for c in text), _MD_SPECIAL.sub(r"\\\1", text))
 
 
@@ -95,7 +95,7 @@ def formula(text: str) -> Text:
         name, index, power = token["name"], token["index"], token["power"]
         if power:
             tex.append(f"^{{\\{power}}}" if power in ("min", "max") else f"^{{{power}}}")
-            md.append(power.translate(_SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
+            md.append(power.translate(SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
         elif token["below"]:
             tex.append(f"_{{{token['below']}}}")
             md.append(token["below"].translate(_SUBSCRIPTS))
@@ -127,7 +127,7 @@ def unit(text: str) -> Text:
     if text in ("1", "-"):
         return Text("--", _DASH)
     tex = re.sub(r"\^(-?\d+)", r"^{\1}", plain(text).tex.replace(r"\textasciicircum{}", "^")).replace(" ", r"\,")
-    md = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), text).replace(" ", "·")
+    md = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(SUPERSCRIPTS), text).replace(" ", "·")
     return Text(f"$\\mathrm{{{tex}}}$", md)
 
 
@@ -145,7 +145,7 @@ def scientific(value: float, decimals: int) -> Text:
         return Text("$0$", "0")
     digits, power = f"{value:.{decimals}e}".split("e")
     return Text(
-        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{_TIMES}10{str(int(power)).translate(_SUPERSCRIPTS)}"
+        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{TIMES}10{str(int(power)).translate(SUPERSCRIPTS)}"
     )
 
 
