@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain
-from repro.exhibits.result_tables import heading_of, methods_of, one_row, with_unit
+from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain, with_unit
+from repro.exhibits.result_tables import heading_of, methods_of, one_row
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS

@@ -1,9 +1,11 @@
 """Table text in LaTeX and in Markdown at once: symbols, units, formulas, numbers, and the grid around them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
+
+import pandas as pd
 
 #: Width of the full page, inches.
 PAGE: Final = 7.16
@@ -131,6 +133,11 @@ def unit(text: str) -> Text:
     return Text(f"$\\mathrm{{{tex}}}$", md)
 
 
+def with_unit(name: Text, si: str) -> Text:
+    """Name of a column with its unit in brackets."""
+    return name + Text("~(", " (") + unit(si) + plain(")")
+
+
 def number(value: float, decimals: int, spread: float | None = None) -> Text:
     """A number with fixed decimals, and its spread if there is one."""
     digits = f"{value:.{decimals}f}"
@@ -198,6 +205,31 @@ def tex_row(cells: Sequence[Text]) -> str:
 
 def _md_row(cells: Sequence[Text]) -> str:
     return "| " + " | ".join(cell.md for cell in cells) + " |"
+
+
+#: A cell of a row, and a column: its name, its side (``l``, ``c`` or ``r``) and its cells.
+Cell = Callable[[Mapping[Hashable, Any]], Text]
+Column = tuple[str | Text, str, Cell]
+#: Rows under a heading, which is left out if it is None.
+Block = tuple[Text | None, pd.DataFrame]
+
+
+def words(column: str) -> Cell:
+    """Cells of ordinary text."""
+    return lambda row: plain(str(row[column]))
+
+
+def digits(column: str, decimals: int, factor: float = 1.0) -> Cell:
+    """Cells of numbers times a factor, empty where there is none."""
+    return lambda row: EMPTY if pd.isna(row[column]) else number(factor * row[column], decimals)
+
+
+def grid(caption: str, columns: Sequence[Column], blocks: Iterable[Block]) -> Table:
+    """Lay out every row of the blocks in these columns."""
+    names, sides, cells = zip(*columns, strict=True)
+    laid_out = [(name, [[cell(row) for cell in cells] for row in rows.to_dict("records")]) for name, rows in blocks]
+    header = [name if isinstance(name, Text) else plain(name) for name in names]
+    return Table(plain(caption), "".join(sides), header, laid_out)
 
 
 #: Gap between two columns of a long table, pt; points in an inch.

@@ -22,7 +22,7 @@ from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.exhibits import style
 from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
-from repro.exhibits.markup import Table, plain
+from repro.exhibits.markup import Column, Table, grid, words
 from repro.exhibits.panels import JOINTS, TIME, curves_of, long_table, loss_panel, plot_series
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
@@ -66,11 +66,8 @@ def network_features(network: NetworkSettings, training: TrainingSettings) -> pd
 
 def characteristics(frame: pd.DataFrame) -> Table:
     """Characteristics of the network (Table 3)."""
-    rows = [
-        (plain(feature), plain(str(value))) for feature, value in frame[["feature", "value"]].itertuples(index=False)
-    ]
-    caption = plain("Characteristics of the convolutional neural network.")
-    return Table(caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
+    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
+    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
 
 
 @table(3, "Characteristics of the network", MODEL, characteristics, sections=("signals", "network", "training"))
@@ -310,8 +307,7 @@ def torque_percentiles(signals: SignalSettings, data: DataSettings, seed: int, a
 
 def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     """Distribution of the training torques over time (Fig. 9)."""
-    series = ("p05", "p25", "p50", "p75", "p95", "mean")
-    curves = curves_of(frame, dict.fromkeys(JOINTS, series))
+    curves = curves_of(frame)
     figure = style.new_figure(style.COLUMN, 3.7)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     for axes, joint in zip(panels, JOINTS, strict=True):
@@ -342,7 +338,7 @@ def loss_curves(history: pd.DataFrame) -> pd.DataFrame:
 
 def draw_loss(frame: pd.DataFrame) -> Figure:
     """Loss on training and test images over the iterations (Fig. 10)."""
-    figure, axes = loss_panel(frame, ("train", "test"), "Training iteration (steps)", "Loss (dimensionless)")
+    figure, axes = loss_panel(frame, "Training iteration (steps)", "Loss (dimensionless)")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     axes.xaxis.set_major_locator(MaxNLocator(6))
     style.legend_above(figure, axes, 2)

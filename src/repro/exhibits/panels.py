@@ -30,10 +30,13 @@ def long_table(parts: Iterable[Curve]) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def curves_of(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Points]]:
-    """Curves of a long table ``panel, series, x, y``."""
-    points = {key: (rows["x"].to_numpy(), rows["y"].to_numpy()) for key, rows in frame.groupby(["panel", "series"])}
-    return {panel: {name: points[panel, name] for name in series} for panel, series in panels.items()}
+def curves_of(frame: pd.DataFrame) -> dict[str, dict[str, Points]]:
+    """Curves of a long table ``panel, series, x, y`` by panel and series, in its order."""
+    curves: dict[str, dict[str, Points]] = {}
+    for key, rows in frame.groupby(["panel", "series"], sort=False):
+        panel, series = map(str, key)
+        curves.setdefault(panel, {})[series] = (rows["x"].to_numpy(), rows["y"].to_numpy())
+    return curves
 
 
 def plot_series(axes: Axes, name: str, curve: Points) -> None:
@@ -48,17 +51,27 @@ def plot_panel(axes: Axes, series: Mapping[str, Points]) -> None:
     style.few_ticks(axes)
 
 
-def draw_motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
-    """Position, velocity and acceleration of both joints over time."""
-    curves = curves_of(frame, dict.fromkeys(MOTION, JOINTS))
-    figure = style.new_figure(width, 3.9)
-    panels = figure.subplots(3, 1, sharex=True)
-    for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
-        plot_panel(axes, curves[panel])
-        axes.set_ylabel(label)
-    panels[-1].set_xlabel(TIME)
+def draw_motion(
+    frame: pd.DataFrame,
+    width: float = style.COLUMN,
+    height: float = 3.9,
+    cases: Sequence[str] = ("",),
+    legend_title: str | None = None,
+) -> Figure:
+    """Position, velocity and acceleration of both joints over time, a column for each case."""
+    curves = curves_of(frame)
+    figure = style.new_figure(width, height)
+    grid = figure.subplots(len(MOTION), len(cases), sharex="col", squeeze=False)
+    for row, (panel, label) in zip(grid, MOTION.items(), strict=True):
+        for axes, case in zip(row, cases, strict=True):
+            plot_panel(axes, curves[f"{case} {panel}".strip()])
+        row[0].set_ylabel(label)
+    for axes, case in zip(grid[0], cases, strict=True):
+        axes.set_title(case)
+    for axes in grid[-1]:
+        axes.set_xlabel(TIME)
     figure.align_ylabels()
-    style.legend_above(figure, panels[0], 2)
+    style.legend_above(figure, grid[0, 0], len(grid[0, 0].lines), legend_title)
     return figure
 
 
@@ -74,22 +87,14 @@ _MOST_ABREAST = 5
 Compared = Mapping[str, Points]
 
 
-def loss_panel(frame: pd.DataFrame, names: tuple[str, ...], x_label: str, y_label: str) -> tuple[Figure, Axes]:
-    """Losses of these series on a logarithmic axis."""
-    curves = curves_of(frame, {"loss": names})["loss"]
+def loss_panel(frame: pd.DataFrame, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """Losses on a logarithmic axis."""
     figure = style.new_figure(style.COLUMN, 2.3)
     axes = figure.subplots()
-    for name, curve in curves.items():
+    for name, curve in curves_of(frame)["loss"].items():
         plot_series(axes, name, curve)
-    axes.set_yscale("log")
-    axes.set_xlabel(x_label)
-    axes.set_ylabel(y_label)
+    axes.set(yscale="log", xlabel=x_label, ylabel=y_label)
     return figure, axes
-
-
-def page(panels: int) -> Figure:
-    """Make a page-wide figure for this many panels, two in a row."""
-    return style.new_figure(style.PAGE, 0.75 + 1.3 * ceil(panels / 2))
 
 
 def _compare(
@@ -181,3 +186,19 @@ def spectrum_panels(
         first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
         note = f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
         figure.supxlabel(note, fontsize=style.SMALL_SIZE)
+
+
+def compare(
+    frame: pd.DataFrame,
+    titles: Mapping[str, str],
+    spectra: bool = False,
+    by_row: bool = False,
+    legend_title: str | None = None,
+) -> Figure:
+    """Draw torques over time, or their spectra, in page-wide panels, two in a row."""
+    figure = style.new_figure(style.PAGE, 0.75 + 1.3 * ceil(len(titles) / 2))
+    if spectra:
+        spectrum_panels(figure, curves_of(frame), titles, legend_title, by_row)
+    else:
+        torque_panels(figure, curves_of(frame), titles, legend_title)
+    return figure
