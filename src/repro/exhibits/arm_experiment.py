@@ -32,7 +32,6 @@ from repro.exhibits.panels import (
     draw_motion,
     long_table,
     plot_panel,
-    torque_panels,
 )
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, one_row, similarities
 from repro.model.dynamics import rebuild_torque
@@ -234,7 +233,7 @@ def torque_curves(
             series[method] = rebuild_torque(f.y, estimates[method])
         n = f.tau.shape[1]
         k = np.arange(n, dtype=np.float64)
-        x = k / (2 * n * signals.h) if in_frequency else k * signals.h
+        x: Array = k / (2 * n * signals.h) if in_frequency else k * signals.h
         kept = x <= HIGHEST if in_frequency else np.ones(n, dtype=np.bool_)
         for j in (0, 1):
             for name, tau in series.items():
@@ -247,7 +246,7 @@ def motion_curves(recordings: Iterable[Recording], signals: SignalSettings) -> I
     for recording in recordings:
         program, f = recording.program, recording.regression(signals)
         desired = program.q[:, program.n1 : program.n2]
-        time = signals.h * np.arange(desired.shape[1])
+        time: Array = signals.h * np.arange(desired.shape[1], dtype=np.float64)
         for panel, series, x in (
             ("position", "desired", desired),
             ("position", "joint", f.q),
@@ -291,7 +290,7 @@ def draw_identification(frame: pd.DataFrame) -> Figure:
     curves = curves_of(frame)
     figure = style.new_figure(style.PAGE, 4.4)
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.15, 1.0))[:, 0]
-    torque_panels(upper, curves, _IDENTIFICATION, style.SIMULATED)
+    _compare(frame, _IDENTIFICATION, figure=upper)
     panels = lower.subplots(1, 3)
     for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
         plot_panel(axes, curves[panel])

@@ -1,8 +1,8 @@
 """Curves in panels: long tables ``panel, series, x, y``, torques and spectra next to what was rebuilt."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import ceil
-from typing import Literal
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -75,18 +75,6 @@ def draw_motion(
     return figure
 
 
-#: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
-_MOST_TURNS_DASHED = 40
-#: The view of a spectrum ends with the last band that reaches this part of its panel's largest coefficient.
-_BAND_IN_VIEW = 0.05
-#: Up to this many bands a spectrum is drawn as stems and marks, above it as lines.
-_MOST_STEMS = 90
-#: Up to this many entries the legend is one row.
-_MOST_ABREAST = 5
-#: Curves of one panel by series: first the reference, then whatever is compared with it.
-Compared = Mapping[str, Points]
-
-
 def loss_panel(frame: pd.DataFrame, x_label: str, y_label: str) -> tuple[Figure, Axes]:
     """Losses on a logarithmic axis."""
     figure = style.new_figure(style.COLUMN, 2.3)
@@ -97,28 +85,16 @@ def loss_panel(frame: pd.DataFrame, x_label: str, y_label: str) -> tuple[Figure,
     return figure, axes
 
 
-def _compare(
-    figure: FigureBase,
-    curves: Mapping[str, Compared],
-    titles: Mapping[str, str],
-    labels: tuple[str, str],
-    plot: Callable[[Axes, Compared], None],
-    legend_title: str | None,
-    share_x: Literal["all", "row"] = "all",
-) -> None:
-    """Plot the panels of `titles` in a grid, two in a row, under one legend."""
-    rows = ceil(len(titles) / 2)
-    grid = figure.subplots(rows, 2, sharex=share_x, squeeze=False, gridspec_kw={"wspace": 0.04})
-    for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
-        plot(axes, curves[panel])
-        axes.set_title(title)
-        axes.set_ylabel(labels[1])
-    for axes in grid[-1]:
-        axes.set_xlabel(labels[0])
-    figure.align_ylabels()
-    entries = len(grid[0, 0].get_legend_handles_labels()[0])
-    columns = entries if entries <= _MOST_ABREAST else 3  # long names come with the many
-    style.legend_above(figure, grid[0, 0], columns, legend_title)
+#: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
+_MOST_TURNS_DASHED = 40
+#: The view of a spectrum ends with the last band that reaches this part of its panel's largest coefficient.
+_BAND_IN_VIEW = 0.05
+#: Up to this many bands a spectrum is drawn as stems and marks, above it as lines.
+_MOST_STEMS = 90
+#: Up to this many entries the legend is one row.
+_MOST_ABREAST = 5
+#: Curves of one panel by series: first the reference, then whatever is compared with it.
+Compared = Mapping[str, Points]
 
 
 def _plot_lines(axes: Axes, series: Compared) -> None:
@@ -140,65 +116,55 @@ def _plot_stems(axes: Axes, series: Compared) -> None:
     style.few_ticks(axes)
 
 
-def torque_panels(
-    figure: FigureBase, curves: Mapping[str, Compared], titles: Mapping[str, str], legend_title: str | None = None
-) -> None:
-    """Draw torques over time, two panels in a row."""
-    _compare(figure, curves, titles, (TIME, TORQUE), _plot_lines, legend_title)
-
-
-def _last_frequency(curves: Iterable[Compared]) -> float:
-    """Highest frequency at which any coefficient reaches `_BAND_IN_VIEW` of its panel's largest."""
-    last = 0.0
-    for series in curves:
-        largest = max(float(np.abs(y).max()) for _, y in series.values())
-        for x, y in series.values():
-            last = max(last, float(x[np.abs(y) >= _BAND_IN_VIEW * largest].max(initial=0.0)))
-    return last
-
-
-def spectrum_panels(
-    figure: FigureBase,
-    curves: Mapping[str, Compared],
-    titles: Mapping[str, str],
-    legend_title: str | None = None,
-    by_row: bool = False,
-) -> None:
-    """Draw spectra, two panels in a row.
-
-    Bands above the last one that reaches `_BAND_IN_VIEW` in any panel are left out, and the figure says so.
-    """
-    names = list(titles)
-    groups = [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names]
-    end = max(float(x[-1]) for panel in names for x, _ in curves[panel].values())
+def _in_view(curves: Mapping[str, Compared], groups: Sequence[Sequence[str]]) -> tuple[dict[str, Compared], str]:
+    """Bands of each panel up to the last one that reaches `_BAND_IN_VIEW` in its group, and a note on the rest."""
+    end = max(float(x[-1]) for group in groups for panel in group for x, _ in curves[panel].values())
     seen: dict[str, Compared] = {}
     lasts = []
     for group in groups:
-        last = _last_frequency([curves[panel] for panel in group])
+        last = 0.0
+        for series in (curves[panel] for panel in group):
+            least = _BAND_IN_VIEW * max(float(np.abs(y).max()) for _, y in series.values())
+            last = max(last, *(float(x[np.abs(y) >= least].max(initial=0.0)) for x, y in series.values()))
         lasts.append(end if last > 0.9 * end else last)
         for panel in group:
             seen[panel] = {name: (x[x <= lasts[-1]], y[x <= lasts[-1]]) for name, (x, y) in curves[panel].items()}
-    many = max(x.size for series in seen.values() for x, _ in series.values()) > _MOST_STEMS
-    plot = _plot_lines if many else _plot_stems
-    _compare(figure, seen, titles, ("Frequency (Hz)", COEFFICIENT), plot, legend_title, "row" if by_row else "all")
-    if min(lasts) < end:
-        share = f"under {100 * _BAND_IN_VIEW:g} % of the panel's largest"
-        first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
-        note = f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
-        figure.supxlabel(note, fontsize=style.SMALL_SIZE)
+    if min(lasts) == end:
+        return seen, ""
+    first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
+    share = f"under {100 * _BAND_IN_VIEW:g} % of the panel's largest"
+    return seen, f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
 
 
 def compare(
     frame: pd.DataFrame,
     titles: Mapping[str, str],
     spectra: bool = False,
-    by_row: bool = False,
+    by_row: bool = False,  # whether each row of spectra has a view of its own
     legend_title: str | None = None,
+    figure: FigureBase | None = None,
 ) -> Figure:
-    """Draw torques over time, or their spectra, in page-wide panels, two in a row."""
-    figure = style.new_figure(style.PAGE, 0.75 + 1.3 * ceil(len(titles) / 2))
+    """Draw torques over time, or their spectra, two panels in a row, on a page-wide figure or in this one."""
+    rows = ceil(len(titles) / 2)
+    whole = style.new_figure(style.PAGE, 0.75 + 1.3 * rows) if figure is None else figure
+    curves: Mapping[str, Compared] = curves_of(frame)
+    names, plot, labels, note = list(titles), _plot_lines, (TIME, TORQUE), ""
     if spectra:
-        spectrum_panels(figure, curves_of(frame), titles, legend_title, by_row)
-    else:
-        torque_panels(figure, curves_of(frame), titles, legend_title)
-    return figure
+        curves, note = _in_view(curves, [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names])
+        labels = ("Frequency (Hz)", COEFFICIENT)
+        if max(x.size for series in curves.values() for x, _ in series.values()) <= _MOST_STEMS:
+            plot = _plot_stems
+    grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
+    for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
+        plot(axes, curves[panel])
+        axes.set_title(title)
+        axes.set_ylabel(labels[1])
+    for axes in grid[-1]:
+        axes.set_xlabel(labels[0])
+    whole.align_ylabels()
+    entries = len(grid[0, 0].get_legend_handles_labels()[0])
+    columns = entries if entries <= _MOST_ABREAST else 3  # long names come with the many
+    style.legend_above(whole, grid[0, 0], columns, legend_title)
+    if note:
+        whole.supxlabel(note, fontsize=style.SMALL_SIZE)
+    return cast("Figure", whole)
