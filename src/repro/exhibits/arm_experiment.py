@@ -23,16 +23,7 @@ from repro.exhibits.markup import (
     with_unit,
     words,
 )
-from repro.exhibits.panels import (
-    MOTION,
-    TIME,
-    Curve,
-    compare,
-    curves_of,
-    draw_motion,
-    long_table,
-    plot_panel,
-)
+from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, one_row, similarities
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
@@ -51,6 +42,9 @@ from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import SignalSettings, spectrum
 from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
+
+_table = partial(table, category=EXPERIMENT)
+_figure = partial(figure, category=EXPERIMENT, sections=ARM)
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")
@@ -101,7 +95,7 @@ def control_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(None, frame)])
 
 
-@table(8, "Position control of the board", EXPERIMENT, control_layout, inputs=("ID",), sections=(*ARM, "metric"))
+@_table(8, "Position control of the board", control_layout, inputs=("ID",), sections=(*ARM, "metric"))
 def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Constants of the simulated board and similarity of the desired and the simulated position on the identification
     trajectory (Table 8).
@@ -136,7 +130,7 @@ def parameter_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "lr" + "r" * len(methods), header, [(None, rows)])
 
 
-@table(9, "Parameters of the arm", EXPERIMENT, parameter_layout, inputs=("arm",), trained="claims")
+@_table(9, "Parameters of the arm", parameter_layout, inputs=("arm",), trained="claims")
 def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True parameters of the simulated arm and the parameters identified by each method, median seed (the paper's Table
     9 is an image).
@@ -146,10 +140,9 @@ def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     return table[table["method"] != "true"].reset_index(drop=True)
 
 
-@table(
+@_table(
     10,
     f"Similarity on the identification run and on {SPAN}",
-    EXPERIMENT,
     lambda frame: similarities(frame, PROGRAMS, _TABLE_10),
     inputs=("arm",),
     trained="claims",
@@ -200,14 +193,8 @@ def stability_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, by_method(frame))
 
 
-@table(
-    "stability",
-    "Conditions of the appendix",
-    EXPERIMENT,
-    stability_layout,
-    target="stability",
-    inputs=("arm",),
-    sections=("arm",),
+@_table(
+    "stability", "Conditions of the appendix", stability_layout, target="stability", inputs=("arm",), sections=("arm",)
 )
 def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
@@ -313,14 +300,7 @@ def draw_paths(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(
-    19,
-    "Torques and motion of the identification run",
-    EXPERIMENT,
-    draw_identification,
-    inputs=("ID", "arm"),
-    sections=ARM,
-)
+@_figure(19, "Torques and motion of the identification run", draw_identification, inputs=("ID", "arm"))
 def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Simulated experiment on the identification trajectory: the torque measured and the torques rebuilt from the
     parameters of each method, with the position, velocity and acceleration of the joints (Fig. 19).
@@ -328,39 +308,30 @@ def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
     return long_table([*_torques(inputs, config), *_motions(inputs, config)])
 
 
-@figure(
+@_figure(
     20,
     "Spectra of the identification run's torques",
-    EXPERIMENT,
     partial(_compare, titles=_IDENTIFICATION, spectra=True),
     inputs=("ID", "arm"),
-    sections=ARM,
 )
 def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 19, simulated experiment (Fig. 20)."""
     return long_table(_torques(inputs, config, in_frequency=True))
 
 
-@figure(21, f"Paths of the tip in {SPAN}", EXPERIMENT, draw_paths, inputs=("validation",), sections=ARM)
+@_figure(21, f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
 def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
     return tip_paths(_recordings(inputs, config), program_settings(config).geometry)
 
 
-@figure(22, f"Motions of {SPAN}", EXPERIMENT, _draw_motions, inputs=("validation",), sections=ARM)
+@_figure(22, f"Motions of {SPAN}", _draw_motions, inputs=("validation",))
 def fig22(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Position, velocity and acceleration on the validation motions of the simulated arm (Fig. 22)."""
     return long_table(_motions(inputs, config))
 
 
-@figure(
-    23,
-    f"Torques of {SPAN}",
-    EXPERIMENT,
-    partial(_compare, titles=_VALIDATION),
-    inputs=("validation", "arm"),
-    sections=ARM,
-)
+@_figure(23, f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION), inputs=("validation", "arm"))
 def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of each method
     (Fig. 23).
@@ -368,13 +339,11 @@ def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
     return long_table(_torques(inputs, config))
 
 
-@figure(
+@_figure(
     24,
     f"Spectra of the torques of {SPAN}",
-    EXPERIMENT,
     partial(_compare, titles=_VALIDATION, spectra=True, by_row=True),
     inputs=("validation", "arm"),
-    sections=ARM,
 )
 def fig24(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 23, simulated experiment; each row ends with the last band that matters in

@@ -1,6 +1,7 @@
 """Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of six causes."""
 
 from collections.abc import Hashable, Mapping
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,11 @@ from repro.pipeline.experiment_runs import CASE, read_scores
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.job import Config
 from repro.pipeline.summary import SCORES
+
+_why_table = partial(table, category=EXPERIMENT, inputs=("arm",), trained="all")
+_why_figure = partial(figure, category=EXPERIMENT, inputs=("arm",), trained="all")
+_factorial_table = partial(table, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
+_factorial_figure = partial(figure, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {
@@ -116,7 +122,7 @@ def draw_why(frame: pd.DataFrame) -> Figure:
     return drawn
 
 
-@table("why", "Motions of the training and of line 18, crossed", EXPERIMENT, why_layout, inputs=("arm",), trained="all")
+@_why_table("why", "Motions of the training and of line 18, crossed", why_layout)
 def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -124,7 +130,7 @@ def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     return why_table(crossed(read_scores(inputs["scores"], SCORES)))
 
 
-@figure("why", "Motions of the training and of line 18, crossed", EXPERIMENT, draw_why, inputs=("arm",), trained="all")
+@_why_figure("why", "Motions of the training and of line 18, crossed", draw_why)
 def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -250,9 +256,7 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
     return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
 
 
-@table(
-    "factorial", "Effects of the causes", ABLATION, effects_layout, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_table("factorial", "Effects of the causes", effects_layout)
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.
@@ -260,25 +264,19 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return effects(_factorial(inputs))
 
 
-@table(
+@_factorial_table(
     "factorial_cells",
     "Similarities under each combination of the causes",
-    ABLATION,
     cells_layout,
     label="Factorial, cells",
     target="factorial_cells",
-    inputs=("factorial",),
-    trained="all",
-    optional=True,
 )
 def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean similarity on simulated arms under each combination of the causes, with methods that need no network."""
     return cell_means(_factorial(inputs), read_csv(inputs["references"][0]))
 
 
-@figure(
-    "factorial", "Effects of the causes", ABLATION, draw_effects, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_figure("factorial", "Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.

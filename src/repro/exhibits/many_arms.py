@@ -1,5 +1,7 @@
 """Many simulated arms: coverage of the network's intervals, spread of the similarity, verdict on the methods."""
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -15,6 +17,9 @@ from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
+
+_table = partial(table, category=EXPERIMENT, trained="all")
+_figure = partial(figure, category=EXPERIMENT, trained="all")
 
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
@@ -63,14 +68,7 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "l" + "r" * (len(header) - 1), header, [(None, rows)])
 
 
-@table(
-    "coverage",
-    "Do the intervals of the network cover",
-    EXPERIMENT,
-    coverage_layout,
-    inputs=("coverage",),
-    trained="all",
-)
+@_table("coverage", "Do the intervals of the network cover", coverage_layout, inputs=("coverage",))
 def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Shares of simulated arms whose true parameters lie in the intervals of the network of closed-loop motions, before
     and after calibration on other arms: on arms of Eq. 1, on arms with unmodelled torque, and on arms of another
@@ -100,14 +98,12 @@ def intervals_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "lrrrr", [plain(name) for name in names], [(None, rows)])
 
 
-@table(
+@_table(
     "intervals",
     "The arm's parameters with the network's intervals",
-    EXPERIMENT,
     intervals_layout,
     target="intervals",
     inputs=("coverage",),
-    trained="all",
 )
 def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Parameters of the simulated arm with the calibrated intervals of the network of tracked motions, and whether its
@@ -147,14 +143,7 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
     return drawn
 
 
-@figure(
-    "coverage",
-    "Levels at which intervals reach the truth",
-    EXPERIMENT,
-    draw_coverage,
-    inputs=("coverage",),
-    trained="all",
-)
+@_figure("coverage", "Levels at which intervals reach the truth", draw_coverage, inputs=("coverage",))
 def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Calibration of the network's intervals on simulated arms with torque beyond Eq. 1: for each level, the share of
     arms whose true parameter the interval covers, minus the level. Dashed or solid lines are the range of the estimates
@@ -211,15 +200,7 @@ def _pair_row(frame: pd.DataFrame, method: str, duration: float) -> list[Text]:
     ]
 
 
-@table(
-    "verdict",
-    "Algorithm 1 against the field's methods",
-    EXPERIMENT,
-    verdict_layout,
-    target="verdict",
-    inputs=("spread",),
-    trained="all",
-)
+@_table("verdict", "Algorithm 1 against the field's methods", verdict_layout, target="verdict", inputs=("spread",))
 def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent, over many
     specimens of several simulated arms: in how many comparisons (motion and joint) each is better or worse, and by how
@@ -290,7 +271,7 @@ def draw_spread(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure("spread", "Similarity over many simulated arms", EXPERIMENT, draw_spread, inputs=("spread",), trained="all")
+@_figure("spread", "Similarity over many simulated arms", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Total similarity of every run of the simulated experiment, by motion, joint, method and duration of the
     identification trajectory; the bars are the medians over the seeds.

@@ -70,7 +70,9 @@ def characteristics(frame: pd.DataFrame) -> Table:
     return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
 
 
-@table(3, "Characteristics of the network", MODEL, characteristics, sections=("signals", "network", "training"))
+@table(
+    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
+)
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
     return network_features(network_settings(config), training_settings(config))
@@ -219,7 +221,7 @@ def draw_network(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(7, "Architecture of the CNN", MODEL, draw_network, sections=("signals", "network"))
+@figure(7, "Architecture of the CNN", draw_network, category=MODEL, sections=("signals", "network"))
 def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
@@ -285,7 +287,7 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(8, "Images of the training data", DATA, draw_examples, sections=_TRAINING)
+@figure(8, "Images of the training data", draw_examples, category=DATA, sections=_TRAINING)
 def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
@@ -324,7 +326,7 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(9, "Distribution of the training torques", DATA, draw_torque_distribution, sections=_TRAINING)
+@figure(9, "Distribution of the training torques", draw_torque_distribution, category=DATA, sections=_TRAINING)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
     return torque_percentiles(signal_settings(config), data_settings(config), training_settings(config).seed)
@@ -345,7 +347,7 @@ def draw_loss(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(10, "Loss over the training", MODEL, draw_loss, inputs=("history",), trained="all")
+@figure(10, "Loss over the training", draw_loss, category=MODEL, inputs=("history",), trained="all")
 def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
     return loss_curves(read_csv(inputs["history"][0], HISTORY_COLUMNS))
@@ -406,8 +408,8 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
 @figure(
     11,
     "Spectra of the kernels",
-    MODEL,
     draw_kernels,
+    category=MODEL,
     inputs=("weights",),
     sections=("signals", "network"),
     trained="all",

@@ -68,7 +68,7 @@ def description(frame: pd.DataFrame) -> Table:
     return grid("Dynamic parameters of the arm.", columns, [(None, frame)])
 
 
-@table(2, "Dynamic parameters", MODEL, description)
+@table(2, "Dynamic parameters", description, category=MODEL)
 def table02(_: Inputs, __: Config) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
@@ -165,7 +165,7 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(5, "Subsampling technique", SIGNALS, draw_subsampling, sections=_NUMERIC)
+@figure(5, "Subsampling technique", draw_subsampling, category=SIGNALS, sections=_NUMERIC)
 def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
@@ -179,7 +179,7 @@ def motion_curves(motion: Motion) -> pd.DataFrame:
     return long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in panels.items() for j in (0, 1))
 
 
-@figure(6, "Identification trajectory", SIGNALS, draw_motion, sections=("signals",))
+@figure(6, "Identification trajectory", draw_motion, category=SIGNALS, sections=("signals",))
 def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
     signals = signal_settings(config)
@@ -195,7 +195,7 @@ def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
 
 
 def _result_table(which: int, title: str, category: str, layout: Layout) -> Callable[[Numbers], Exhibit]:
-    return table(which, title, category, layout, inputs=("networks",), trained="claims")
+    return table(which, title, layout, category=category, inputs=("networks",), trained="claims")
 
 
 @_result_table(4, "Parameters of N1 and N2", NUMERIC, lambda frame: parameters(frame, ("N1", "N2")))
@@ -264,7 +264,7 @@ def _torque_figure(
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
     draw = partial(compare, titles=titles, spectra=spectra)
-    return figure(which, title, category, draw, inputs=("published",), sections=_NUMERIC, trained=trained)
+    return figure(which, title, draw, category=category, inputs=("published",), sections=_NUMERIC, trained=trained)
 
 
 @_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
@@ -298,8 +298,8 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 @figure(
     16,
     "Validation trajectory",
-    VALIDATION,
     lambda frame: draw_motion(frame, style.PAGE),
+    category=VALIDATION,
     inputs=("published",),
     sections=_NUMERIC,
     trained="all",
@@ -327,8 +327,8 @@ _RECIPES = {
 @table(
     "paper_recipe",
     "Literal Algorithm 1 with it",
-    ABLATION,
     lambda frame: similarities(frame, (*_ALL, *PROGRAMS), _RECIPE),
+    category=ABLATION,
     label="The paper's training",
     inputs=("paper_recipe",),
     optional=True,
@@ -355,8 +355,8 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
 @figure(
     "paper_recipe",
     "Loss next to ours",
-    ABLATION,
     draw_held_out_losses,
+    category=ABLATION,
     label="The paper's training",
     inputs=("losses",),
     sections=("training", "networks"),

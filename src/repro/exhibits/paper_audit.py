@@ -77,7 +77,7 @@ def ranking_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "rlllrrrrrl", header, blocks)
 
 
-@table("metric_search", "Ranking of the formulas of metr2ev", METRIC, ranking_layout, inputs=("search",))
+@table("metric_search", "Ranking of the formulas of metr2ev", ranking_layout, category=METRIC, inputs=("search",))
 def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Ranking of candidate formulas of metr2ev by their rms log error against the published Table 7, with the range of
     ranks if one of the four arms is left out.
@@ -119,8 +119,8 @@ def motions_layout(frame: pd.DataFrame) -> Table:
 @table(
     "metric_motions",
     "Random motions that explain Table 7",
-    METRIC,
     motions_layout,
+    category=METRIC,
     target="metric_motions",
     inputs=("search",),
 )
@@ -167,7 +167,7 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure("metric_search", "Candidates for the metric's formula", METRIC, draw_candidates, inputs=("search",))
+@figure("metric_search", "Candidates for the metric's formula", draw_candidates, category=METRIC, inputs=("search",))
 def metric_search_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """How well candidate formulas of metr2ev explain the Time and Freq. rows of the published Table 7, given the
     published parameters of Tables 4 and 5.
@@ -258,7 +258,7 @@ def audit_layout(frame: pd.DataFrame) -> LongTable:
     return LongTable(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
 
 
-@table("audit", "Audit of the paper", CLAIMS, audit_layout, target="audit")
+@table("audit", "Audit of the paper", audit_layout, category=CLAIMS, target="audit")
 def audit_findings(_: Inputs, __: Config) -> pd.DataFrame:
     """Every check of the paper against itself: printed numbers and formulas, each with its arithmetic. Our results play
     no part; where the extraction of the paper's text may be at fault, the note says so.

@@ -7,6 +7,7 @@ section. Formulas are in ASCII, between backticks where they are among words; ``
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from itertools import accumulate
 from math import cos, degrees, pi, radians, sin
 from textwrap import wrap
@@ -27,6 +28,8 @@ from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
 from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.job import Config
 from repro.signals.programs import MEMORY_SAMPLES
+
+_figure = partial(figure, category=METHOD, inputs=("diagrams",))
 
 #: Constants of the board in the words of the diagrams.
 _BOARD = {"memory": MEMORY_SAMPLES, "limit": PWM_LIMIT, "period_ms": 1e3 * SAMPLING_PERIOD, "rate": 1 / SAMPLING_PERIOD}
@@ -62,7 +65,7 @@ def related_work_table(frame: pd.DataFrame) -> Table:
     return Table(caption, "llllll", header, [(None, rows)])
 
 
-@table(1, "Related work", METHOD, related_work_table, inputs=("diagrams",))
+@table(1, "Related work", related_work_table, category=METHOD, inputs=("diagrams",))
 def table01(_: Inputs, __: Config) -> pd.DataFrame:
     """Related work and this article, rebuilt from Section I-A (the paper's Table 1 is an image): robot, degrees of
     freedom, method, what is identified, and whether the text says that an optimised trajectory is needed.
@@ -186,7 +189,7 @@ def draw_arm(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(1, "Schematic of the arm", METHOD, draw_arm, inputs=("diagrams",))
+@_figure(1, "Schematic of the arm", draw_arm)
 def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     """Schematic of the two-link arm with the symbols of Eq. 1. The paper's own picture (Fig. 1) is not available to us:
     redrawn from Section II and Eq. 1. The pose is arbitrary; q = 0 hangs straight down and q2 is measured from link 1.
@@ -194,7 +197,7 @@ def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig01")
 
 
-@figure(2, "Hardware blocks of the FPGA", METHOD, lambda frame: draw_diagram(frame, "fig02"), inputs=("diagrams",))
+@_figure(2, "Hardware blocks of the FPGA", lambda frame: draw_diagram(frame, "fig02"))
 def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     """Hardware blocks of the FPGA and the buses between them. The paper's own picture (Fig. 2) is not available to us:
     redrawn from the text of Section III; the data say for each block and bus which sentence states it. Dotted links and
@@ -204,7 +207,7 @@ def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig02")
 
 
-@figure(3, "Flow chart of the PD control", METHOD, lambda frame: draw_diagram(frame, "fig03"), inputs=("diagrams",))
+@_figure(3, "Flow chart of the PD control", lambda frame: draw_diagram(frame, "fig03"))
 def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     """Flow chart of one cycle of the PD control with its saturation. The paper's own picture (Fig. 3) is not available
     to us: redrawn from Section III, Eq. 2 and its caption, L1 = L2 = 1023. Dotted arrows and words in italics are
@@ -213,7 +216,7 @@ def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig03")
 
 
-@figure(4, "Identification method", METHOD, lambda frame: draw_diagram(frame, "fig04"), inputs=("diagrams",))
+@_figure(4, "Identification method", lambda frame: draw_diagram(frame, "fig04"))
 def fig04(_: Inputs, __: Config) -> pd.DataFrame:
     """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
     available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1.
@@ -313,7 +316,7 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(18, "Experimental set-up", EXPERIMENT, draw_setup, inputs=("diagrams",), sections=ARM)
+@figure(18, "Experimental set-up", draw_setup, category=EXPERIMENT, inputs=("diagrams",), sections=ARM)
 def fig18(_: Inputs, config: Config) -> pd.DataFrame:
     """The simulated experimental set-up: the real acquisition program, the serial device it opens, the simulated FPGA
     board with its blocks, the simulated motors, and the two-link arm (Fig. 18 of the paper is a photograph of the real

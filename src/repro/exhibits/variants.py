@@ -55,8 +55,8 @@ def both_metrics_layout(frame: pd.DataFrame) -> Table:
 @table(
     "both_metrics",
     "Headline rows under both time factors",
-    EXPERIMENT,
     both_metrics_layout,
+    category=EXPERIMENT,
     target="both_metrics",
     inputs=("headline",),
     sections=(*ARM, "metric", "numeric"),
@@ -114,8 +114,8 @@ def _numbers(path: Path) -> dict[str, Any]:
 @table(
     "ablation",
     "Headline numbers under other interpretations",
-    ABLATION,
     readings_layout,
+    category=ABLATION,
     inputs=("readings",),
     trained="all",
     optional=True,
@@ -234,8 +234,8 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
 @figure(
     "ablation",
     "Headline numbers by reading",
-    ABLATION,
     draw_readings,
+    category=ABLATION,
     inputs=("ablation",),
     trained="all",
     optional=True,

@@ -106,11 +106,7 @@ COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
     "cause", "target", "note",
 )  # fmt: skip
-_ALLOWED = {
-    "basis": tuple(str(basis) for basis in Basis),
-    "asserted": ("", *VERDICTS),
-    "cause": ("", *CAUSES),
-}
+_ALLOWED = {"basis": tuple(str(basis) for basis in Basis), "asserted": ("", *VERDICTS), "cause": ("", *CAUSES)}
 _ID = re.compile(r"[\w./+:,()@-]+")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _NO_UNIT = ("", "1", "-", "not printed")
