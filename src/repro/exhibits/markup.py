@@ -224,6 +224,11 @@ def digits(column: str, decimals: int, factor: float = 1.0) -> Cell:
     return lambda row: EMPTY if pd.isna(row[column]) else number(factor * row[column], decimals)
 
 
+def several(names: Sequence[str], columns: Sequence[str], decimals: int, factor: float = 1.0) -> list[Column]:
+    """Columns of numbers in one form."""
+    return [(name, "r", digits(column, decimals, factor)) for name, column in zip(names, columns, strict=True)]
+
+
 def grid(caption: str, columns: Sequence[Column], blocks: Iterable[Block]) -> Table:
     """Lay out every row of the blocks in these columns."""
     names, sides, cells = zip(*columns, strict=True)
