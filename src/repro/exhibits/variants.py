@@ -35,20 +35,7 @@ def both_metrics_layout(frame: pd.DataFrame) -> Table:
     formulas = {"mean-square": "mean square", "energy": "energy ratio"}
     columns: list[Column] = [
         ("Time factor", "l", lambda row: plain(formulas[row["formula"]])),
-        *several(
-            (
-                "N1-N4, ID",
-                "N1-N4, validation",
-                "ID, joint 1",
-                "ID, joint 2",
-                "T1 to T4",
-                "Freq., ID",
-                "Freq., T1 to T4",
-            ),
-            BOTH_METRICS[2:],
-            2,
-            100.0,
-        ),
+        *several(names, BOTH_METRICS[2:], 2, 100.0),
     ]
     caption = (
         "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
