@@ -4,7 +4,7 @@ Solved for: back-EMF, k2 and the levels of what Eq. 1 does not model (Stribeck f
 factor a joint), so that the recorded specimen has
 
 - the least-squares totals of ID (Table 10),
-- the mean-square torque of joint 1 that the least-squares pair of ID gives (`repro.paper.metric_checks`),
+- the mean-square torque of joint 1 that the least-squares pair of ID gives (`repro.paper.metric_search`),
 - the tracking of joint 2 (Table 8).
 
 No network has a part in this. Run from the project's folder: ``python benchmarks/calibrate_arm.py [--t1]``.
@@ -23,7 +23,7 @@ from repro.fpga.plant import Plant
 from repro.identification.least_squares import METHODS
 from repro.model.dynamics import rebuild_torque
 from repro.paper.appendix import FreeChoices, appendix_arm
-from repro.paper.metric_checks import least_squares_torque
+from repro.paper.metric_search import least_squares_torque
 from repro.paper.published import load_published
 from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
 from repro.settings import metric_settings, signal_settings

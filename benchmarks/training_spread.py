@@ -17,8 +17,7 @@ contract.hold(os.environ)
 
 import pandas as pd
 
-from repro.comparison.runs import compare_runs
-from repro.comparison.tolerances import Kind, origin
+from repro.comparison.tolerances import Kind, compare_runs, origin
 from repro.errors import InputError
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_rows, write_csv

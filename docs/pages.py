@@ -1,4 +1,4 @@
-"""Write the tables of README.md and docs/*.md that show numbers of docs/reference options of commands, or the API.
+"""Write the tables of README.md and docs/*.md: numbers of docs/reference, options of commands, arm file, Python API.
 
 Such a table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function's name here. Usage, in the
 project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after each copy of a run.
@@ -6,6 +6,7 @@ project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after ea
 
 import argparse
 import inspect
+import json
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -22,6 +23,7 @@ PAGES = (
     "README.md",
     "docs/api.md",
     "docs/commands.md",
+    "docs/log-files.md",
     "docs/results.md",
     "docs/explanation/experiment.md",
     "docs/explanation/least-squares.md",
@@ -203,6 +205,19 @@ def factorial() -> str:
     return (REFERENCE / "tables/factorial.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
 
 
+def arm_file() -> str:
+    """Keys of an arm file: what its schema expects of each, and the default of `repro.Arm`."""
+    schema = json.loads((ROOT / "src/repro/logs/arm.schema.json").read_text(encoding="utf-8"))
+    rows = []
+    for name, key in schema["properties"].items():
+        default = getattr(repro.Arm(), name)
+        empty = default is None or default == {}
+        # JSON spells the values as YAML does.
+        shown = key.get("absent", "none") if empty else f"`{json.dumps(default).strip(chr(34))}`"
+        rows.append([f"`{name}`", key["description"], shown.replace(".0", ""), key.get("note", "")])
+    return markdown(["key", "value", "default", "note"], rows)
+
+
 def commands() -> str:
     """Options of every subcommand of `repro`."""
     (subcommands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
@@ -249,7 +264,7 @@ def described(name: str, what: object) -> str:
 
 TABLES: dict[str, Callable[[], str]] = {
     table.__name__: table
-    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, commands, api)
+    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, arm_file, commands, api)
 }
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

@@ -24,7 +24,7 @@ from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
 from repro.pipeline.interpretations import VARIANTS, ablation_figure
-from repro.pipeline.model_card import architecture
+from repro.pipeline.stored_networks import architecture
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 #: Methods with a network of our training, of the paper's, and of the paper's ranges, too.

@@ -11,8 +11,7 @@ from PIL import Image, ImageDraw
 
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import write_csv
-from repro.paper.claims import VERDICTS, Basis
-from repro.paper.ledger_page import CAUSES
+from repro.paper.claims import CAUSES, VERDICTS, Basis
 from repro.report.page import ReportInputs
 
 #: What must be escaped wherever it is shown.

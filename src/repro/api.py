@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from repro.errors import InputError, require
 from repro.files import check_folder
@@ -21,9 +22,16 @@ from repro.logs.load import Source
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.ownarm.evaluate import Fit, add_runs, add_self_test, assemble, fit_all, resolve
-from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
-from repro.ownarm.prior import read_prior, with_plane
+from repro.ownarm.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.prepare import (
+    IdentificationProblem,
+    LoadedLog,
+    Options,
+    load_log,
+    make_problem,
+    read_prior,
+    with_plane,
+)
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
@@ -132,12 +140,12 @@ class Identification:
         """The reason not to use the parameters of this method; empty if they can be used."""
         return unusable(self._best)
 
-    def predict(self, q: Array, dq: Array, ddq: Array) -> Array:
+    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
         """Compute the torque (..., 2, N) that a motion needs, N m.
 
         Parameters
         ----------
-        q, dq, ddq : arrays of shape (2, N)
+        q, dq, ddq : array_like of shape (2, N)
             Position (rad), velocity (rad/s) and acceleration (rad/s^2).
 
         Raises
@@ -147,16 +155,16 @@ class Identification:
         """
         return inverse_dynamics(q, dq, ddq, self.beta, self.details.preparation.friction_steepness)
 
-    def simulate(self, t: Array, tau: Array, q0: Array, dq0: Array) -> tuple[Array, Array]:
+    def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
         """Integrate Eq. 1 under a torque that is linear between samples.
 
         Parameters
         ----------
-        t : array of shape (N,)
+        t : array_like of shape (N,)
             Instants, s, that increase.
-        tau : array of shape (2, N)
+        tau : array_like of shape (2, N)
             Torque at these instants, N m.
-        q0, dq0 : arrays of shape (2,)
+        q0, dq0 : array_like of shape (2,)
             Position (rad) and velocity (rad/s) at the first instant.
 
         Returns
@@ -167,7 +175,7 @@ class Identification:
         Raises
         ------
         ValueError
-            If the inertia matrix is not positive definite in every pose, or a shape is wrong.
+            If the inertia matrix is not positive definite in every pose, a shape is wrong, or a value is not finite.
         """
         return integrate(t, tau, q0, dq0, self.beta, self.details.preparation.friction_steepness)
 
@@ -359,15 +367,15 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     """Run the methods, those that take seconds first."""
     bars: dict[str, Progress] = {}
 
-    def progress(what: str, done: int, total: int, note: str) -> None:
+    def progress(what: str, done: int, total: int, note: str = "") -> None:
         bars.setdefault(what, Progress(what))(done, total, note)
 
     methods = resolve(options, progress)
     quick = [m for m in methods if m.name not in NETWORKS]
-    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
+    fits = fit_all(problem, quick, options.seed, progress)
     if fits and len(quick) < len(methods):
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
-    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
     if not fits:
         raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
@@ -451,7 +459,3 @@ def _report_log(loaded: LoadedLog, briefly: bool) -> None:
         _LOG.info("  note: %s", note)
     for warning in d.warnings:
         _LOG.warning("  WARNING: %s", warning)
-
-
-def _report_fit(fit: Fit) -> None:
-    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))

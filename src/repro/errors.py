@@ -20,6 +20,12 @@ class InputError(ValueError):
         return cls(f"{place}: found {found}, expected {expected}")
 
 
+def option(name: str, value: str = "") -> str:
+    """Name an option of a command and the argument that it is in Python."""
+    argument = f"{name.replace('-', '_')}={repr(value) if value else True}"
+    return f"--{name} {value}".rstrip() + f" (Python: {argument})"
+
+
 def require(package: str, extra: str, place: str) -> None:
     """Refuse what needs a package that an extra of the project installs."""
     if find_spec(package) is None:

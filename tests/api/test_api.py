@@ -20,7 +20,7 @@ from repro.config import load_config
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.model.dynamics import forward_dynamics
 from repro.pipeline.experiment import read_recording
-from repro.pipeline.experiment_runs import identify_recording
+from repro.pipeline.identifications import identify_recording
 from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
@@ -267,12 +267,25 @@ def test_errors_name_the_arguments_of_the_public_functions():
         repro.images(signal, signal, signal, signal, np.ones(8))
     with pytest.raises(ValueError, match=r"^begin, end: "):
         repro.algorithm1(np.ones((2, 400)), np.ones((2, 400)), None, begin=300, end=10)
-    for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}):
+    for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}, {"image_motion": "x"}):
         with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
             repro.SearchSettings(**wrong)
+    with pytest.raises(repro.InputError, match=r"^precision: found 'float64'"):
+        repro.load_network("data/networks/cnn.safetensors", precision="float64")
     for call in (lambda: repro.read_log({}), lambda: repro.excite({})):
         with pytest.raises(repro.InputError, match=r"^(source|arm): found dict"):
             call()
+
+
+def test_lists_are_as_good_as_arrays(result):
+    t, q, tau = [0.0, 0.1, 0.2], [[0.1, 0.2, 0.4], [0.0, 0.1, 0.3]], [[0, 0, 0], [0, 0, 0]]
+    assert np.array_equal(result.predict(q, q, q), result.predict(*(np.array(q),) * 3))
+    arrays = np.array(t), np.zeros((2, 3)), np.zeros(2), np.array([0.0, 1.0])
+    assert np.array_equal(result.simulate(t, tau, [0, 0], [0, 1]), result.simulate(*arrays))
+    assert np.array_equal(repro.low_pass(q, 0.1, 1e-4), repro.low_pass(np.array(q), 0.1, 1e-4))
+    assert np.array_equal(repro.regressor(q, q, q), repro.regressor(*(np.array(q),) * 3))
+    with pytest.raises(ValueError, match="finite"):
+        result.simulate(t, tau, [0, np.nan], [0, 0])
 
 
 def test_a_log_that_is_not_there_is_not_plotted(result):

@@ -13,7 +13,7 @@ from report_example import make_example
 
 from repro.files import write_text
 from repro.ownarm.figures import figures_of
-from repro.ownarm.page import FILES, render_page
+from repro.ownarm.outputs import FILES, render_page
 from repro.report.page import build_report
 
 

@@ -1,6 +1,7 @@
 """Training samples by numeric substitution (Eq. 8, Section IV-A)."""
 
 from dataclasses import replace
+from typing import get_args
 
 import literal
 import numpy as np
@@ -12,7 +13,7 @@ from strategies import seeds
 from repro.cnn import dataset
 from repro.cnn.dataset import DataSettings, SampledMotion, draw_samples, sample_motion
 from repro.cnn.image import ImageSettings, assemble
-from repro.cnn.priors import PRIORS, GuessSettings
+from repro.cnn.priors import GuessSettings, Prior
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
@@ -66,7 +67,7 @@ def test_model_is_equation_1_on_the_subsampled_motion(normalise):
     np.testing.assert_array_equal(direct, sampled.model)
 
 
-@given(seeds, st.sampled_from(PRIORS))
+@given(seeds, st.sampled_from(get_args(Prior)))
 def test_label_and_guess_together_are_the_arm_in_units_of_the_largest_torque(seed, prior):
     """Read the guess off the image, add the label: that set must rebuild the torque the image shows."""
     samples = draw(seed, prior=prior, image=BARE, guess=FAR)

@@ -113,8 +113,8 @@ def test_layer_1_of_the_streamed_schedule_learns_in_the_first_steps_alone():
 
     kept = {}
     with pytest.MonkeyPatch.context() as patch:
-        make = training.make_schedule
-        patch.setattr(training, "make_schedule", lambda net, *how: kept.update(net=net) or make(net, *how))
+        make = training.streamed_schedule
+        patch.setattr(training, "streamed_schedule", lambda net, *how: kept.update(net=net) or make(net, *how))
         patch.setattr(training, "evaluate", lambda *_: keep() or 0.0)
         run(replace(STREAMED, steps=60, log_every=5))
     for layer, still in (("conv1", True), ("conv2", False), ("fc4", False)):

@@ -27,7 +27,7 @@ from repro.exhibits.arm_experiment import (
 from repro.exhibits.panels import long_table
 from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import program_settings, read_recording, true_parameters
-from repro.pipeline.experiment_runs import every_seed, least_squares_of, score_runs
+from repro.pipeline.identifications import every_seed, least_squares_of, score_runs
 from repro.settings import metric_settings, signal_settings
 
 CONFIG = short_config()

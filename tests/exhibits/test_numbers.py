@@ -18,7 +18,7 @@ from repro.cnn.priors import sample_beta
 from repro.exhibits import catalogue, network_training, numeric_tests, style
 from repro.files import write_csv
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.model_card import architecture
+from repro.pipeline.stored_networks import architecture
 from repro.settings import numeric_settings, signal_settings
 from repro.signals.programs import PROGRAMS
 from repro.signals.trajectories import identification_trajectory

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from log_example import BETA, motion
 from regression_example import H, autoregressive, exact, exciting
 
-from repro.identification.bootstrap import GROUPS, block_length, bootstrap, resample
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.identification.regression import correlation_time
-from repro.identification.sensitivity import Perturbation
+from repro.identification.uncertainty import GROUPS, Perturbation, block_length, bootstrap, resample
 from repro.model.parameters import NAMES
 
 N = 1500

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from repro.errors import InputError
 from repro.identification.exciting_motion import Envelope, design, expected_accuracy, published
 from repro.logs.armfile import Arm
-from repro.model.dynamics import inverse_dynamics, regressor
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
+from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics, regressor
 
 BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])
 NOISE = np.array([0.05, 0.03])

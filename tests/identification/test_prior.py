@@ -8,11 +8,10 @@ from log_example import BETA
 from ownarm_problem import noisy
 from scipy.optimize import lsq_linear
 
-from repro.identification.bootstrap import bootstrap
 from repro.identification.excitation import excitation
 from repro.identification.least_squares import METHODS
-from repro.identification.prior import Prior
-from repro.identification.sensitivity import Perturbation, attach_prior
+from repro.identification.regression import Prior
+from repro.identification.uncertainty import Perturbation, attach_prior, bootstrap
 
 SIZE = 0.05
 NOTHING = np.full(9, np.inf)

@@ -11,7 +11,8 @@ from scipy import stats
 from strategies import seeds
 
 from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.sensitivity import (
+from repro.identification.solve import solve
+from repro.identification.uncertainty import (
     UNMODELLED_EFFECTS,
     filtered_columns,
     perturbations,
@@ -20,7 +21,6 @@ from repro.identification.sensitivity import (
     simex,
     unmodelled_effects,
 )
-from repro.identification.solve import solve
 from repro.model.dynamics import regressor
 
 SETTINGS = FilterSettings()

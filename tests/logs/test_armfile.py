@@ -1,6 +1,7 @@
 """Arm files: every key is read, and what is wrong is found in one line."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -104,3 +105,25 @@ def test_an_arm_file_that_cannot_be_read(tmp_path):
     (tmp_path / "arm.yaml").write_bytes(b"name: \xff\n")
     with pytest.raises(InputError, match="found text that is not YAML"):
         read_arm(tmp_path / "arm.yaml")
+
+
+@pytest.mark.parametrize(
+    ("values", "place"),
+    [
+        ({"sign": (1, 2)}, "sign[1]"),
+        ({"gravity": "x"}, "gravity"),
+        ({"name": None}, "name"),
+        ({"position_limit": [[1, -1], [0, 1]]}, "position_limit[0]"),
+        ({"columns": {"q1": "a", "q2": "a"}}, "columns.q2"),
+        ({"zero": (180, 0)}, "zero.0"),
+        ({"speed_limit": (np.nan, 1)}, "speed_limit[0]"),
+    ],
+)
+def test_an_arm_built_by_hand_is_checked_as_a_file_is(values, place):
+    with pytest.raises(ValueError, match=re.escape(f": {place}: found ")):
+        Arm(**values)
+
+
+def test_an_arm_built_by_hand_accepts_lists_and_arrays():
+    arm = Arm(zero=[1, 0], torque_limit=np.array([1, 2]), delay="auto")
+    assert (arm.zero, arm.torque_limit, arm.delay) == ((1.0, 0.0), (1.0, 2.0), None)

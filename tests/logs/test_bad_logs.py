@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 from log_damage import (
     COARSE_TIME,
     DEGREE,
@@ -300,3 +301,12 @@ def test_a_free_fall_is_no_other_reading(seed):
     warnings = diagnose(log, Arm())
     assert len(warnings) <= 1
     assert all("this log can only test the motion" in line for line in warnings)
+
+
+def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("Zeit,Schulter [deg],q2,M1,M2\n0,0,0,0,0\n", encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_log(path, Arm())
+    skeleton = yaml.safe_load("columns:" + str(refused.value).rpartition("columns:")[2])
+    assert skeleton["columns"] == {"time": "Zeit", "q1": "Schulter [deg]", "q2": "q2", "tau1": "M1", "tau2": "M2"}

@@ -10,9 +10,9 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent
 from regression_example import H, exact, exciting
 
-from repro.identification.bootstrap import Uncertainty
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate, Method
+from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
@@ -143,7 +143,7 @@ def test_a_method_without_intervals_says_so():
         "algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False
     )
     problem = problem_of(noisy(BETA))
-    (found,) = fit_all(problem, [plain], 1, silent, silent)
+    (found,) = fit_all(problem, [plain], 1, silent)
     assert found.spread is None
     assert found.halves == ()  # each would train a network of its own
     m = evaluate(found, problem, ((0.1, 0.2),))

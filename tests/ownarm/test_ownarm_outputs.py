@@ -15,7 +15,7 @@ from ownarm_problem import ARM, FILES, tree
 from PIL import Image
 
 from repro.errors import InputError
-from repro.export.links import links_of
+from repro.export import links_of
 from repro.files import check_folder, fill_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS
@@ -217,6 +217,15 @@ def test_without_links_a_file_says_why(tmp_path, change, words):
     assert line.count("\n") == 1
     with pytest.raises(ValueError, match="must"):
         links_of(np.array([p.estimate for p in changed]))
+
+
+@pytest.mark.usefixtures("small_figures")
+def test_models_of_a_useless_fit_say_so(tmp_path):
+    result, curves = example()
+    poor = tuple(replace(m, fit=score("log.csv", 0.1, 0.51)) for m in result.methods)
+    write_result(tmp_path / "out", replace(result, methods=poor), curves, ARM)
+    for name in ("arm.urdf", "arm.xml"):
+        assert "DO NOT USE: Eq. 1 leaves up to 51 %" in (tmp_path / "out" / name).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("filter_name", ["zero-phase DCT pair", "Savitzky-Golay, cubic"])

@@ -13,6 +13,7 @@ from safetensors.numpy import load_file, save_file
 from repro.cnn.network import load_network
 from repro.cnn.plain import PlainSettings, load_plain, read_torque
 from repro.errors import InputError
+from repro.files import write_csv
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
@@ -21,18 +22,10 @@ from repro.identification.algorithm1.search import ResidualEstimator, SearchSett
 from repro.identification.solve import solve
 from repro.model.dynamics import inverse_dynamics, rebuild_torque
 from repro.pipeline.experiment import control_constants, disturbance, program_from_config
-from repro.pipeline.experiment_runs import prepare_recording
-from repro.pipeline.factorial import (
-    CELLS,
-    COLUMNS,
-    CONFIRMATION,
-    configured,
-    read_blocks,
-    score_references,
-    simulate_blocks,
-)
-from repro.pipeline.factorial_networks import score_cell, search_under, train_cell
-from repro.pipeline.numeric import mean_training_torque
+from repro.pipeline.factorial import CELLS, COLUMNS, configured, score_references
+from repro.pipeline.identifications import mean_torque, mean_training_torque, prepare_recording
+from repro.pipeline.networks import score_cell, search_under, train_cell
+from repro.pipeline.simulated_arms import CONFIRMATION, read_blocks, simulate_blocks
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.dct import SignalSettings
@@ -176,8 +169,15 @@ def tau_mean():
     return mean_training_torque(signal_settings(CONFIG), data_settings(CONFIG), 1)
 
 
+@pytest.fixture(scope="module")
+def mean_torque_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("mean") / "mean_torque.csv"
+    write_csv(path, mean_torque(CONFIG))
+    return path
+
+
 def test_blocks_take_both_arms_in_turn_and_both_back_emfs(blocks):
-    assert [(block.name, block.back_emf) for block in blocks] == BLOCKS
+    assert [(block.block, block.back_emf) for block in blocks] == BLOCKS
     assert [block.arm for block in blocks] == [*["first"] * 2, *["second"] * 2, *["first"] * 2, *[CONFIRMATION] * 2]
     f = CONFIG["factorial"]
     arms = {"first": CONFIG["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
@@ -190,7 +190,7 @@ def test_a_block_is_its_specimen_simulated_alone(blocks):
     """Arms of a batch share their substeps, so now and then a position falls on the other side of a count."""
     control = control_constants(CONFIG)
     for block in (blocks[0], blocks[3], blocks[-1]):
-        seed = CONFIG["factorial"]["confirmation_specimen"] if block.name == CONFIRMATION else int(block.name)
+        seed = CONFIG["factorial"]["confirmation_specimen"] if block.block == CONFIRMATION else int(block.block)
         levels, phase = disturbance(CONFIG, seed)
         assert list(block.recordings) == list(MOTIONS)
         for name, recording in block.recordings.items():
@@ -226,7 +226,7 @@ def refused(path, config=CONFIG):
 def test_recordings_that_do_not_fit_are_refused_by_the_motion(recorded, tmp_path):
     more = copy.deepcopy(CONFIG)
     more["factorial"]["specimens"] = [4, 9]
-    assert "ID: found another shape" in refused(recorded, more)
+    assert "parameters: found another shape" in refused(recorded, more)
     longer = copy.deepcopy(CONFIG)
     longer["experiment"]["validation_samples"] = 2500
     assert "T1" in refused(recorded, longer)
@@ -272,12 +272,12 @@ def test_references_are_scored_on_every_block_under_both_metrics(recorded, block
     assert (bounded["id"] > 0).all()
 
 
-def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, tmp_path):
+def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, mean_torque_file, tmp_path):
     name = "plain-ideal-index"
     weights = tmp_path / f"{name}.safetensors"
-    train_cell(name, 1, weights, str(tmp_path / "none"), None, CONFIG)
+    train_cell(name, 1, weights, str(tmp_path / "none"), CONFIG)
     assert sorted(tmp_path.iterdir()) == [weights]
-    table = score_cell(name, 1, 1, weights, recorded, tau_mean, CONFIG)
+    table = score_cell(name, 1, 1, weights, recorded, mean_torque_file, CONFIG)
     assert tuple(table.columns) == COLUMNS
     assert len(table) == len(BLOCKS) * 2
     assert set(zip(table["block"], table["back_emf"], strict=True)) == set(BLOCKS)
@@ -298,12 +298,14 @@ def test_a_plain_network_is_scored_on_every_block(recorded, blocks, tau_mean, tm
         assert row["error"] == pytest.approx(error, rel=1e-6)
 
 
-def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, blocks, tau_mean, tmp_path):
+def test_an_image_network_is_searched_with_on_both_motions_of_line_18(
+    recorded, blocks, tau_mean, mean_torque_file, tmp_path
+):
     """Each block and motion against `search` and `select` with the guesses of that block."""
     name, seed = "cnn-ideal-index", 2
     weights = tmp_path / f"{name}.safetensors"
-    train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), None, CONFIG)
-    table = score_cell(name, 1, seed, weights, recorded, tau_mean, CONFIG)
+    train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), CONFIG)
+    table = score_cell(name, 1, seed, weights, recorded, mean_torque_file, CONFIG)
     assert len(table) == len(BLOCKS) * 2 * 2
     assert set(table["image_motion"]) == {"measured", "desired"}
     c = configured(CONFIG, CELLS[name], 1)
@@ -318,7 +320,7 @@ def test_an_image_network_is_searched_with_on_both_motions_of_line_18(recorded, 
             reader = ResidualEstimator(network, image, prepared)
             candidates = search(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
             expected = select(candidates.beta, prepared, settings).beta
-            levels = {"block": block.name, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
+            levels = {"block": block.block, "back_emf": block.back_emf, "metric": formula, "image_motion": motion}
             (row,) = rows_of(table, **levels).to_dict("records")
             totals = similarities(block, expected, formula, c)
             np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)

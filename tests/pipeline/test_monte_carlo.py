@@ -19,7 +19,8 @@ from repro.pipeline.experiment import (
     program_from_config,
     true_parameters,
 )
-from repro.pipeline.monte_carlo import chatters, read_spread, simulate_spread, spread_arms
+from repro.pipeline.monte_carlo import chatters
+from repro.pipeline.simulated_arms import read_spread, simulate_spread, spread_arms
 from repro.signals.programs import peaks
 
 pytestmark = pytest.mark.slow
@@ -79,7 +80,7 @@ def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
     config["board"]["full_torque_nm"] = (1.2 * torque / config["experiment"]["torque_share"]).tolist()
     mechanical = mechanical_parameters(config)
     able = np.append(0.9 * mechanical[:5], mechanical[5:])
-    monkeypatch.setattr("repro.pipeline.monte_carlo.draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
+    monkeypatch.setattr("repro.pipeline.simulated_arms.draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
     same_motors = able + (true - mechanical)
     np.testing.assert_allclose(spread_arms(config), [true, same_motors], rtol=1e-15)
 

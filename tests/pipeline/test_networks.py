@@ -22,7 +22,7 @@ NETWORKS = ("published", "tracked-measured", "tracked")
 def taken(folder, network="published", config=CONFIG):
     suffix = "" if network == "published" else f"-{network}"
     out = stored_files(folder, suffix)
-    take_stored(network, out, of_network(config, network))
+    take_stored(suffix, out, of_network(config, network))
     return out
 
 
@@ -116,6 +116,6 @@ def test_images_are_read_in_the_arithmetic_asked_for(precision):
     config = of_network(full_config(), "published")
     said = configuration_digest(config)
     asked = {**config, "training": {**config["training"], "precision": precision}}
-    assert algorithm1_of("published", "data/networks/cnn.safetensors", asked, said).network.dtype == getattr(
+    assert algorithm1_of("published", Path("data/networks/cnn.safetensors"), asked, said).network.dtype == getattr(
         torch, precision
     )

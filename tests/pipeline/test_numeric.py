@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import torch
+from experiment_example import full_config
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
@@ -15,7 +16,7 @@ from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.numeric import (
+from repro.pipeline.identifications import (
     MEAN_ARMS,
     identify_arms,
     least_squares_of_arms,
@@ -215,12 +216,18 @@ def test_the_control_without_a_network_is_the_same_for_every_network():
     assert len({tuple(estimate["beta"]) for estimate in estimates}) == 4
 
 
-LEAST_SQUARES = least_squares_of_arms(SIGNALS, NUMERIC)
+def least_squares(arms):
+    config = full_config()
+    config["numeric"]["arms"] = {name: beta.tolist() for name, beta in arms.items()}
+    return least_squares_of_arms(config)["arms"]
+
+
+LEAST_SQUARES = least_squares(ARMS)
 
 
 @pytest.mark.parametrize("name", ARMS)
 def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monkeypatch):
-    arm = LEAST_SQUARES["arms"][name]
+    arm = LEAST_SQUARES[name]
     np.testing.assert_array_equal(arm["true"], ARMS[name])
     assert list(arm["methods"]) == ["least-squares", "bounded"]
     seen = []
@@ -236,8 +243,7 @@ def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monk
 
 def test_bounded_least_squares_keeps_a_parameter_at_zero():
     """Without the friction of joint 2 the ordinary solution of b2 is below zero."""
-    frictionless = replace(NUMERIC, arms={"N1": ARMS["N1"] * (np.arange(9) != 6)})
-    methods = least_squares_of_arms(SIGNALS, frictionless)["arms"]["N1"]["methods"]
+    methods = least_squares({"N1": ARMS["N1"] * (np.arange(9) != 6)})["N1"]["methods"]
     assert methods["least-squares"]["beta"][6] < 0.0
     assert methods["bounded"]["beta"][6] == 0.0
     assert min(methods["bounded"]["beta"]) >= 0.0

@@ -12,9 +12,8 @@ from experiment_example import full_config
 from repro.cnn.network import FactoredCNN, save_network
 from repro.errors import InputError
 from repro.files import write_csv, write_json
-from repro.pipeline.experiment_runs import read_identifications, read_scores
+from repro.pipeline.identifications import read_identifications, read_mean_torque, read_scores, score_estimates
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.numeric import read_mean_torque, score_estimates
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest
 from repro.settings import metric_settings, network_settings, numeric_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory

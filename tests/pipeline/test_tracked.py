@@ -13,8 +13,7 @@ from safetensors.numpy import load_file
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
 from repro.model.parameters import is_positive_definite
-from repro.pipeline.monte_carlo import simulate_spread
-from repro.pipeline.tracked import draw_arms, simulate_tracked, training_motion
+from repro.pipeline.simulated_arms import draw_arms, simulate_spread, simulate_tracked, training_motion
 from repro.settings import of_network
 
 pytestmark = pytest.mark.slow
@@ -56,7 +55,7 @@ def test_every_motion_is_eq_10_as_an_arm_tracks_it(motions):
 
 def test_no_arm_is_one_that_is_tested(tmp_path, motions, monkeypatch):
     """By hash of what was recorded, and by parameters."""
-    monkeypatch.setattr("repro.pipeline.monte_carlo.VALIDATION", {})  # no network is trained on them
+    monkeypatch.setattr("repro.pipeline.simulated_arms.VALIDATION", {})  # no network is trained on them
     config = copy.deepcopy(CONFIG)
     config["spread"] = {"arms": 2, "seeds": [1, 2], "durations_s": [CONFIG["signals"]["duration_s"]]}
     simulate_spread(config, tmp_path / "spread.safetensors")

@@ -11,8 +11,7 @@ import yaml
 
 from repro.comparison.tolerances import LEDGER
 from repro.exhibits.catalogue import tolerances
-from repro.paper.claims import Basis, broken, specificity
-from repro.paper.ledger_page import CAUSES
+from repro.paper.claims import CAUSES, Basis, broken, specificity
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[2]

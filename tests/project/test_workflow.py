@@ -19,8 +19,8 @@ from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
 from repro.paper.ledger import compute
+from repro.paper.our_values import Results
 from repro.paper.published import load_published
-from repro.paper.results import Results
 
 pytestmark = pytest.mark.slow
 

@@ -1,17 +1,20 @@
-CODE = CodeDigests(Path(".snakemake/code.json"))
+CODE = CodeDigests()
 
 # What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
-def code(script, *modules):
-    """Digests of the definitions that a script reaches, and of further ones; a docstring changes nothing."""
-    return CODE.of_script(HERE / "scripts" / script, *modules)
+CALL = "../scripts/call.py"
 
 
-def network_name(wildcards):
-    """Network of a suffix."""
-    return wildcards.suffix.removeprefix("-") or "published"
+def code(script, *definitions):
+    """Digests of what a script and further definitions reach; a docstring changes nothing."""
+    return CODE.of_script(HERE / "scripts" / script, *definitions)
+
+
+def call(function, *definitions):
+    """Function that the job of a rule calls, and the digests of what it reaches."""
+    return [function, *code("call.py", function, *definitions)]
 
 
 def sections(*names, of=config):
@@ -32,17 +35,17 @@ USED = (*TRAINED, "metric", "algorithm1", "refinement")
 
 def network_sections(*names):
     """What a job that uses a network depends on, as that network changes it, and further parts."""
-    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards)))
+    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards.suffix)))
 
 
 def trained_as(wildcards):
     """What the weights of a job's network say of themselves."""
-    return configuration_digest(of_network(config, network_name(wildcards)))
+    return configuration_digest(of_network(config, network_name(wildcards.suffix)))
 
 
 def training_sections(wildcards):
     """What one network depends on; of where it comes from, stored networks only."""
-    parts = training_config(of_network(config, network_name(wildcards)))
+    parts = training_config(of_network(config, network_name(wildcards.suffix)))
     source = {key: config["training"][key] for key in ("source", "networks")}
     return {**parts, "training": {**parts["training"], **source}}
 
@@ -80,7 +83,7 @@ ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 def weights(suffix):
     """Weights of a network: those of the first one that is trained in the same way."""
     names = ["", *(f"-{name}" for name in config["networks"])]
-    digests = {each: configuration_digest(of_network(config, each.removeprefix("-") or "published")) for each in names}
+    digests = {each: configuration_digest(of_network(config, network_name(each))) for each in names}
     own = next(each for each in names if digests[each] == digests[suffix])
     return f"{R}/model/cnn{own}.safetensors"
 
@@ -98,7 +101,7 @@ def stored_network(wildcards):
 
 def tracked_motions(wildcards):
     """Motions that a network is trained on, where they are not Eq. 10's own."""
-    motions = of_network(config, network_name(wildcards))["data"]["motions"]
+    motions = of_network(config, network_name(wildcards.suffix))["data"]["motions"]
     return [] if is_stored(wildcards) or motions == "ideal" else f"{R}/data/tracked.safetensors"
 
 

@@ -184,5 +184,4 @@ def draw_unmodelled(
     delay = rng.uniform(0.0, settings.delay_s, (n, 1, 1))
     torque -= delay * (columns.rate @ beta[:, np.newaxis, :, np.newaxis])[..., 0]
     noise = rng.uniform(0.0, settings.noise, (n, 1)) * largest
-    total: Array = torque + noise[..., np.newaxis] * rng.standard_normal((n, 2, m))
-    return total
+    return torque + noise[..., np.newaxis] * rng.standard_normal((n, 2, m))

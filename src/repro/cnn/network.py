@@ -11,13 +11,14 @@ come after it on a quarter of the data.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import torch
 import torch.nn.functional as F  # noqa: N812  (torch's own convention)
 from torch import Tensor, nn
 
 from repro.cnn.architecture import NetworkSettings, Precision, read_weights
+from repro.errors import InputError
 from repro.files import write_tensors
 
 DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
@@ -242,7 +243,7 @@ def load_network(
     Raises
     ------
     InputError
-        If the file is missing or damaged, or has another network or other sizes.
+        If the file is missing or damaged, or has another network or other sizes, or `precision` is not one of these.
 
     Examples
     --------
@@ -251,6 +252,8 @@ def load_network(
     371659
     """
     settings = settings or NetworkSettings()
+    if precision not in get_args(Precision):
+        raise InputError.at("precision", repr(precision), f"one of {', '.join(get_args(Precision))}")
     weights = read_weights(Path(path), settings, fact)
     network = FactoredCNN(settings, on_this_processor(precision))
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})

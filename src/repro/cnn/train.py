@@ -8,10 +8,9 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -100,11 +99,6 @@ class Schedule:
     layer1_steps: float  # steps in which layer 1 learns
 
 
-def make_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
-    """Build the schedule that the settings name, and set the weights that it starts from."""
-    return (paper_schedule if s.recipe == "paper" else streamed_schedule)(net, motion, data, s)
-
-
 def paper_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
     """Gradient descent on a fixed set, from which batches are drawn with replacement (Section IV-B)."""
     fixed = draw_samples(stream(s.seed, Stream.FIXED_SET), s.paper.images, motion, data)
@@ -184,7 +178,7 @@ def train(
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)
-    schedule = make_schedule(net, motion, data, settings)
+    schedule = (paper_schedule if settings.recipe == "paper" else streamed_schedule)(net, motion, data, settings)
     run = fingerprint(motion, data, network, settings)
     progress = load_checkpoint(checkpoint, net, schedule.optimisers, run) if checkpoint else Progress()
     began = time.perf_counter() - progress.seconds
@@ -225,36 +219,15 @@ class Progress:
     rows: list[tuple[float, ...]] = field(default_factory=list)  # of the history, with seconds at the end
 
 
-def _flatten(tree: Mapping[Any, Any], place: str = "") -> dict[str, NDArray[Any]]:
-    """Collect the tensors of nested dicts under their paths, ``a/b/c``."""
-    flat: dict[str, NDArray[Any]] = {}
-    for key, value in tree.items():
-        if isinstance(value, Mapping):
-            flat |= _flatten(value, f"{place}{key}/")
-        elif isinstance(value, Tensor):
-            flat[f"{place}{key}"] = value.numpy()
-    return flat
-
-
-def _unflatten(flat: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Rebuild the nested dicts that `_flatten` took apart."""
-    tree: dict[str, Any] = {}
-    for path, array in flat.items():
-        *parents, key = path.split("/")
-        node = tree
-        for parent in parents:
-            node = node.setdefault(parent, {})
-        node[key] = torch.from_numpy(array)
-    return tree
-
-
 def save_checkpoint(
     path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress, run: str
 ) -> None:
     """Write weights, optimiser states and progress as safetensors; only the run of this name may continue from them."""
-    states = {str(k): optimiser.state_dict()["state"] for k, optimiser in enumerate(optimisers)}
-    header = {"progress": json.dumps(asdict(progress)), "training": run}
-    write_tensors(path, _flatten({"network": network.state_dict(), "optimisers": states}), header)
+    arrays = {f"network/{name}": weight.numpy() for name, weight in network.state_dict().items()}
+    for k, optimiser in enumerate(optimisers):
+        for index, state in optimiser.state_dict()["state"].items():
+            arrays |= {f"{k}/{index}/{key}": value.numpy() for key, value in state.items()}
+    write_tensors(path, arrays, {"progress": json.dumps(asdict(progress)), "training": run})
 
 
 def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], run: str) -> Progress:
@@ -264,10 +237,17 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     arrays, header = read_tensors(path, "a checkpoint; delete it to start anew")
     if header.get("training") != run:
         return Progress()
-    tree = _unflatten(arrays)
-    network.load_state_dict(tree["network"])
-    for k, optimiser in enumerate(optimisers):
-        state = {int(index): values for index, values in tree.get("optimisers", {}).get(str(k), {}).items()}
+    weights: dict[str, Tensor] = {}
+    states: list[dict[int, dict[str, Tensor]]] = [{} for _ in optimisers]
+    for name, array in arrays.items():
+        part, _, key = name.partition("/")
+        if part == "network":
+            weights[key] = torch.from_numpy(array)
+        else:
+            index, _, key = key.partition("/")
+            states[int(part)].setdefault(int(index), {})[key] = torch.from_numpy(array)
+    network.load_state_dict(weights)
+    for optimiser, state in zip(optimisers, states, strict=True):
         optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
     progress = Progress(**json.loads(header["progress"]))
     return replace(progress, rows=[tuple(row) for row in progress.rows])

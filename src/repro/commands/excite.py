@@ -112,7 +112,7 @@ def read_guess(given: list[str] | None) -> "Array | None":
 def _read_estimates(path: Path) -> list[float]:
     """Read the estimates of the recommended method."""
     from repro.documents import read_json
-    from repro.ownarm.prior import read_result
+    from repro.ownarm.prepare import read_result
 
     return [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
 
@@ -173,7 +173,7 @@ def summary(content: dict[str, Any]) -> str:
             f"{ours['acceleration_rad_s2'][j]:.3g} rad/s^2; torque {torque}"
         )
     noise = " and ".join(f"{sigma:g}" for sigma in content["settings"]["noise"])
-    lines.append(f"expected 95 % intervals, +- (Eq. 1 exact, white noise of {noise} N m, {rate:g} samples a second):")
+    lines.append(f"lower bound of 95 % intervals, +- (Eq. 1 exact, white noise of {noise} N m, {rate:g} samples/s):")
     lines.append(f"  {'':<16}{'this motion':>12}{'Eq. 10':>12}{'ratio':>8}")
     half = zip(ours["half_widths"].items(), theirs["half_widths"].values(), UNITS, strict=True)
     rows = [(f"{name}, {unit}", a, b) for (name, a), b, unit in half]

@@ -44,9 +44,8 @@ def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config import load_config
     from repro.fingerprint import compare_hosts
-    from repro.paper.claims import broken
+    from repro.paper.claims import broken, summary
     from repro.paper.ledger import verify_ledger
-    from repro.paper.ledger_page import summary
     from repro.pipeline.provenance import changed_settings, recorded_fingerprint
 
     files = arguments.config or [_project_config(arguments.results)]
@@ -76,7 +75,7 @@ def compare_arguments(parser: argparse.ArgumentParser) -> None:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Compare two runs table by table: the largest difference of each class of number, and where it is."""
-    from repro.comparison.runs import compare_runs, report
+    from repro.comparison.tolerances import compare_runs, report
     from repro.exhibits.catalogue import tolerances
 
     compared, alone = compare_runs(arguments.first, arguments.second, tolerances())

@@ -25,7 +25,7 @@ from repro.exhibits.markup import (
 )
 from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, one_row, similarities
-from repro.model.dynamics import rebuild_torque
+from repro.model.dynamics import ArmGeometry, forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import (
@@ -35,12 +35,11 @@ from repro.pipeline.experiment import (
     program_settings,
     read_recordings,
 )
-from repro.pipeline.experiment_runs import CASE, every_seed, read_identifications, read_scores, tracking
+from repro.pipeline.identifications import CASE, SCORES, read_identifications, read_scores, tracking
 from repro.pipeline.job import Config
-from repro.pipeline.summary import SCORES, experiment_table, median_seeds, parameter_table
+from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import SignalSettings, spectrum
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
 _table = partial(table, category=EXPERIMENT)
@@ -60,7 +59,7 @@ def _recordings(inputs: Inputs, config: Config) -> list[Recording]:
 
 
 def _runs(inputs: Inputs) -> list[dict[str, Any]]:
-    return every_seed(read_identifications(inputs["identifications"]))
+    return read_identifications(inputs["identifications"])
 
 
 def _scores(inputs: Inputs) -> pd.DataFrame:

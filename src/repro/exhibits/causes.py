@@ -12,10 +12,9 @@ from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
 from repro.exhibits.markup import EMPTY, Column, Table, Text, digits, grid, number, plain
 from repro.files import read_csv
-from repro.pipeline.experiment_runs import CASE, read_scores
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
+from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.summary import SCORES
 
 _why_table = partial(table, category=EXPERIMENT, inputs=("arm",), trained="all")
 _why_figure = partial(figure, category=EXPERIMENT, inputs=("arm",), trained="all")

@@ -14,7 +14,7 @@ from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
-from repro.pipeline.job import Config, Named, paths
+from repro.pipeline.job import Config
 
 #: Files by the name of the input.
 Inputs = Mapping[str, Sequence[Path]]
@@ -100,10 +100,11 @@ def _declare(
 table, figure = partial(_declare, "table"), partial(_declare, "figure")
 
 
-def make_exhibits(definitions: Sequence[str], named_inputs: Named, named_outputs: Named, config: Config) -> None:
+def make_exhibits(
+    exhibits: Sequence[str], inputs: Inputs, outputs: Mapping[str, Sequence[Path]], config: Config
+) -> None:
     """Write exhibits of the same inputs, each to outputs named after its target and kind."""
-    inputs, outputs = paths(named_inputs), paths(named_outputs)
-    for definition in definitions:
+    for definition in exhibits:
         module, _, name = definition.partition(":")  # so that a job imports only the module of its own exhibits
         exhibit: Exhibit = getattr(import_module(module), name)
         own = exhibit.target + "_"

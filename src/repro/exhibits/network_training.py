@@ -28,7 +28,7 @@ from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
-from repro.pipeline.model_card import architecture
+from repro.pipeline.stored_networks import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory

@@ -43,10 +43,9 @@ from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
-from repro.pipeline.experiment_runs import every_seed, read_identifications, read_scores
+from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.numeric import motion_of
-from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
 from repro.settings import numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.dct import SignalSettings, dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
@@ -191,7 +190,7 @@ def _scores(inputs: Inputs) -> pd.DataFrame:
 
 
 def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
-    return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
+    return parameter_table(read_identifications(inputs["identifications"]), _scores(inputs), cases)
 
 
 def _result_table(which: int, title: str, category: str, layout: Layout) -> Callable[[Numbers], Exhibit]:

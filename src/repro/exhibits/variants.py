@@ -18,7 +18,7 @@ from repro.exhibits.markup import Column, Table, Text, digits, grid, plain, seve
 from repro.exhibits.result_tables import by_method
 from repro.files import read_csv
 from repro.pipeline.experiment import read_recordings
-from repro.pipeline.experiment_runs import read_identifications
+from repro.pipeline.identifications import read_identifications
 from repro.pipeline.interpretations import ARM as OF_ARM
 from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.job import Config

@@ -99,5 +99,4 @@ def torque_fraction(regression: Regression, beta: Array) -> Array:
     """Compute the RMS torque (9,) that each parameter moves over the RMS torque, in the joint where that is larger."""
     part = np.sqrt(np.mean((regression.y * beta) ** 2, axis=1))  # (2, 9)
     whole = np.sqrt(np.mean(regression.tau**2, axis=-1))
-    fraction: Array = np.max(part / np.where(whole > 0.0, whole, np.inf)[:, None], axis=0)
-    return fraction
+    return np.asarray(np.max(part / np.where(whole > 0.0, whole, np.inf)[:, None], axis=0))

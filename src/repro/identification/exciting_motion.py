@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import null_space
 from scipy.optimize import minimize
 
@@ -18,10 +19,9 @@ from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
 from repro.identification.solve import unit_columns
 from repro.logs.armfile import Arm, read_arm
-from repro.model.dynamics import LAMBDA, regressor
-from repro.model.parameters import Array
+from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
+from repro.model.parameters import Array, check_beta
 from repro.progress import Progress
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
 #: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
@@ -142,8 +142,8 @@ def excite(
     duration: float = 20.0,
     rate: float = 400.0,
     harmonics: int = 12,
-    noise: tuple[float, float] = (0.05, 0.05),
-    guess: Array | None = None,
+    noise: ArrayLike = (0.05, 0.05),
+    guess: ArrayLike | None = None,
     seed: int = 1,
 ) -> Motion:
     """Design a motion to identify an arm by, within its limits.
@@ -160,7 +160,7 @@ def excite(
         Highest multiple of 1/duration in it, 3 to 20.
     noise : pair of float
         Standard deviation of a sample of each torque, N m.
-    guess : array of shape (9,), optional
+    guess : array_like of shape (9,), optional
         Rough parameters; with them the motion stays within ``torque_limit``.
     seed : int
         Of the starts of the search.
@@ -186,7 +186,8 @@ def excite(
     steps = check_samples(duration, rate, harmonics)
     if not isinstance(arm, str | Path | Arm):
         raise InputError.at("arm", type(arm).__name__, "a path or an Arm")
-    limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), guess)
+    beta = None if guess is None else check_beta(guess)
+    limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), beta)
     rng, report = np.random.default_rng(seed), Progress("searching for a motion")
     return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), rng, report)
 

@@ -51,8 +51,7 @@ Columns = Callable[[Moved, Array, float], Array]
 
 def one_joint(values: Array) -> Array:
     """Make a column for each joint that is zero in the other, (2, N) -> (2, N, 2)."""
-    columns: Array = values[..., np.newaxis] * np.eye(2)[:, np.newaxis]
-    return columns
+    return values[..., np.newaxis] * np.eye(2)[:, np.newaxis]
 
 
 def offset(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
@@ -202,8 +201,7 @@ def _fit(a: Array, b: Array) -> Array:
     flat = a.reshape(-1, a.shape[-1])
     size = np.linalg.norm(flat, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    solution: Array = np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
-    return solution
+    return np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
 
 
 def _blocks(a: Array, b: Array) -> list[Array]:

@@ -81,8 +81,7 @@ def savitzky_golay(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """Fit a cubic to a moving window, or its derivative; see `Filter.apply`."""
     half = max(round(SAVITZKY_GOLAY_HALF_POWER / (2.0 * cutoff * h) - 0.5), SAVITZKY_GOLAY_DEGREE)
     window = min(2 * half + 1, (x.shape[-1] - 1) // 2 * 2 + 1)
-    smooth: Array = savgol_filter(x, window, SAVITZKY_GOLAY_DEGREE, deriv=order, delta=h, axis=-1)
-    return smooth
+    return savgol_filter(x, window, SAVITZKY_GOLAY_DEGREE, deriv=order, delta=h, axis=-1)
 
 
 def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
@@ -162,8 +161,7 @@ def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
     if settings.delay == 0.0:
         return tau
     t = h * np.arange(tau.shape[-1])
-    shifted: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
-    return shifted
+    return CubicSpline(t, tau, axis=-1)(t - settings.delay)
 
 
 def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
@@ -188,8 +186,7 @@ def _interpolated(x: Array, at: Array) -> Array:
     f = (at - first)[:, np.newaxis]
     weights = ((1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3)  # of the B-splines around
     around = (np.clip(first + k, 0, x.shape[1] - 1) for k in range(-1, 3))
-    value: Array = sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
-    return value
+    return sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.regression import Regression
@@ -55,8 +55,7 @@ def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:
 
 
 def _rms(tau: Array) -> Array:
-    size: Array = np.sqrt(np.mean(tau**2, axis=-1))
-    return size
+    return np.asarray(np.sqrt(np.mean(tau**2, axis=-1)))
 
 
 def _rms_of_parts(regression: Regression, beta: Array) -> Array:
@@ -94,7 +93,7 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
 
 
 def integrate(
-    t: Array, tau: Array, q0: Array, dq0: Array, beta: Array, friction_steepness: float
+    t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike, beta: Array, friction_steepness: float
 ) -> tuple[Array, Array]:
     """Integrate Eq. 1 from a state (2,) under a torque (2, N) that is linear between the instants t (N,)."""
     t, (tau,) = np.asarray(t, dtype=np.float64), check_motion(tau)
@@ -103,6 +102,8 @@ def integrate(
         raise ValueError(f"t, tau, q0, dq0: shapes {t.shape}, {tau.shape}, {x.shape}, {v.shape} do not fit together.")
     if not (np.diff(t) > 0.0).all():
         raise ValueError("t: instants must increase.")
+    if not (np.isfinite(t).all() and np.isfinite([x, v]).all()):
+        raise ValueError("t, q0, dq0: every value must be finite.")
     longest = float(np.diff(t).max(initial=0.0))
     steps = _steps_per_sample(beta, longest, friction_steepness)
     if not np.isfinite(steps):
@@ -156,8 +157,7 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
                 squares[diverged] = np.inf
                 x[diverged], v[diverged] = 0.0, 0.0
             squares += (x - q[:, starts + k + 1].T) ** 2
-    error: Array = np.median(np.sqrt(squares / length), axis=1)
-    return error
+    return np.median(np.sqrt(squares / length), axis=1)
 
 
 def _runge_kutta(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:

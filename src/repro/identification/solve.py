@@ -7,7 +7,7 @@ digits remain, and a method can be repeated hundreds of times for its standard e
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.identification.prior import Prior
+from repro.identification.regression import Prior
 from repro.model.parameters import Array
 
 #: Singular values below this fraction of the largest count as zero, for columns of unit length.
@@ -35,8 +35,7 @@ def pseudo_solve(gram: Array, right: Array) -> Array:
     values, vectors = np.linalg.eigh(gram)
     nonzero = np.abs(values) > RANK_TOLERANCE**2 * np.abs(values).max()
     inverse = np.divide(1.0, values, out=np.zeros_like(values), where=nonzero)
-    solution: Array = vectors @ (inverse * (vectors.T @ right))
-    return solution
+    return np.asarray(vectors @ (inverse * (vectors.T @ right)))
 
 
 def solve_normal(gram: Array, right: Array, length: Array) -> Array:
@@ -53,20 +52,17 @@ def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None
     smallest length in units of the columns' length; a parameter that the motion does not move is 0. Weights next to a
     prior are those of rows of variance 1.
     """
+    if weight is None and prior is None:
+        a, scale = unit_columns(y)
+        gram = a.T @ a
+        return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
+    flat = y.reshape(-1, y.shape[-1])
+    weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
+    gram, right = weighted.T @ flat, weighted.T @ tau.reshape(-1)
     if prior is not None:
-        flat = y.reshape(-1, y.shape[-1])
-        weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
         added = prior.precision * (prior.variance if weight is None else 1.0)
-        gram, right = weighted.T @ flat + np.diag(added), weighted.T @ tau.reshape(-1) + added * prior.mean
-        return solve_normal(gram, right, np.sqrt(gram.diagonal()))
-    if weight is not None:  # one pass less over the rows; the same to rounding
-        flat = y.reshape(-1, y.shape[-1])
-        weighted = flat * np.broadcast_to(weight, tau.shape).reshape(-1, 1)
-        gram = weighted.T @ flat
-        return solve_normal(gram, weighted.T @ tau.reshape(-1), np.sqrt(gram.diagonal()))
-    a, scale = unit_columns(y)
-    gram = a.T @ a
-    return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
+        gram, right = gram + np.diag(added), right + added * prior.mean
+    return solve_normal(gram, right, np.sqrt(gram.diagonal()))
 
 
 def reduced_problem(y: Array, tau: Array, prior: Prior | None = None) -> tuple[Array, Array, Array]:

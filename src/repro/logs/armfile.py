@@ -3,18 +3,17 @@
 import json
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from repro.documents import Loader, read_yaml
+from repro.documents import Loader, read_yaml, spelled, violation
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
-from repro.schema import spelled, violation
 
 #: One value for each joint.
 Pair = tuple[float, float]
@@ -55,7 +54,7 @@ class Arm:
     torque_limit: Pair | None = None  # largest torque of each joint, N m
     position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
     speed_limit: Pair | None = None  # largest speed of each joint, rad/s
-    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
+    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.model.dynamics`
     workspace: tuple[Pair, Pair] | None = None
     plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
@@ -65,19 +64,24 @@ class Arm:
     file: str = "arm file"  # where this was read, for messages
 
     def __post_init__(self) -> None:
-        """Check the values as those of a file."""
-        given = {key: value for key, value in vars(self).items() if value is not None and key != "file"}
+        """Check the values as those of a file, and store lists and arrays as tuples."""
+        optional = {each.name for each in fields(self) if "None" in str(each.type)}
+        given = {
+            key: value for key, value in vars(self).items() if key != "file" and not (value is None and key in optional)
+        }
         try:
             content = json.loads(json.dumps(given, default=_plain))
         except (TypeError, ValueError) as error:
             raise InputError.at(self.file, f"a value of another type ({error})", "numbers, texts and pairs") from error
-        if wrong := violation(content, _schema()):
-            place, found, expected = wrong
-            raise InputError.at(f"{self.file}: {spelled(place)}", found, expected)
+        _check(content, self.file)
+        for key, value in content.items():
+            object.__setattr__(self, key, _value(key, value))
 
 
 def _plain(value: object) -> object:
-    """Give a NumPy array or number as JSON has it."""
+    """Give a NumPy array or number, or a mapping, as JSON has it."""
+    if isinstance(value, Mapping):
+        return dict(value)
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     raise TypeError(type(value).__name__)
@@ -129,32 +133,37 @@ def read_arm(path: str | Path | None) -> Arm:
         return Arm()
     path = Path(path)
     content = read_yaml(path, "an arm file", _Loader)
+    _check(content, str(path))
+    return Arm(**content, file=str(path))
+
+
+def _check(content: Mapping[str, Any], file: str) -> None:
+    """Refuse what the schema or the meaning of a key forbids."""
     if wrong := violation(content, _schema()):
         place, found, expected = wrong
-        raise InputError.at(f"{path}: {spelled(place)}", found, expected)
+        raise InputError.at(f"{file}: {spelled(place)}", found, expected)
     for key, value in content.items():
         least = _SMALLEST if key in _POSITIVE else 0.0
         if any(not least <= abs(number) <= _LARGEST for number in _numbers(value)):
             expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
-            raise InputError.at(f"{path}: {key}", repr(value)[:60], expected)
+            raise InputError.at(f"{file}: {key}", repr(value)[:60], expected)
     columns = content.get("columns", {})
     for signal, header in columns.items():
         twin = next(other for other in columns if columns[other] == header)
         if twin != signal:
-            raise InputError.at(f"{path}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
+            raise InputError.at(f"{file}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
     for key in ("position_limit", "workspace"):
         for row, (low, high) in enumerate(content.get(key, ())):
             if not low < high:
-                raise InputError.at(f"{path}: {key}[{row}]", [low, high], "the lower one first")
+                raise InputError.at(f"{file}: {key}[{row}]", [low, high], "the lower one first")
             if high - low < _SMALLEST:
-                raise InputError.at(f"{path}: {key}[{row}]", [low, high], f"ends {_SMALLEST:g} and more apart")
+                raise InputError.at(f"{file}: {key}[{row}]", [low, high], f"ends {_SMALLEST:g} and more apart")
     for joint, zero in enumerate(content.get("zero", ())):
         if abs(zero) > 2.0 * np.pi:
             expected = (
                 f"radians within a turn, whatever the unit of the log (if it is in degrees: {np.radians(zero):.5g})"
             )
-            raise InputError.at(f"{path}: zero.{joint}", zero, expected)
-    return Arm(**{key: _value(key, value) for key, value in content.items()}, file=str(path))
+            raise InputError.at(f"{file}: zero.{joint}", zero, expected)
 
 
 def _numbers(value: object) -> Iterator[float]:

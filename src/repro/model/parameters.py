@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def inertial_from_links(links: Links, gravity: float = STANDARD_GRAVITY) -> Arra
     return np.stack(np.broadcast_arrays(i1, i2, i3, g1, g2), axis=-1).astype(np.float64)
 
 
-def check_beta(beta: Array) -> Array:
+def check_beta(beta: ArrayLike) -> Array:
     """Return `beta` (..., 9) as float64, or raise ValueError if it is not nine finite numbers on the last axis."""
     beta = np.asarray(beta, dtype=np.float64)
     if beta.ndim == 0 or beta.shape[-1] != len(NAMES):

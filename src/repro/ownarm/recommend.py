@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from repro.errors import option
 from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
 from repro.ownarm.prepare import IdentificationProblem, at_limit
@@ -27,7 +28,7 @@ EARLY = -0.005
 #: A log of fewer seconds deserves a warning.
 SHORT = 15.0
 #: What to type for a motion that shows more.
-EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT designs"
+EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT (Python: repro.excite) designs"
 #: Errors that differ by less than this factor are equally good.
 EQUAL = 1.01
 
@@ -52,7 +53,10 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     if len(methods) == 1:
         return best.method, "the only method requested"
     if prediction_error(best) == np.inf:
-        return best.method, "smallest error on the log it was fitted to; give --validate a log to judge by"
+        return (
+            best.method,
+            "smallest error on the log it was fitted to; give a log to judge by: --validate LOG (Python: validate=log)",
+        )
     on = "the validation logs" if best.validation else "each half from the other"
     return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
 
@@ -86,7 +90,7 @@ def warnings(
     """List what may spoil the result as a whole, one line each: first what an option or the arm file can change."""
     best = next(m for m in methods if m.method == recommended)
     return (
-        *_inconsistent(methods, best),
+        *_unusable(methods, best),
         *contradicted(problem, best),
         *odd_delay(problem),
         *undriven(problem, best),
@@ -106,10 +110,12 @@ def unusable(method: MethodResult) -> str:
     return f"Eq. 1 leaves up to {100 * worst:.3g} % of a torque unexplained" if worst > USELESS else ""
 
 
-def _inconsistent(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
+def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
+    if best.consistent and (reason := unusable(best)):
+        yield f"{reason}: do not use the parameters, nor their URDF and MJCF"
     if not best.consistent:
-        option = "" if any(m.method == "consistent" for m in methods) else "; give --method consistent"
-        yield f"{unusable(best)}{option}"
+        remedy = "" if any(m.method == "consistent" for m in methods) else f"; give {option('method', 'consistent')}"
+        yield f"{unusable(best)}{remedy}"
 
 
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -154,8 +160,8 @@ def _mixed_friction(excitation: Excitation, method: MethodResult) -> Iterator[st
         if abs(correlation) > CORRELATION and not _known(method, 4 + joint, 6 + joint):
             yield (
                 f"viscous and Coulomb friction of joint {joint} are hard to distinguish "
-                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give --method "
-                "parsimonious"
+                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give "
+                f"{option('method', 'parsimonious')}"
             )
 
 
@@ -177,7 +183,7 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
     if max(np.abs(method.whiteness)) > AUTOCORRELATION:
         yield (
             f"residuals are far from white (autocorrelation {max(method.whiteness, key=abs):.2f}): Eq. 1 does not "
-            "model this friction or flexibility; compare with --friction and --self-test"
+            f"model this friction or flexibility; compare with {option('friction')} and {option('self-test')}"
         )
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
     if worst > max(WORSE * fit, SMALL):

@@ -13,13 +13,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
-from repro.identification.bootstrap import bootstrap
 from repro.identification.calibration import correct_calibration
 from repro.identification.extra_terms import values_of
 from repro.identification.filtering import SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.method import Method
 from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
+from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period, segments, uniform

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from repro.errors import option
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
-from repro.identification.sensitivity import UNMODELLED_EFFECTS
+from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
@@ -42,31 +43,13 @@ def verdict(
     estimate: float,
     low: float | None,
     high: float | None,
-    excited: bool,
-    at_bound: bool,
-    determined: bool = True,
-    possible: bool = True,
-    doubt: str = "",
+    excited: bool,  # whether it moves a considerable part of a torque
+    at_bound: bool,  # whether a condition of the method keeps it at zero
+    determined: bool = True,  # whether the motion determines it by itself
+    possible: bool = True,  # whether an arm can have such a value
+    doubt: str = "",  # why there is no interval; empty where the method claims none
 ) -> str:
-    """Summarise an estimate and its 95 % interval in one phrase.
-
-    Parameters
-    ----------
-    estimate : float
-        Value.
-    low, high : float or None
-        Ends of the interval, if there is one.
-    excited : bool
-        Whether the parameter moves a considerable part of a torque.
-    at_bound : bool
-        Whether a condition of the method keeps it at zero.
-    determined : bool
-        Whether the motion determines it by itself.
-    possible : bool
-        Whether an arm can have such a value.
-    doubt : str
-        Why there is no interval; empty where the method claims none.
-    """
+    """Summarise an estimate and its 95 % interval in one phrase."""
     if not determined:
         return COMBINED if excited else NOT_EXCITED
     if at_bound:
@@ -177,8 +160,8 @@ def friction_line(term: FrictionTerm) -> str:
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
-    option = ": give --friction" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
-    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{option}"
+    remedy = f": give {option('friction')}" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
+    return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
 def log_warnings(result: Result) -> tuple[str, ...]:

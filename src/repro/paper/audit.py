@@ -15,7 +15,7 @@ import pandas as pd
 from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links, is_positive_definite
 from repro.paper import appendix
 from repro.paper.finding import CONTRADICTS, QUESTIONABLE, Check, Finding, findings_frame, read_checks
-from repro.paper.metric_checks import abstract_check, composition, torque_bounds
+from repro.paper.metric_search import abstract_check, composition, torque_bounds
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published, parameter_id
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 from repro.signals.programs import MEMORY_SAMPLES
@@ -66,7 +66,7 @@ def _numeric_statements(c: Check) -> list[Finding]:
     ]
     findings = []
     for formula in TIME_FORMULAS:
-        totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula)).cells["total"]
+        totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula))["total"]
         for stated in (c.published["abstract/numeric/total"], c.published["section6/numeric/total"]):
             over, least = int((totals > stated.value).sum()), float(totals.min())
             findings.append(

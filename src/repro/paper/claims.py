@@ -1,4 +1,4 @@
-"""The claims ledger: each published number next to ours, with a tolerance stated in advance, and a verdict.
+"""The claims ledger: each published number next to ours, with a tolerance stated in advance, a verdict, and its page.
 
 A number that depends on chance is compared with a prediction interval: for n seeds with standard deviation s, another
 run lies within t s sqrt(1 + 1/n) of ours in 95 % of cases (Student's t, n - 1 degrees of freedom). The interval is a
@@ -7,9 +7,11 @@ case would pass as well, the verdict is *inconclusive*. Within the equivalence m
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+import operator
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import pandas as pd
 from scipy import stats
@@ -98,14 +100,8 @@ class OurValue:
     note: str = ""
 
 
-def higher(published: float, ours: float) -> bool:
-    """Whether ours is better where more is better."""
-    return ours > published
-
-
-def lower(published: float, ours: float) -> bool:
-    """Whether ours is better where less is better."""
-    return ours < published
+#: Whether ours is better than the published number, where more or where less is better.
+higher, lower = operator.lt, operator.gt
 
 
 def _interval(printed: PublishedValue, ours: OurValue) -> float:
@@ -126,42 +122,31 @@ def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     return interval, PREDICTION if interval > printed.half_step else PRINT
 
 
-def _compared(printed: PublishedValue, ours: OurValue, value: float, tolerance: float, others: Iterable[float]) -> str:
-    """Verdict on two numbers that can be compared."""
-    slack = tolerance + _ROUNDING * abs(printed.value)
-    wide = not ours.strict and _interval(printed, ours) - printed.half_step > ours.margin.of(printed.value)[1]
-    difference = value - printed.value
-    stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
-    if abs(difference) <= slack or stated:
-        blind = any(min(abs(other - printed.value), abs(other - value)) <= slack for other in others)
-        return INCONCLUSIVE if wide or blind else REPRODUCED
-    if ours.better is not None and ours.better(printed.value, value):
-        return INCONCLUSIVE if wide else BETTER
-    return DIFFERS
-
-
 def _verdict(
     printed: PublishedValue, ours: OurValue, basis: Basis, value: float, tolerance: float, others: Iterable[float]
 ) -> str:
     if ours.unused:
         return NOT_RUN
-    difference = abs(value - printed.value)
-    if ours.contradicts and difference <= ours.contradiction * (1.0 + _ROUNDING):
+    difference = value - printed.value
+    if ours.contradicts and abs(difference) <= ours.contradiction * (1.0 + _ROUNDING):
         return CONTRADICTS
-    verdict = _compared(printed, ours, value, tolerance, others if basis in EVIDENCE else ())
-    if verdict == BETTER and basis is not Basis.NUMERIC:
-        return NOT_COMPARABLE  # an easier arm explains it as well as a better method
-    return verdict
-
-
-def basis_of(printed: PublishedValue, ours: OurValue) -> Basis:
-    """What a comparison rests on."""
-    return ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
+    slack = tolerance + _ROUNDING * abs(printed.value)
+    wide = not ours.strict and _interval(printed, ours) - printed.half_step > ours.margin.of(printed.value)[1]
+    stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
+    if abs(difference) <= slack or stated:
+        blind = any(min(abs(other - printed.value), abs(other - value)) <= slack for other in others)
+        return INCONCLUSIVE if wide or (blind and basis in EVIDENCE) else REPRODUCED
+    if ours.better is None or not ours.better(printed.value, value):
+        return DIFFERS
+    if wide:
+        return INCONCLUSIVE
+    # On another arm an easier one explains it as well as a better method.
+    return BETTER if basis is Basis.NUMERIC else NOT_COMPARABLE
 
 
 def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
-    basis = basis_of(printed, ours)
+    basis = ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
     row: dict[str, object] = {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
         "kind": printed.kind, "basis": str(basis), "published": printed.printed,
@@ -185,16 +170,13 @@ def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ())
     }
 
 
-def _same_quantity(number: PublishedValue) -> tuple[object, ...]:
-    return number.kind, number.quantity, number.method, number.joint, number.parameter
-
-
 def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...]]:
     """Published values of the same quantity for other cases, by the id of the number."""
     groups: dict[tuple[object, ...], list[PublishedValue]] = {}
     for number in numbers:
-        if number.case and number.relation == "is":
-            groups.setdefault(_same_quantity(number), []).append(number)
+        if number.case and number.relation == "is" and number.kind != LEFT_OUT:
+            same = number.kind, number.quantity, number.method, number.joint, number.parameter
+            groups.setdefault(same, []).append(number)
     return {
         number.id: tuple(other.value for other in group if other.case != number.case)
         for group in groups.values()
@@ -203,23 +185,13 @@ def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...
 
 
 def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -> pd.DataFrame:
-    """Judge every number of the paper's own; one row for each of our values."""
-    own = [number for number in numbers if number.kind != LEFT_OUT]
-    sides: dict[str, list[tuple[str, OurValue]]] = {number.id: [] for number in own}
+    """Judge each of our values against the published number that its id begins with."""
+    by_id = {number.id: number for number in numbers}
+    others = other_cases(by_id.values())
+    rows = []
     for name, side in ours.items():
-        base = name.partition(EXTENSION)[0]
-        if base not in sides:
-            raise ValueError(f"ledger: {name} has no published number.")
-        sides[base].append((name, side))
-    for base, compared in sides.items():
-        if base not in {name for name, _ in compared}:
-            raise ValueError(f"ledger: {base} has no counterpart of ours.")
-    others = other_cases(own)
-    rows = [
-        {**judge(number, side, others.get(number.id, ())), "id": name}
-        for number in own
-        for name, side in sides[number.id]
-    ]
+        number = by_id[name.partition(EXTENSION)[0]]
+        rows.append({**judge(number, side, others.get(number.id, ())), "id": name})
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -236,16 +208,164 @@ def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.D
 
     Columns ``basis, what, rows, pairs, refused``: the share ``refused / pairs`` is the specificity of the verdict.
     """
-    others = other_cases(number for number in numbers if number.kind != LEFT_OUT)
+    others = other_cases(numbers)
     called = claims[(claims["verdict"] == REPRODUCED) & claims["basis"].isin([str(basis) for basis in EVIDENCE])]
-    counted: dict[tuple[str, str], list[int]] = {}
+    rows = []
     for row in called.to_dict("records"):
-        values = others.get(str(row["id"]).partition(EXTENSION)[0], ())
-        if values:
+        if values := others.get(str(row["id"]).partition(EXTENSION)[0], ()):
             what = "similarities" if row["unit"] == "%" else "parameters"
-            count = counted.setdefault((str(row["basis"]), what), [0, 0, 0])
             refused = sum(abs(value - row["ours"]) > row["tolerance"] for value in values)
-            for k, number in enumerate((1, len(values), refused)):
-                count[k] += number
-    rows = [(*key, *count) for key, count in sorted(counted.items())]
-    return pd.DataFrame(rows, columns=["basis", "what", "rows", "pairs", "refused"])
+            rows.append((str(row["basis"]), what, 1, len(values), refused))
+    table = pd.DataFrame(rows, columns=["basis", "what", "rows", "pairs", "refused"])
+    return table.groupby(["basis", "what"], as_index=False).sum()
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause, and the page or table that shows it."""
+
+    title: str
+    why: str
+    evidence: str  # page of docs/ with its anchor, or target of the workflow
+
+
+CAUSES: dict[str, Cause] = {
+    "closed-loop motion": Cause(
+        "Algorithm 1 as listed on a motion that an arm has tracked",
+        "The network is trained on Eq. 10 itself. Line 18 gives it the measured motion, whose acceleration has spikes "
+        "where friction reverses, and the torque contains effects that Eq. 1 does not model. Closed-loop training, the "
+        "desired motion in line 18, back-EMF and the reader each change the result on T1 to T4.",
+        "explanation/experiment.md#the-factorial-of-causes",
+    ),
+    "image reader": Cause(
+        "What closed-loop training and the desired motion leave",
+        "A plain network that reads the torque samples instead of the image of Eq. 9 is better by more than what is "
+        "left here.",
+        "explanation/experiment.md#the-factorial-of-causes",
+    ),
+    "another arm": Cause(
+        "A simulated arm in place of the published one",
+        "The arm is calibrated on the least-squares cells of ID, and the bands of T1 were chosen by those of T1. Its "
+        "friction, ripple and motors are not the published arm's, so all other cells are predictions for another arm.",
+        "explanation/experiment.md#four-numbers-calibrate-the-simulated-arm",
+    ),
+    "another network": Cause(
+        "One trained network in place of another",
+        "The interval is over the seeds of the guesses. Estimates and similarities of a network of another training "
+        "seed differ by more, and the paper's weights are not available.",
+        "numbers.md#how-networks-scatter",
+    ),
+    "lag of the gains": Cause(
+        "The lag of joint 1 that its gains imply",
+        "With the gains as printed joint 1 follows with a lag of K_v h / K_p = 17.6 ms, twice that of joint 2.",
+        "explanation/experiment.md#gains-and-arithmetic-of-the-controller",
+    ),
+    "unlisted memory": Cause(
+        "Memory that the paper does not list",
+        "The count is of the stored trajectory alone. Gains and buffers come on top.",
+        "reference/tables/audit.md",
+    ),
+}
+
+_COLUMNS = ("id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note")
+_HEADER = tuple("made by" if name == "target" else name for name in _COLUMNS)
+#: Column of `by_basis` for rows of extensions, whatever they rest on.
+EXTENSIONS = "extensions"
+
+
+def _number(value: object) -> str:
+    return "" if pd.isna(value) else f"{value:.6g}"  # type: ignore[call-overload]
+
+
+def _published(row: Mapping[Hashable, Any]) -> str:
+    return f"{row['published']} {row['unit']}".removesuffix(" 1").removesuffix(" not printed")
+
+
+def _cell(text: object) -> str:
+    return str(text).replace("|", r"\|")
+
+
+def _table(header: tuple[str, ...], rows: list[tuple[object, ...]]) -> list[str]:
+    lines = [f"| {' | '.join(header)} |", f"|{'---|' * len(header)}"]
+    return [*lines, *(f"| {' | '.join(_cell(c) for c in row)} |" for row in rows), ""]
+
+
+def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
+    shown = claims.assign(
+        published=[_published(row) for row in claims.to_dict("records")],
+        ours=claims["ours"].map(_number),
+        tolerance=claims["tolerance"].map(_number),
+    )
+    return list(shown[list(_COLUMNS)].itertuples(index=False, name=None))
+
+
+def by_basis(claims: pd.DataFrame) -> pd.DataFrame:
+    """Count the verdicts (rows) by what the comparison rests on (columns); extensions of ours are counted apart."""
+    extension = claims["id"].str.contains(EXTENSION, regex=False)
+    groups = {str(basis): ~extension & (claims["basis"] == basis) for basis in Basis} | {EXTENSIONS: extension}
+    counts = {name: claims.loc[chosen, "verdict"].value_counts() for name, chosen in groups.items()}
+    return pd.DataFrame(counts).reindex(list(VERDICTS)).fillna(0).astype(int)
+
+
+def _asserted(claims: pd.DataFrame) -> tuple[int, int]:
+    """How many claims are asserted, and how many of them have the asserted verdict."""
+    asserted = int((claims["asserted"] != "").sum())
+    return asserted, asserted - len(broken(claims))
+
+
+def summary(claims: pd.DataFrame) -> list[str]:
+    """How many claims have each verdict, by what the comparison rests on, and every asserted claim that fails."""
+    counted = by_basis(claims)
+    width = max(map(len, counted.columns))
+    lines = []
+    for name, column in counted.items():
+        listed = ", ".join(f"{number} {verdict}" for verdict, number in column.items() if number)
+        lines.append(f"{name!s:<{width}}  {column.sum():4d}  {listed}")
+    asserted, satisfied = _asserted(claims)
+    lines.append(f"{satisfied} of {asserted} asserted claims are as asserted")
+    lines += [
+        f"not as asserted: {row['id']}: {row['verdict']} instead of {row['asserted']}, "
+        f"published {_published(row)}, ours {_number(row['ours'])}"
+        for row in broken(claims).to_dict("records")
+    ]
+    return lines
+
+
+def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
+    """The ledger as a page."""
+    asserted, satisfied = _asserted(claims)
+    counted = by_basis(claims)
+    counts = zip(counted.index, counted.to_numpy(), strict=True)
+    lines = ["# Claims", "", "Every number that the paper prints as its own, next to ours.", ""]
+    lines += [
+        "A match is evidence only in the columns *numeric* (the paper's own arms N1 to N4) and *simulated arm* "
+        "(another arm than the paper's). The other columns could not have come out otherwise.",
+        f"An id with `{EXTENSION}` compares an extension of ours with the same number.",
+        "",
+        *_table(("verdict", *counted.columns), [(name, *row) for name, row in counts]),
+        "## Specificity",
+        "",
+        "Of the numbers that are called reproduced: how often the published value of another case lies outside the "
+        "tolerance.",
+        "",
+        *_table(
+            ("basis", "of", "numbers", "pairs", "outside"),
+            [tuple(row) for row in specific.itertuples(index=False)],
+        ),
+        "## Asserted claims",
+        "",
+        f"{satisfied} of {asserted} have the asserted verdict. Those about results, and those that fail:",
+        "",
+    ]
+    of_results = (claims["asserted"] != "") & claims["basis"].isin([str(Basis.NUMERIC), str(Basis.ARM)])
+    lines += _table(_HEADER, _rows(claims[of_results | claims.index.isin(broken(claims).index)]))
+    lines += ["## What differs, by cause", ""]
+    differing = claims[claims["verdict"] == DIFFERS]
+    for name, cause in CAUSES.items():
+        if len(own := differing[differing["cause"] == name]):
+            lines += [f"### {cause.title}", "", f"{cause.why} Evidence: {cause.evidence}.", ""]
+            lines += _table(_HEADER, _rows(own))
+    lines += ["## Every number", ""]
+    for place in dict.fromkeys(claims["place"]):
+        lines += [f"### {place}", "", *_table(_HEADER, _rows(claims[claims["place"] == place]))]
+    return "\n".join(lines)

@@ -14,7 +14,6 @@ from typing import Any
 
 import pandas as pd
 
-from repro.errors import InputError
 from repro.files import read_rows
 from repro.paper.published import Published, PublishedValue
 
@@ -24,21 +23,17 @@ FINDINGS_FILE = Path(__file__).with_name("findings.csv")
 CONSISTENT = "consistent"
 CONTRADICTS = "contradicts itself"
 NOT_POSSIBLE = "not possible"
-OUTSIDE = "outside its own range"
-IN_PART = "holds in part"
-MISPRINT = "misprint"
 QUESTIONABLE = "questionable"
-OPEN = "cannot be decided"
 
 VERDICTS = {
     CONSISTENT: "the printed numbers agree",
     CONTRADICTS: "two statements of the paper exclude each other",
     NOT_POSSIBLE: "no arm, or no signal, can have the printed value",
-    OUTSIDE: "the value lies outside the range that the paper gives for it",
-    IN_PART: "true for some of the cases it is said of",
-    MISPRINT: "a symbol, unit or reference that the rest of the paper corrects",
+    "outside its own range": "the value lies outside the range that the paper gives for it",
+    "holds in part": "true for some of the cases it is said of",
+    "misprint": "a symbol, unit or reference that the rest of the paper corrects",
     QUESTIONABLE: "no contradiction, but a reader should know",
-    OPEN: "the part of the paper that would decide it is lost or was not printed",
+    "cannot be decided": "the part of the paper that would decide it is lost or was not printed",
 }
 
 #: Rounding of binary numbers, relative to the tolerance.
@@ -60,11 +55,6 @@ class Finding:
     verdict: str  # one of `VERDICTS`
     note: str = ""  # what a reader should know; says so where the extraction of the text may be at fault
     numbers: tuple[str, ...] = ()  # ids of the published numbers that the check uses
-
-
-def agrees(found: float, printed: float, tolerance: float) -> bool:
-    """Whether two numbers that should be equal are, to a tolerance."""
-    return abs(found - printed) <= tolerance * (1.0 + _ROUNDING)
 
 
 class Check:
@@ -96,7 +86,7 @@ class Check:
             subject = self.published[self.id]
             printed = subject.value if printed is None else printed
             tolerance = subject.half_step if tolerance is None else tolerance
-        same = agrees(found, printed, tolerance)
+        same = abs(found - printed) <= tolerance * (1.0 + _ROUNDING)
         return self.compares(found, printed, same, tolerance=tolerance, uses=uses, **texts)
 
     def compares(
@@ -127,13 +117,9 @@ class Check:
         return self.compares(math.nan, math.nan, consistent=False)
 
 
-def read_checks(published: Published, path: Path = FINDINGS_FILE) -> list[Check]:
+def read_checks(published: Published) -> list[Check]:
     """Read the rows of ``findings.csv``."""
-    rows = read_rows(path)
-    for number, row in enumerate(rows, start=2):
-        if row["verdict"] not in VERDICTS:
-            raise InputError.at(f"{path}: line {number}: verdict", row["verdict"], f"one of {', '.join(VERDICTS)}")
-    return [Check(row, published) for row in rows]
+    return [Check(row, published) for row in read_rows(FINDINGS_FILE)]
 
 
 def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:

@@ -17,12 +17,20 @@ from repro.documents import read_bytes
 from repro.errors import InputError
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
-from repro.paper.claims import LEFT_OUT, REPRODUCED, SETTING, OurValue, broken, judge_all, specificity
+from repro.paper.claims import (
+    LEFT_OUT,
+    REPRODUCED,
+    SETTING,
+    OurValue,
+    broken,
+    judge_all,
+    markdown,
+    specificity,
+    summary,
+)
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
-from repro.paper.ledger_page import markdown, summary
-from repro.paper.our_values import REFINED, values_of
+from repro.paper.our_values import REFINED, Results, values_of
 from repro.paper.published import PUBLISHED_FILE, Published, load_published
-from repro.paper.results import Results
 
 _LOG = logging.getLogger(__name__)
 
@@ -231,7 +239,7 @@ def verify_ledger(
     try:
         numbers = load_published(published)
         claims = compute(numbers, config, Results(results))
-    except (InputError, ValueError) as error:  # ValueError: a value without a published number, or none for it
+    except (ValueError, LookupError) as error:  # published numbers that were changed are named among the problems
         return None, [*problems, str(error)]
     problems += compare(table, claims, str(results / CLAIMS))
     if not problems and page != _page(table, numbers):

@@ -12,9 +12,9 @@ logarithmic spectra are no functions of the cosine.
 Many formulas share norms and differences. A `Pair` computes each of them once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -30,29 +30,15 @@ class Signal:
     def __init__(self, values: Array) -> None:
         self.values = values
         self.n = values.shape[-1]
-        magnitude = np.abs(values)
+        self.low, self.high = np.asarray(values.min(-1)), np.asarray(values.max(-1))
+        self.peak = np.maximum(self.high, -self.low)
+        self.mean = np.asarray(values.mean(-1))
+        self.norm1 = np.asarray(np.abs(values).sum(-1))
         self.square = np.asarray(np.einsum("...n,...n->...", values, values))
-        self.norm1 = magnitude.sum(-1)
-        self.peak = magnitude.max(-1)
         self.norm = np.sqrt(self.square)
         self.mean_square = np.asarray(self.square / self.n)
         self.rms = np.sqrt(self.mean_square)
         self.mean_absolute = np.asarray(self.norm1 / self.n)
-
-    @cached_property
-    def mean(self) -> Array:
-        """Mean."""
-        return np.asarray(self.values.mean(-1))
-
-    @cached_property
-    def low(self) -> Array:
-        """Smallest sample."""
-        return np.asarray(self.values.min(-1))
-
-    @cached_property
-    def high(self) -> Array:
-        """Largest sample."""
-        return np.asarray(self.values.max(-1))
 
     def normalised(self, name: str) -> Array:
         """Return the values normalised in one of the ways of `_NORMALISATIONS`."""
@@ -123,10 +109,6 @@ class Candidate:
     name: str  # short name, unique within the factor
     formula: str  # readable; x and X are the actual signal and its DCT-II spectrum, y and Y the rebuilt ones
     measure: Measure  # error of a pair of signals (time) or spectra (frequency), shape (..., 2); 0 for equal arguments
-
-    def error(self, x: Array, y: Array) -> Array:
-        """Error of arrays of shape (..., 2, N)."""
-        return self.measure(Pair(x, y))
 
 
 _TIME: tuple[tuple[str, str, Measure], ...] = (
@@ -231,33 +213,19 @@ def _of_kind(kind: str, measure: Measure) -> Measure:
     return lambda p: measure(p.of_kind(kind))
 
 
-@cache
-def time_candidates() -> tuple[Candidate, ...]:
-    """Error formulas on the signals."""
-    return tuple(Candidate("time", name, formula, measure) for name, formula, measure in _TIME)
+def _frequency_candidates() -> Iterator[Candidate]:
+    """Error formulas on the DCT-II spectra: kind | normalisation | distance."""
+    for kind, (x, y, _) in _KINDS.items():
+        for norm, shape in _NORMALISATIONS.items():
+            # Division by the sum differs from division by the 1-norm for the signed spectrum only.
+            for distance, form, measure in _DISTANCES if norm != "sum" or kind == "signed" else ():
+                formula = form.format(D=f"{shape.format(S=x)} - {shape.format(S=y)}")
+                name = f"{kind} | {norm} | {distance}"
+                yield Candidate("frequency", name, formula, _normalised(kind, norm, measure))
+    for kind, (x, y, _) in _KINDS.items():
+        for name, form, error in _SCALE_FREE:
+            yield Candidate("frequency", f"{kind} | - | {name}", form.format(S=x, T=y), _of_kind(kind, error))
 
 
-@cache
-def frequency_candidates() -> tuple[Candidate, ...]:
-    """Error formulas on the DCT-II spectra: kind | normalisation | distance.
-
-    Division by the sum differs from division by the 1-norm for the signed spectrum only.
-    """
-    products = [
-        Candidate(
-            "frequency",
-            f"{kind} | {norm} | {distance}",
-            form.format(D=f"{shape.format(S=x)} - {shape.format(S=y)}"),
-            _normalised(kind, norm, measure),
-        )
-        for kind, (x, y, _) in _KINDS.items()
-        for norm, shape in _NORMALISATIONS.items()
-        if norm != "sum" or kind == "signed"
-        for distance, form, measure in _DISTANCES
-    ]
-    scale_free = [
-        Candidate("frequency", f"{kind} | - | {name}", form.format(S=x, T=y), _of_kind(kind, measure))
-        for kind, (x, y, _) in _KINDS.items()
-        for name, form, measure in _SCALE_FREE
-    ]
-    return (*products, *scale_free)
+#: Every candidate of both factors, time first.
+CANDIDATES = (*(Candidate("time", *entry) for entry in _TIME), *_frequency_candidates())

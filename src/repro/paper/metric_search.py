@@ -1,4 +1,4 @@
-"""Search for the formulas of Algorithm 2 and for the random motion of Table 7.
+"""Search for the formulas of Algorithm 2 and for the random motion of Table 7; checks of the published similarities.
 
 Tables 4 and 5 print four true parameter sets with their published estimates. Table 7 prints the similarity of the
 torques of each pair on a random trajectory (Section V-B), in time and in frequency. Each candidate formula scores the
@@ -8,7 +8,7 @@ shortfalls from 100 % as ratios: 0.7 is a factor of two.
 
 The paper prints the filter of its random trajectory (Eq. 14), but neither the unit of its omega nor the length of the
 trajectory. The search therefore covers nine bandwidths at the length of Eq. 10, and the first 100 bands at six further
-lengths; see `MOTIONS`. `repro.paper.metric_checks` contains the checks that need no random motion.
+lengths; see `MOTIONS`. Checks that need no random motion follow the search.
 """
 
 from collections.abc import Sequence
@@ -19,28 +19,15 @@ import pandas as pd
 
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
-from repro.paper.metric_candidates import Candidate, Factor, Pair, frequency_candidates, time_candidates
-from repro.paper.metric_checks import AbstractCheck, abstract_check, composition, pair_bounds
-from repro.paper.published import NUMERIC_CASES, Published, load_published
+from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
+from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published
 from repro.signals.dct import spectrum
-from repro.signals.metric import PUBLISHED_METRIC
+from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
-
-__all__ = [
-    "AbstractCheck",
-    "RandomMotion",
-    "Scores",
-    "abstract_check",
-    "candidates",
-    "compare_motions",
-    "composition",
-    "pair_bounds",
-    "rank_candidates",
-    "score_motions",
-]
 
 DURATION = 3.0 * np.pi  # s, that of Eq. 10
 SAMPLING_PERIOD = 2.5e-3  # s
+EXPONENT = PUBLISHED_METRIC.exponent
 
 
 @dataclass(frozen=True)
@@ -49,11 +36,6 @@ class RandomMotion:
 
     samples: int
     bandwidth: float  # rad/s, where the gain exp(-c_f omega^2) of Eq. 14 is 1/e, so c_f = 1/bandwidth^2
-
-    def __post_init__(self) -> None:
-        """Refuse a motion without samples or bandwidth."""
-        if self.samples < 2 or not self.bandwidth > 0:
-            raise ValueError(f"motion: at least two samples and a positive bandwidth are needed, got {self}.")
 
     @property
     def duration(self) -> float:
@@ -64,11 +46,6 @@ class RandomMotion:
     def bands(self) -> float:
         """Number of the DCT-II band at the bandwidth."""
         return self.bandwidth * self.duration / np.pi
-
-    @property
-    def label(self) -> str:
-        """Length and bandwidth in words."""
-        return f"{self.samples} samples ({self.duration:.4g} s), {self.bandwidth:.3g} rad/s"
 
     def draw(self, rng: np.random.Generator) -> Motion:
         """Draw a motion."""
@@ -106,32 +83,24 @@ CHOSEN: dict[Factor, str] = {
 }
 
 
-def candidates() -> tuple[Candidate, ...]:
-    """Every candidate of both factors, time first."""
-    return (*time_candidates(), *frequency_candidates())
-
-
-def score_torques(actual: Array, rebuilt: Array, exponent: float = PUBLISHED_METRIC.exponent) -> Array:
-    """Similarity (1 - error)^exponent of torques (2, N) by every candidate, floored at 0: (candidates, 2)."""
-    pairs = {"time": Pair(actual, rebuilt), "frequency": Pair(spectrum(actual), spectrum(rebuilt))}
-    error = np.stack([c.measure(pairs[c.factor]) for c in candidates()])
-    return np.asarray(np.clip(1.0 - error, 0.0, 1.0) ** exponent)
-
-
-def score_candidates(
-    motion: Motion, true: Array, estimate: Array, exponent: float = PUBLISHED_METRIC.exponent
-) -> Array:
-    """Similarity of parameter sets (arms, 9) by every candidate, shape (candidates, arms, 2)."""
-    return _scores_of(_torques(motion, true), _torques(motion, estimate), exponent)
-
-
 def _torques(motion: Motion, beta: Array) -> Array:
     return rebuild_torque(regressor(motion.q, motion.dq, motion.ddq), beta)
 
 
-def _scores_of(actual: Array, rebuilt: Array, exponent: float) -> Array:
-    # One arm at a time: the arrays of one arm fit the processor's cache.
-    return np.stack([score_torques(x, y, exponent) for x, y in zip(actual, rebuilt, strict=True)], axis=1)
+def score_torques(actual: Array, rebuilt: Array) -> Array:
+    """Similarity (1 - error)^0.4 of torques (arms, 2, N) by every candidate, floored at 0: (candidates, arms, 2)."""
+    scores = []
+    for x, y in zip(actual, rebuilt, strict=True):  # the arrays of one arm fit the processor's cache
+        pairs = {"time": Pair(x, y), "frequency": Pair(spectrum(x), spectrum(y))}
+        error = np.stack([c.measure(pairs[c.factor]) for c in CANDIDATES])
+        scores.append(np.clip(1.0 - error, 0.0, 1.0) ** EXPONENT)
+    return np.stack(scores, axis=1)
+
+
+def score_candidates(motion: Motion, published: Published) -> Array:
+    """Similarity of the pairs of Tables 4 and 5 by every candidate, shape (candidates, arms, 2)."""
+    true, estimate = (_torques(motion, published.parameter_sets(name)) for name in ("true", "algorithm1"))
+    return score_torques(true, estimate)
 
 
 @dataclass(frozen=True)
@@ -143,12 +112,12 @@ class Scores:
     # averaged over the repeats
     log_error: Array
     mean_square: Array  # median over the repeats of the mean-square actual torque, (N m)^2, shape (motions, arms, 2)
-    exponent: float
     published: Published
 
-    def rms(self, cells: Array | None = None) -> Array:
-        """Rms log error over the cells (arms, 2) of a mask, by default all of them: (motions, candidates)."""
-        errors = self.log_error[..., np.ones(self.log_error.shape[-2:], bool) if cells is None else cells]
+    def rms(self, without: int | None = None) -> Array:
+        """Rms log error over the cells of all arms, or of all but one: (motions, candidates)."""
+        arms = [arm for arm in range(self.log_error.shape[-2]) if arm != without]
+        errors = self.log_error[..., arms, :].reshape(*self.log_error.shape[:2], -1)
         return np.asarray(np.sqrt(np.mean(errors**2, -1)))
 
 
@@ -156,84 +125,71 @@ def score_motions(
     seed: int,
     repeats: int = 32,
     motions: Sequence[RandomMotion] = MOTIONS,
-    exponent: float = PUBLISHED_METRIC.exponent,
     published: Published | None = None,
 ) -> Scores:
     """Score the published pairs of Tables 4 and 5 by every candidate on random motions.
 
     1 - s is kept above `SMALLEST_SHORTFALL`; a similarity floored at 0 gives log(1 - s) = 0.
     """
-    numbers = load_published() if published is None else published
+    numbers = published or load_published()
     true, estimate = numbers.parameter_sets("true"), numbers.parameter_sets("algorithm1")
-    printed = np.stack([numbers.similarities(c.factor) for c in candidates()])
+    printed = np.stack([numbers.similarities(c.factor) for c in CANDIDATES])
     ours = np.zeros((len(motions), *printed.shape))
     mean_square = np.zeros((len(motions), repeats, *printed.shape[1:]))
     for m, motion in enumerate(motions):
         for repeat in range(repeats):
             drawn = motion.draw(np.random.default_rng([seed, repeat]))
             actual = _torques(drawn, true)
-            shortfall = 1.0 - _scores_of(actual, _torques(drawn, estimate), exponent)
+            shortfall = 1.0 - score_torques(actual, _torques(drawn, estimate))
             ours[m] += np.log(np.maximum(shortfall, SMALLEST_SHORTFALL)) / repeats
             mean_square[m, repeat] = np.mean(actual**2, -1)
     log_error = ours - np.log(np.maximum(1.0 - printed, SMALLEST_SHORTFALL))
-    return Scores(tuple(motions), log_error, np.median(mean_square, axis=1), exponent, numbers)
+    return Scores(tuple(motions), log_error, np.median(mean_square, axis=1), numbers)
 
 
 def rank_candidates(scores: Scores) -> pd.DataFrame:
     """Rank the candidates of each factor by their rms log error against Table 7 at their best motion.
 
     ``rank_low`` and ``rank_high`` are the smallest and the largest rank if one of the four arms is left out, with the
-    best motion of each candidate chosen again from the other six cells.
+    best motion of each candidate chosen again from the other six cells. ``abstract_mean_total`` is the mean total on
+    Eq. 10 of each candidate times the chosen candidate of the other factor.
     """
-    rms = scores.rms()
-    entries = candidates()
+    rms, arms = scores.rms(), range(scores.log_error.shape[-2])
     best = [scores.motions[m] for m in rms.argmin(0)]
+    left_out = [_ranks(scores.rms(arm)) for arm in arms]
+    on_eq10 = score_candidates(identification_trajectory(DURATION, SAMPLING_PERIOD), scores.published)
+    other = {"time": on_eq10[_place("frequency")], "frequency": on_eq10[_place("time")]}
     table = pd.DataFrame(
         {
-            "factor": [c.factor for c in entries],
-            "candidate": [c.name for c in entries],
-            "formula": [c.formula for c in entries],
+            "factor": [c.factor for c in CANDIDATES],
+            "candidate": [c.name for c in CANDIDATES],
+            "formula": [c.formula for c in CANDIDATES],
             "rms_log_error_best": rms.min(0),
             "samples": [motion.samples for motion in best],
             "bandwidth": [motion.bandwidth for motion in best],
             "rms_log_error_mean": rms.mean(0),
+            "rank": _ranks(rms),
+            "rank_low": np.min(left_out, axis=0),
+            "rank_high": np.max(left_out, axis=0),
+            "chosen": [CHOSEN[c.factor] == c.name for c in CANDIDATES],
+            "abstract_mean_total": [np.mean(s * other[c.factor]) for s, c in zip(on_eq10, CANDIDATES, strict=True)],
         }
     )
-    table["rank"] = _ranks(rms, table["factor"])
-    left_out = []
-    for arm in range(scores.log_error.shape[-2]):
-        cells = np.ones(scores.log_error.shape[-2:], bool)
-        cells[arm] = False
-        left_out.append(_ranks(scores.rms(cells), table["factor"]))
-    table["rank_low"], table["rank_high"] = np.min(left_out, axis=0), np.max(left_out, axis=0)
-    table["chosen"] = [CHOSEN[c.factor] == c.name for c in entries]
-    table["abstract_mean_total"] = _abstract_mean_totals(scores)
-    table["is_frequency"] = table["factor"] == "frequency"
-    table = table.sort_values(["is_frequency", "rank"], kind="stable", ignore_index=True)
-    return table.drop(columns="is_frequency")
+    time_first = {"time": 0, "frequency": 1}
+    order = table.assign(factor=table["factor"].map(time_first)).sort_values(["factor", "rank"], kind="stable").index
+    return table.loc[order].reset_index(drop=True)
 
 
-def _ranks(rms: Array, factor: pd.Series) -> pd.Series:
+def _ranks(rms: Array) -> pd.Series:
     """Ranks within each factor of the smallest errors over the motions."""
     # Equal formulas with two names differ by rounding, which would make their order depend on the machine.
     best = pd.Series(rms.min(0).round(9))
-    return best.groupby(factor).rank(method="min").astype(int)
-
-
-def _abstract_mean_totals(scores: Scores) -> Array:
-    """Mean total on Eq. 10 of each candidate times the chosen candidate of the other factor."""
-    motion = identification_trajectory(DURATION, SAMPLING_PERIOD)
-    true, estimate = scores.published.parameter_sets("true"), scores.published.parameter_sets("algorithm1")
-    s = score_candidates(motion, true, estimate, scores.exponent)
-    entries = candidates()
-    other = {"time": s[_place("frequency")], "frequency": s[_place("time")]}
-    return np.array([np.mean(s[k] * other[c.factor]) for k, c in enumerate(entries)])
+    return best.groupby([c.factor for c in CANDIDATES]).rank(method="min").astype(int)
 
 
 def _place(factor: Factor, name: str | None = None) -> int:
     """Index of a candidate, by default the chosen one of a factor."""
-    keys = [(c.factor, c.name) for c in candidates()]
-    return keys.index((factor, CHOSEN[factor] if name is None else name))
+    return [(c.factor, c.name) for c in CANDIDATES].index((factor, name or CHOSEN[factor]))
 
 
 def compare_motions(scores: Scores) -> pd.DataFrame:
@@ -262,3 +218,130 @@ def compare_motions(scores: Scores) -> pd.DataFrame:
             "chosen": [motion == CHOSEN_MOTION for motion in scores.motions],
         }
     )
+
+
+_FACTORS = ("time", "frequency")
+_CELL = ("place", "case", "method", "joint")
+
+
+def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, PublishedValue]]:
+    """Time, Freq. and Total of each cell of Tables 7 and 10."""
+    totals = [v for v in numbers if v.quantity == "total" and v.place in ("Table 7", "Table 10")]
+    return [
+        (numbers[t.id.replace("/total/", "/time/")], numbers[t.id.replace("/total/", "/frequency/")], t) for t in totals
+    ]
+
+
+def composition(published: Published | None = None) -> pd.DataFrame:
+    """Check the published Totals of Tables 7 and 10 against the factors printed with them.
+
+    If the power 0.4 is part of the printed factors, Total = Time x Freq. If it is applied to their product, Total =
+    (Time x Freq.)^0.4. A Total agrees if the difference is within the rounding of all three printed numbers.
+    """
+    numbers = published or load_published()
+    rows = []
+    for time, frequency, total in _triples(numbers):
+        product = time.value * frequency.value / 100.0
+        # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
+        spread = (time.half_step * frequency.value + frequency.half_step * time.value) / 100.0
+        power_last = 100.0 * (product / 100.0) ** EXPONENT
+        rows.append(
+            {
+                "id": total.id,
+                **{name: getattr(total, name) for name in _CELL},
+                "time": time.value,
+                "frequency": frequency.value,
+                "total": total.value,
+                "product": product,
+                "difference": total.value - product,
+                "tolerance": total.half_step + spread,
+                "agrees": abs(total.value - product) <= total.half_step + spread,
+                "agrees_power_last": abs(total.value - power_last) <= total.half_step + spread,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def abstract_check(published: Published | None = None, settings: MetricSettings = PUBLISHED_METRIC) -> pd.DataFrame:
+    """Score the pairs of Tables 4 and 5 on Eq. 10 with ``metr2ev``: ``case, joint, time, frequency, total``, of 1.
+
+    Table 6, which contained these eight totals, is lost. According to the abstract they exceed 97.38 %.
+    """
+    numbers, motion = published or load_published(), identification_trajectory(h=SAMPLING_PERIOD)
+    true, estimate = (_torques(motion, numbers.parameter_sets(name)) for name in ("true", "algorithm1"))
+    s = metr2ev(true, estimate, settings)
+    columns = {"time": s.time.ravel(), "frequency": s.frequency.ravel(), "total": s.total.ravel()}
+    n = len(NUMERIC_CASES)
+    return pd.DataFrame({"case": np.repeat(NUMERIC_CASES, 2), "joint": np.tile([1, 2], n), **columns})
+
+
+def _time_error(time: PublishedValue, step: float = 0.0) -> float:
+    """Error of a printed Time value, with the value moved by `step` half steps of its last digit."""
+    return float(1.0 - ((time.value + step * time.half_step) / 100.0) ** (1.0 / EXPONENT))
+
+
+def _least_energy_error(frequency: PublishedValue, step: float = 0.0) -> float:
+    """Least |x-y|^2 / |x|^2 that a printed Freq. value permits, with the value moved by `step` half steps."""
+    distance = 1.0 - ((frequency.value + step * frequency.half_step) / 100.0) ** (1.0 / EXPONENT)
+    return float(1.0 - (1.0 - 0.5 * distance**2) ** 2)
+
+
+def pair_bounds(published: Published | None = None) -> pd.DataFrame:
+    """Compute which Time values are possible with the printed Freq. values.
+
+    Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II preserves inner products, so the signals have the cosine
+    c = 1 - d^2/2, and |x - y|^2 >= |x|^2 (1 - c^2) for any scale of y. A time error |x-y|^2 / |x|^2 is therefore at
+    least 1 - c^2 for any torque. A time error mean((x-y)^2) has no such limit, but it bounds the torque: rms(x) <=
+    sqrt(error / (1 - c^2)). With unsigned spectra |X| instead of X the true c is smaller, and both bounds remain valid.
+    """
+    numbers = published or load_published()
+    rows = []
+    for time, frequency, _ in _triples(numbers):
+        error, least = _time_error(time, -1.0), _least_energy_error(frequency, 1.0)
+        rows.append(
+            {
+                "id": time.id.replace("/time/", "/"),
+                **{name: getattr(time, name) for name in _CELL},
+                "time": time.value,
+                "frequency": frequency.value,
+                "time_error": error,
+                "least_energy_error": least,
+                "energy_possible": error >= least,
+                "largest_rms": np.sqrt(error / least),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def torque_bounds(published: Published | None = None) -> pd.DataFrame:
+    """Compute the largest mean-square torque of each motion and joint of Table 10, in (N m)^2.
+
+    The bound of `pair_bounds` applies to the actual torque, which is the same for both methods, so the smaller bound
+    counts. `published_method` is the method whose pair gives it. The time error is assumed to be mean((x-y)^2) in N m.
+    """
+    bounds = pair_bounds(published)
+    bounds = bounds[bounds["place"] == "Table 10"]
+    smallest = bounds.loc[bounds.groupby(["case", "joint"], sort=False)["largest_rms"].idxmin()]
+    table = smallest[["case", "joint"]].assign(
+        largest_mean_square=smallest["largest_rms"] ** 2, published_method=smallest["method"]
+    )
+    return table.reset_index(drop=True)
+
+
+def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
+    """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
+
+    The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
+    error on this run, but over both joints with common parameters, so that the scale of a single joint need not be the
+    best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
+    below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
+    """
+    numbers = published or load_published()
+    bounds = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
+    rows = []
+    for joint in (1, 2):
+        time, frequency = (numbers[f"table10/ID/least-squares/{factor}/joint{joint}"] for factor in _FACTORS)
+        low, estimate, high = (_time_error(time, -s) / _least_energy_error(frequency, s) for s in (-1.0, 0.0, 1.0))
+        possible = bool(low <= bounds[f"table10/ID/algorithm1/joint{joint}"])
+        rows.append({"joint": joint, "mean_square": estimate, "low": low, "high": high, "possible": possible})
+    return pd.DataFrame(rows)

@@ -19,21 +19,24 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from repro.cnn import architecture, image, priors
+from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.comparison.tolerances import LEDGER
 from repro.errors import InputError
+from repro.files import read_rows
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
 from repro.paper import audit as hardware
 from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue
-from repro.paper.results import Results, Sample
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
 from repro.signals.metric import metr2ev
@@ -53,8 +56,6 @@ MODULES: dict[str, ModuleType] = {
     "signals.trajectories": trajectories,
     "signals.validation_motions": validation_motions,
 }
-#: Causes of differences that the arithmetic leaves.
-CAUSE_OF = {"section3/memory-share": "unlisted memory"}
 _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -118,6 +119,116 @@ def _first_key(expression: str, config: Mapping[str, Any]) -> str:
     dotted = re.sub(r"\['([\w-]+)'\]", r".\1", expression)
     keys: list[str] = re.findall(r"[a-z][\w-]*(?:\.[\w-]+)+", dotted)
     return next(key for key in keys if key.partition(".")[0] in config)
+
+
+SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
+SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
+PARAMETERS = ("case", "method", "parameter", "true", "estimate", "estimate_sd")
+
+#: Result files by their path in the results folder, and the columns that each must have.
+FILES: dict[str, tuple[str, ...]] = {
+    "tables/table04.csv": PARAMETERS,
+    "tables/table05.csv": PARAMETERS,
+    "tables/table06.csv": SIMILARITY,
+    "tables/table07.csv": SIMILARITY,
+    "tables/table08.csv": SIMILARITY,
+    "tables/table09.csv": PARAMETERS,
+    "tables/table10.csv": SIMILARITY,
+    "tables/stability.csv": ("method", "quantity", "value", "bound"),
+    "model/training.csv": HISTORY_COLUMNS,
+    "validation/numeric.csv": (*SCORES, "trajectory"),
+    "validation/experiment.csv": SCORES,
+}
+
+#: Scores of every seed behind a table of medians, and the trajectory that the table is about.
+_SEEDS = {
+    "table04": ("validation/numeric.csv", "ID"),
+    "table05": ("validation/numeric.csv", "ID"),
+    "table06": ("validation/numeric.csv", "ID"),
+    "table07": ("validation/numeric.csv", "validation"),
+    "table10": ("validation/experiment.csv", ""),
+}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A number of a table, and its scatter over the seeds."""
+
+    value: float
+    std: float = 0.0
+    seeds: int = 1
+
+
+class Results:
+    """Numbers of a results folder by what they are."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        # As text, so that a message shows what the file has.
+        self._frames = {
+            name: pd.DataFrame(read_rows(folder / name, names), columns=names) for name, names in FILES.items()
+        }
+
+    def _rows(self, name: str, **wanted: object) -> pd.DataFrame:
+        frame = self._frames[name]
+        for column, value in wanted.items():
+            frame = frame[frame[column] == str(value)]
+        if frame.empty:
+            raise InputError.at(str(self._folder / name), f"no row of {_words(wanted)}", "one")
+        return frame
+
+    def _number(self, name: str, column: str, **wanted: object) -> float:
+        text = self._rows(name, **wanted)[column].iloc[0]
+        number = pd.to_numeric(text, errors="coerce")
+        if not np.isfinite(number):
+            place = f"{self._folder / name}: {column} of {_words(wanted)}"
+            raise InputError.at(place, text or "nothing", "a finite number")
+        return float(number)
+
+    def _totals(self, table: str, quantity: str = "total", **wanted: object) -> pd.Series:
+        """Similarities of every seed behind rows of a table, %, by the seed."""
+        name, trajectory = _SEEDS[table]
+        rows = self._rows(name, **wanted, **({"trajectory": trajectory} if trajectory else {}))
+        return 100.0 * pd.to_numeric(rows[quantity], errors="coerce").set_axis(rows["seed"])
+
+    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> Sample:
+        """Similarity of a table, %."""
+        row = {"case": case, "method": method, "joint": joint}
+        value = 100.0 * self._number(f"tables/{table}.csv", quantity, **row)
+        return _sample(value, self._totals(table, quantity, **row)) if table in _SEEDS else Sample(value)
+
+    def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> Sample:
+        """Mean of the totals of both joints in some cases, %."""
+        cells = [self.similarity(table, case, method, joint, "total").value for case in cases for joint in (1, 2)]
+        scores = pd.concat([self._totals(table, case=case, method=method) for case in cases])
+        return _sample(float(np.mean(cells)), scores.groupby(level=0).mean())
+
+    def parameter(self, table: str, case: str, method: str, name: str) -> tuple[float, Sample]:
+        """True value of a parameter, and its estimate, SI units."""
+        row = {"case": case, "method": method, "parameter": name}
+        true, estimate, sd = (self._number(f"tables/{table}.csv", c, **row) for c in PARAMETERS[3:])
+        seeds = self._totals(table, case=case, method=method).index.nunique() if table in _SEEDS else 1
+        return true, Sample(estimate, sd, seeds)
+
+    def stability(self, quantity: str, column: str) -> float:
+        """A number of the appendix for the arm behind the simulated board."""
+        name = "tables/stability.csv"
+        names = self._rows(name, method="appendix")["quantity"]
+        full = next((text for text in names if text.startswith(quantity)), quantity)
+        return self._number(name, column, method="appendix", quantity=full)
+
+    def loss(self) -> float:
+        """Held-out loss at the end of the training."""
+        step = self._frames["model/training.csv"]["step"].iloc[-1]
+        return self._number("model/training.csv", "test_loss", step=step)
+
+
+def _sample(value: float, scores: pd.Series) -> Sample:
+    return Sample(value, float(scores.std(ddof=1)), len(scores)) if len(scores) > 1 else Sample(value)
+
+
+def _words(wanted: Mapping[str, object]) -> str:
+    return ", ".join(f"{column} {value}" for column, value in wanted.items())
 
 
 ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
@@ -308,46 +419,30 @@ def values_of(
 ) -> Values:
     """Compute our values of a number; `audit` has the values found, by finding."""
     source, _, expression = number.ours.partition(":")
-    if source == "result" and results is not None and (name := expression.partition(":")[0]) in RESULT_SOURCES:
-        return RESULT_SOURCES[name](number, results, config)
-    return {"": _declared(number, source, expression, published, config, audit)}
-
-
-def _declared(
-    number: PublishedValue,
-    source: str,
-    expression: str,
-    published: Published,
-    config: Mapping[str, Any],
-    audit: Mapping[str, float],
-) -> OurValue:
-    """Compute our value of a number whose source is not a result file."""
     if source == "bench":
-        return OurValue(None, "", note=number.note)
-    module, names = "", {"pi": math.pi, **config}
+        return {"": OurValue(None, "", note=number.note)}
+    if results is not None and source == "result":
+        return RESULT_SOURCES[expression.partition(":")[0]](number, results, config)
+    module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **config}
     if source == "const":
         module, _, expression = expression.partition(":")
         names = vars(MODULES[module]) if module in MODULES else {}
     elif source == "arithmetic":
         names |= {"frames": frames, "programs": programs, "hardware": hardware, "audit": audit}
         names["printed"] = {each.id: each.value for each in published}
-    elif source in ("config", "schedule"):
-        names["CIRCLE_RADIUS"] = validation_motions.CIRCLE_RADIUS
-    else:
-        expected = f"config, schedule, const, arithmetic, bench, or result:{'|'.join(RESULT_SOURCES)}"
-        raise InputError.at(f"{published.source}: {number.id}: ours", repr(number.ours), expected)
     try:
         value = float(evaluate(expression, names))
     except (ValueError, TypeError, LookupError, AttributeError, SyntaxError) as error:
-        expected = "arithmetic on known names"
-        raise InputError.at(f"{published.source}: {number.id}: ours", f"{number.ours} ({error})", expected) from error
+        raise ValueError(f"{number.id}: ours: {number.ours} is no arithmetic on known names: {error}") from error
     if source == "arithmetic":
         note = re.sub(
             r"\{([^:}]+)(?::([^}]+))?\}", lambda match: format(evaluate(match[1], names), match[2] or "g"), number.note
         )
-        return OurValue(value, LEDGER, Basis.ARITHMETIC, cause=CAUSE_OF.get(number.id, ""), note=note)
+        cause = "unlisted memory" if number.id == "section3/memory-share" else ""
+        return {"": OurValue(value, LEDGER, Basis.ARITHMETIC, cause=cause, note=note)}
     if source == "const":
-        return OurValue(value, LEDGER, strict=True, note="; ".join(filter(None, (number.note, "repro." + module))))
+        note = "; ".join(filter(None, (number.note, "repro." + module)))
+        return {"": OurValue(value, LEDGER, strict=True, note=note)}
     note = ", ".join(filter(None, (f"{CONFIG_FILE}: {_first_key(expression, config)}", number.note)))
     unused = source == "schedule" and config["training"]["recipe"] != "paper"
-    return OurValue(value, LEDGER, strict=True, unused=unused, note=note)
+    return {"": OurValue(value, LEDGER, strict=True, unused=unused, note=note)}

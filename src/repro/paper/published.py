@@ -15,8 +15,9 @@ apply are empty. The columns ``ours`` and ``note`` declare where our value comes
 
 import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -25,11 +26,6 @@ from repro.errors import InputError
 from repro.files import read_rows
 from repro.model.parameters import NAMES, Array
 
-COLUMNS = (
-    "id", "place", "quantity", "case", "method", "joint", "parameter", "unit", "relation", "value", "text", "kind",
-    "ours", "note",
-)  # fmt: skip
-REQUIRED = ("id", "place", "quantity", "unit", "relation", "value", "kind")
 PUBLISHED_FILE = Path(__file__).with_name("published.csv")
 #: The four numeric test arms of Tables 4 and 5.
 NUMERIC_CASES = ("N1", "N2", "N3", "N4")
@@ -47,10 +43,6 @@ KINDS = {
 RELATIONS = ("is", "above", "below", "up to", "about")
 
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
-_NUMBERED = re.compile(r"(Table|Fig\.|Eq\.) (\d+)")
-_SECTION = re.compile(r"Section (I|II|III|IV|V|VI|VII)(?:-([A-C]))?")
-_ROMAN = {numeral: k for k, numeral in enumerate(("I", "II", "III", "IV", "V", "VI", "VII"), start=1)}
-_PLAIN = {"Abstract": "abstract", "Algorithm 1": "algorithm1", "Appendix A": "appendix"}
 
 
 @dataclass(frozen=True)
@@ -89,35 +81,6 @@ class PublishedValue:
         return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
 
 
-def place_head(place: str) -> str:
-    """First part of the ids of a place: ``table07`` for ``Table 7``, ``section4a`` for ``Section IV-A``."""
-    if match := _NUMBERED.fullmatch(place):
-        return f"{match[1].rstrip('.').lower()}{int(match[2]):02d}"
-    if match := _SECTION.fullmatch(place):
-        return f"section{_ROMAN[match[1]]}{(match[2] or '').lower()}"
-    return _PLAIN.get(place, "")
-
-
-def parse_row(entry: Mapping[str, str], place: str) -> PublishedValue:
-    """Check one row of the file."""
-    for name in REQUIRED:
-        if not entry[name].strip():
-            raise InputError.at(f"{place}: {name}", "nothing", "text")
-    head = place_head(entry["place"])
-    if not head:
-        raise InputError.at(f"{place}: place", repr(entry["place"]), "a table, figure, equation or section")
-    if entry["id"].split("/")[0] != head:
-        raise InputError.at(f"{place}: id", repr(entry["id"]), f"an id that begins with {head!r}")
-    for name, allowed in (("kind", KINDS), ("relation", RELATIONS), ("joint", ("", "1", "2"))):
-        if entry[name] not in allowed:
-            raise InputError.at(f"{place}: {name}", repr(entry[name]), f"one of {', '.join(map(repr, allowed))}")
-    printed = entry["value"]
-    if not _NUMBER.fullmatch(printed) or not math.isfinite(float(printed)):
-        raise InputError.at(f"{place}: value", repr(printed), "a finite decimal number")
-    others = {name: text for name, text in entry.items() if name not in ("joint", "value")}
-    return PublishedValue(joint=int(entry["joint"]) if entry["joint"] else None, printed=printed, **others)
-
-
 def parameter_id(case: str, method: str, name: str) -> str:
     """Id of a parameter of Table 4 or 5."""
     return f"{'table04' if case in NUMERIC_CASES[:2] else 'table05'}/{case}/{method}/{name}"
@@ -130,24 +93,19 @@ class Published:
     values: tuple[PublishedValue, ...]  # one entry a row; ids are unique
     source: str = PUBLISHED_FILE.name  # the file, for messages
 
-    def __len__(self) -> int:
-        """How many numbers there are."""
-        return len(self.values)
-
     def __iter__(self) -> Iterator[PublishedValue]:
         """Over the numbers, in file order."""
         return iter(self.values)
 
+    @cached_property
+    def _by_id(self) -> dict[str, PublishedValue]:
+        return {v.id: v for v in self.values}
+
     def __getitem__(self, id_: str) -> PublishedValue:
         """Number with a given id."""
-        for v in self.values:
-            if v.id == id_:
-                return v
-        raise InputError.at(f"{self.source}: id", f"no row {id_!r}", "one row with this id")
-
-    def select(self, **wanted: str | int) -> tuple[PublishedValue, ...]:
-        """Select the numbers that match every field given, in file order."""
-        return tuple(v for v in self.values if all(getattr(v, name) == w for name, w in wanted.items()))
+        if id_ not in self._by_id:
+            raise InputError.at(f"{self.source}: id", f"no row {id_!r}", "one row with this id")
+        return self._by_id[id_]
 
     def parameter_sets(self, method: str) -> Array:
         """Parameter sets of the numeric tests (Tables 4 and 5)."""
@@ -160,16 +118,18 @@ class Published:
 
 
 def load_published(path: Path = PUBLISHED_FILE) -> Published:
-    """Read and check the published numbers."""
-    rows = read_rows(path)
-    if not rows:
-        raise InputError.at(str(path), "no row below the header", "one row a published number")
-    if tuple(rows[0]) != COLUMNS:
-        raise InputError.at(f"{path}: header", ",".join(rows[0]), ",".join(COLUMNS))
-    values = tuple(parse_row(row, f"{path}: line {number}") for number, row in enumerate(rows, start=2))
-    seen: set[str] = set()
-    for number, v in enumerate(values, start=2):
-        if v.id in seen:
-            raise InputError.at(f"{path}: line {number}: id", f"{v.id!r} a second time", "an id used once")
-        seen.add(v.id)
-    return Published(values, path.name)
+    """Read the published numbers."""
+    values: dict[str, PublishedValue] = {}
+    columns = tuple(field.name.replace("printed", "value") for field in fields(PublishedValue))
+    for number, row in enumerate(read_rows(path, columns), start=2):
+        place = f"{path}: line {number}"
+        for name, allowed in (("kind", KINDS), ("relation", RELATIONS), ("joint", ("", "1", "2"))):
+            if row[name] not in allowed:
+                raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, allowed))}")
+        if not _NUMBER.fullmatch(row["value"]) or not math.isfinite(float(row["value"])):
+            raise InputError.at(f"{place}: value", repr(row["value"]), "a finite decimal number")
+        if row["id"] in values:
+            raise InputError.at(f"{place}: id", f"{row['id']!r} a second time", "an id used once")
+        joint, printed = int(row.pop("joint") or 0) or None, row.pop("value")
+        values[row["id"]] = PublishedValue(joint=joint, printed=printed, **row)
+    return Published(tuple(values.values()), path.name)

@@ -1,5 +1,6 @@
 """Do the intervals of the network's estimate cover? Arms of known parameters, with and without unmodelled torque."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,11 @@ from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import Recording, control_constants, true_parameters
-from repro.pipeline.experiment_runs import prepare_recording
+from repro.pipeline.experiment import Recording, control_constants, read_recordings, true_parameters
+from repro.pipeline.identifications import prepare_recording, read_mean_torque
 from repro.pipeline.job import Config
-from repro.pipeline.tracked import (
+from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.pipeline.simulated_arms import (
     Draw,
     Tracked,
     derived_motion,
@@ -80,9 +82,19 @@ def _read(
     return prepared, ResidualEstimator(algorithm1.network, algorithm1.image, prepared).estimate(guess)
 
 
+def check_coverage(
+    captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Config
+) -> list[pd.DataFrame]:
+    """Whether the intervals of the network of tracked motions cover: the tables of `coverage`."""
+    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
+    (recording,) = read_recordings(captures, config)
+    algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
+    return coverage(algorithm1, motions, recording, tau_mean, config)
+
+
 def coverage(
     algorithm1: Algorithm1, tracked: Path, recording: Recording, tau_mean: Array, config: Config
-) -> dict[str, pd.DataFrame]:
+) -> list[pd.DataFrame]:
     """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others."""
     c = config["coverage"]
     levels, guesses = tuple(c["levels"]), c["guesses"]
@@ -110,11 +122,7 @@ def coverage(
         ranks += _rank_rows(name, found, right, normalised_errors(spread, right), calibration)
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
     own = _intervals(algorithm1, recording, tau_mean, guesses, factors[-1], config)
-    return {
-        "coverage": pd.DataFrame(rows),
-        "ranks": pd.DataFrame(ranks),
-        "intervals": own.assign(level=levels[-1], warned=int(near[0] > beyond)),
-    }
+    return [pd.DataFrame(rows), pd.DataFrame(ranks), own.assign(level=levels[-1], warned=int(near[0] > beyond))]
 
 
 def _intervals(

@@ -10,20 +10,20 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.files import atomic_write
-from repro.fpga.board import Board
 from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.server import Board
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
+from repro.model.dynamics import ArmGeometry
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
-from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
 from repro.streams import Stream, stream
 

@@ -9,14 +9,10 @@ from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.experiment import Recording
-from repro.pipeline.experiment_runs import CASE, every_seed, score_runs
+from repro.pipeline.identifications import CASE, score_estimates, score_runs
 from repro.pipeline.job import Config
-from repro.pipeline.numeric import score_estimates
 from repro.settings import numeric_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
-
-#: Columns of the scores of the experiment on the arm.
-SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 
 
 def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
@@ -134,9 +130,9 @@ def both_metrics(
     for formula in TIME_FORMULAS:
         metric = MetricSettings(formula, config["metric"]["exponent"])
         cells = ["method", "case", "joint"]
-        of_arm = score_runs(every_seed(arm), recordings, signals, metric)
+        of_arm = score_runs(arm, recordings, signals, metric)
         of_arm = of_arm.groupby(cells)[["frequency", "total"]].median().reset_index()
-        of_numbers = score_estimates(every_seed(numeric), signals, settings, metric)
+        of_numbers = score_estimates(numeric, signals, settings, metric)
         of_numbers = of_numbers.groupby(["trajectory", *cells])["total"].median().reset_index()
         means = of_numbers.groupby(["method", "trajectory"])["total"].mean()
         for method, own in of_arm.groupby("method"):

@@ -19,6 +19,7 @@ from repro.exhibits.style import METHODS, title_of
 from repro.files import read_csv, read_rows, write_text
 from repro.paper.claims import (
     BETTER,
+    CAUSES,
     CONTRADICTS,
     DIFFERS,
     EXTENSION,
@@ -30,8 +31,9 @@ from repro.paper.claims import (
     VERDICTS,
     Basis,
     broken,
+    by_basis,
+    summary,
 )
-from repro.paper.ledger_page import CAUSES, by_basis, summary
 from repro.pipeline import monte_carlo
 from repro.pipeline.job import Config
 from repro.pipeline.provenance import commit, config_digest, package_versions

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.fft import dct, idct
 
 from repro.model.dynamics import LAMBDA, regressor
@@ -16,7 +17,7 @@ FrequencyUnit = Literal["rad_per_s", "hertz", "index"]
 FREQUENCY_UNITS: tuple[FrequencyUnit, ...] = ("rad_per_s", "hertz", "index")
 
 
-def spectrum(x: Array) -> Array:
+def spectrum(x: ArrayLike) -> Array:
     """Compute the DCT-II spectrum (..., N) of Eq. 5, which keeps norms and inner products, of a finite signal."""
     x = np.asarray(x, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] == 0:
@@ -40,12 +41,12 @@ def band_frequency(n: int, h: float, unit: FrequencyUnit = "rad_per_s") -> Array
     raise ValueError(f"unit: must be one of {FREQUENCY_UNITS}, got {unit!r}.")
 
 
-def dct2low(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
+def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
     """Low-pass a signal with a Gaussian in the DCT-II domain (Eq. 14).
 
     Parameters
     ----------
-    x : array of shape (..., N)
+    x : array_like of shape (..., N)
         Signal.
     h : float
         Sampling period, s.
@@ -76,7 +77,7 @@ def dct2low(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -
     return np.asarray(idct(bands * gain, type=2, norm="ortho", axis=-1))
 
 
-def dct2dev(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
+def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
     """Compute the filtered derivative of a signal (Eq. 6).
 
     The backward difference of the first sample would need a sample before it. The second sample's difference stands
@@ -84,7 +85,7 @@ def dct2dev(x: Array, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -
 
     Parameters
     ----------
-    x : array of shape (..., N)
+    x : array_like of shape (..., N)
         Signal with at least two samples.
     h : float
         Sampling period, s.

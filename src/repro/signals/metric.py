@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.model.parameters import Array, check_beta
 from repro.signals.dct import spectrum
@@ -52,7 +53,7 @@ def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: Me
     return Similarity(time, frequency)
 
 
-def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> Similarity:
+def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_METRIC) -> Similarity:
     """Compute the similarity of a rebuilt signal `y` to an actual signal `x` (Algorithm 2).
 
     time = (1 - mean((x-y)^2))^0.4 and frequency = (1 - |X/|X| - Y/|Y||)^0.4 with X, Y the DCT-II
@@ -60,9 +61,9 @@ def metr2ev(x: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> 
 
     Parameters
     ----------
-    x : array of shape (..., N)
+    x : array_like of shape (..., N)
         Actual signal; must not be zero throughout.
-    y : array of shape (..., N)
+    y : array_like of shape (..., N)
         Rebuilt signal. One that is zero throughout has similarity 0.
     settings : MetricSettings
         Formula choices.
@@ -110,10 +111,6 @@ class TorqueScorer:
     """
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
-        if tau.ndim != 2 or tau.shape[0] != 2 or y.shape != (*tau.shape, 9):
-            raise ValueError(f"tau, y: shapes {tau.shape} and {y.shape} must be (2, N) and (2, N, 9).")
-        if not (np.isfinite(tau).all() and np.isfinite(y).all()):
-            raise ValueError("tau, y: every value must be finite.")
         self._settings = settings
         self._n = tau.shape[-1]
         self._energy = np.einsum("jn,jn->j", tau, tau)

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from repro.errors import InputError
-from repro.model.dynamics import inverse_dynamics
+from repro.model.dynamics import ArmGeometry, inverse_dynamics
 from repro.model.parameters import Array
-from repro.signals.kinematics import ArmGeometry
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
 from repro.signals.validation_motions import (
     SAMPLES,

@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
+from repro.model.dynamics import ArmGeometry, inverse_kinematics
 from repro.model.parameters import Array
 from repro.signals.dct import dct2dev
-from repro.signals.kinematics import ArmGeometry, inverse_kinematics
 from repro.signals.trajectories import Motion, quintic, random_trajectory, sample_times
 
 #: Samples of T1-T4, as many as the board's memory holds: 20.48 s at 2.5 ms.
@@ -71,7 +71,7 @@ def random_motion(
     that Section VI prints, -limit to limit (rad), is of each joint's filtered motion, or of the numbers before the
     filter (`range_of`).
     """
-    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", -limit, limit)
+    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", (-limit, limit))
     q = motion.q
     if range_of == "motion":
         q = limit * q / np.abs(q).max(axis=1, keepdims=True)

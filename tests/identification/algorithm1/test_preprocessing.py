@@ -140,7 +140,7 @@ def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm):
 
 @pytest.mark.parametrize("cut", [(-1, 400), (0, 60), (400, 460), (300, 200), (N, None), (0, N + 200)])
 def test_cuts_that_do_not_fit_are_refused(cut):
-    with pytest.raises(ValueError, match="n1, n2"):
+    with pytest.raises(ValueError, match="begin, end"):
         prepared(cut=cut)
 
 

@@ -40,8 +40,7 @@ def spread_of(estimates: Array) -> GuessSpread:
 
 def normalised_errors(spread: GuessSpread, truth: Array) -> Array:
     """Compute |truth - centre| / width, each (..., 9)."""
-    errors: Array = np.abs(truth - spread.centre) / spread.width
-    return errors
+    return np.abs(truth - spread.centre) / spread.width
 
 
 def stretch_factors(spread: GuessSpread, truth: Array, levels: Sequence[float]) -> Array:
@@ -55,8 +54,7 @@ def stretch_factors(spread: GuessSpread, truth: Array, levels: Sequence[float]) 
     ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
     if (ranks > n).any() or (ranks < 1).any():
         raise ValueError(f"levels: {n} arms can calibrate shares of 0 to {n / (n + 1):.4g}, got {tuple(levels)}.")
-    factors: Array = scores[ranks - 1]
-    return factors
+    return np.asarray(scores[ranks - 1])
 
 
 def covered(spread: GuessSpread, truth: Array, factors: Array) -> Array:

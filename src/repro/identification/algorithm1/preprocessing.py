@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.identification.regression import Regression
 from repro.model.dynamics import LAMBDA, check_motion, regressor
@@ -31,8 +32,7 @@ class PreparedSignals:
         Coulomb friction stay.
         """
         p = self.time_scale
-        recorded: Array = beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0])
-        return recorded
+        return np.asarray(beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0]))
 
 
 def fit2trt(tau: Array, tau_mean: Array) -> float:
@@ -63,19 +63,22 @@ def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: Sign
     return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
 
 
-def filtered(q: Array, tau: Array, settings: SignalSettings, n1: int = 0, n2: int | None = None) -> Regression:
-    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples n1 to n2 - 1.
+def filtered(
+    q: ArrayLike, tau: ArrayLike, settings: SignalSettings, begin: int = 0, end: int | None = None
+) -> Regression:
+    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples begin to end - 1.
 
     `q` and `tau` (2, N) are measured. The regression is in recorded time. ValueError is raised if shapes differ, values
     are not finite, or the cut is empty.
     """
     q, tau = check_motion(q, tau)
-    n2 = q.shape[-1] if n2 is None else n2
-    if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
-        raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
+    n, m = q.shape[-1], settings.samples
+    end = n if end is None else end
+    if not 0 <= begin < end - m <= n - m:
+        raise ValueError(f"begin, end: {begin} to {end} must lie in 0 to {n} and hold over {m} samples.")
     tau = dct2low(tau, settings.h, settings.c_f, settings.omega_unit)  # line 3
-    position, velocity, acceleration = (x[:, n1:n2] for x in derivatives(q, settings))
-    return regression_of((position, velocity, acceleration), tau[:, n1:n2], settings)  # line 4
+    position, velocity, acceleration = (x[:, begin:end] for x in derivatives(q, settings))
+    return regression_of((position, velocity, acceleration), tau[:, begin:end], settings)  # line 4
 
 
 def prepare(

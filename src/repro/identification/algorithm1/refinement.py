@@ -88,8 +88,7 @@ def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
     They are the physically possible ones of as many guesses as Algorithm 1 evaluates at most.
     """
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
-    possible: Array = guesses[FEASIBILITY[search.feasibility](guesses)]
-    return possible
+    return guesses[FEASIBILITY[search.feasibility](guesses)]
 
 
 def refine(
@@ -135,8 +134,7 @@ def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.
     a, b = rng.integers(len(best), size=(2, len(best)))
     reach = rng.uniform(0.0, settings.reach, (len(best), 1))
     move = reach * (best[a] - best[b]) + settings.jitter * rng.standard_normal(best.shape)
-    guess: Array = np.maximum(best + move, low)  # a guess below the published range was never seen in training
-    return guess
+    return np.asarray(np.maximum(best + move, low))  # a guess below the published range was never seen in training
 
 
 @dataclass(frozen=True)

@@ -1,21 +1,26 @@
-"""Algorithm 1: parametric identification, lines 8 to 32; `preprocessing` has lines 1 to 12."""
+"""Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
-from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import FEASIBILITY, Array
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, TorqueScorer
+from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
     from repro.cnn.network import FactoredCNN
 
 ImageMotion = Literal["measured", "desired"]
+
+#: Similarity d_u that an execution must reach on an arm (Section VI).
+ARM_THRESHOLD = 0.9237
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,9 @@ class SearchSettings:
             raise ValueError(f"threshold: expected a fraction of 1, got {self.threshold!r}.")
         if not 0.0 < self.low < self.high:
             raise ValueError(f"low, high: expected 0 < low < high, got {self.low!r} and {self.high!r}.")
+        for name, known in (("feasibility", tuple(FEASIBILITY)), ("image_motion", get_args(ImageMotion))):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name}: expected one of {', '.join(known)}, got {getattr(self, name)!r}.")
 
 
 @dataclass(frozen=True)
@@ -143,3 +151,63 @@ def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) ->
     tau_c = signals.c_p * r.tau
     beta_o = beta_o * np.abs(tau_c).max() / (signals.c_p * np.abs(tau_r).max())
     return Selected(signals.to_recorded_time(beta_o), float(similarity[best]))
+
+
+def algorithm1(
+    q: ArrayLike,
+    tau: ArrayLike,
+    network: "FactoredCNN",
+    *,
+    begin: int = 0,
+    end: int | None = None,
+    signals: SignalSettings | None = None,
+    search_settings: SearchSettings | None = None,
+    seed: int = 1,
+) -> Selected:
+    """Estimate the parameters of an arm from its run of the trajectory of Eq. 10 (Algorithm 1).
+
+    Parameters
+    ----------
+    q, tau : array_like of shape (2, N)
+        Measured position, rad, and torque, N m, evenly sampled.
+    network : FactoredCNN
+        Trained for this trajectory, see `load_network`.
+    begin, end : int
+        First sample of the trajectory and the one after its last.
+    signals : SignalSettings, optional
+        Sampling period and filter; the paper's by default.
+    search_settings : SearchSettings, optional
+        Constants of the search; those of Section VI by default.
+    seed : int
+        Of the guesses of line 17.
+
+    Returns
+    -------
+    Selected
+        ``beta`` (9,), SI units, and ``similarity`` of the rebuilt torque, a fraction of 1. Both are zero if no estimate
+        is physically possible.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ, values are not finite, or the trajectory is empty.
+
+    Examples
+    --------
+    >>> import repro
+    >>> run = repro.read_log("data/captures/ID.bin")
+    >>> network = repro.load_network("data/networks/cnn.safetensors")
+    >>> few = repro.SearchSettings(executions=3, inner_limit=5, threshold=0.9237)
+    >>> found = repro.algorithm1(run.q, run.tau, network, begin=340, end=4110, search_settings=few)
+    >>> found.beta.shape
+    (9,)
+    """
+    signals = signals or SignalSettings()
+    constants = search_settings or SearchSettings(threshold=ARM_THRESHOLD)
+    recorded = filtered(q, tau, signals, begin, end)
+    # Line 5 fits the level to the mean training torque. Line 32 divides by that factor again, so any level will do.
+    slower = round(signals.duration / signals.h) / recorded.t.size
+    prepared = prepare(recorded, recorded.tau, signals, slower)
+    estimator = ResidualEstimator(network, ImageSettings(), prepared)
+    candidates = search(estimator, prepared, constants, stream(seed, Stream.EXPERIMENT_SEARCH))
+    return select(candidates.beta, prepared, constants)
