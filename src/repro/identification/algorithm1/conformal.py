@@ -31,9 +31,7 @@ class GuessSpread:
 
 
 def spread_of(estimates: Array) -> GuessSpread:
-    """Compute centre and width of estimates (..., guesses, 9); ValueError if there are fewer than 10 guesses."""
-    if estimates.ndim < 2 or estimates.shape[-2] < 10:
-        raise ValueError(f"estimates: at least 10 guesses are needed, got shape {estimates.shape}.")
+    """Compute centre and width of estimates (..., guesses, 9)."""
     low, middle, high = np.quantile(estimates, [0.5 - CENTRAL_FRACTION / 2, 0.5, 0.5 + CENTRAL_FRACTION / 2], axis=-2)
     return GuessSpread(middle, np.maximum((high - low) / 2, MIN_WIDTH))
 

@@ -23,13 +23,7 @@ import numpy as np
 
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.identification.algorithm1.search import (
-    ResidualEstimator,
-    SearchSettings,
-    Selected,
-    search,
-    select,
-)
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
 from repro.identification.method import Estimate
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import TorqueScorer
@@ -110,7 +104,8 @@ def refine(
     rng = deepcopy(rng)
     possible = FEASIBILITY[search.feasibility]
     score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
-    best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
+    similarity = score(candidates).total.mean(-1)
+    best, similarity = _most_similar(candidates, similarity, settings.keep)
     for done in range(settings.passes):
         guess = _move(best, settings, search.low, rng)
         beta = guess
@@ -161,22 +156,9 @@ class Algorithm1:
     ) -> tuple[dict[str, Estimate], int]:
         """Run the search, and with passes the refinement and its controls.
 
-        Parameters
-        ----------
-        signals : PreparedSignals
-            Signals after line 12.
-        search_rng, refine_rng : numpy.random.Generator
-            Sources of the guesses of line 17 and of the refinement.
-        uniform_rng : numpy.random.Generator, optional
-            Source of guesses and moves of the control without a network. The control runs with the published network
-            alone, because it would be the same with every other one.
-
-        Returns
-        -------
-        dict of Estimate
-            By method; details are the similarity of line 30 and the images evaluated so far.
-        int
-            Executions that met the threshold.
+        `uniform_rng` is for the control without a network, which runs with the published network alone: it would be the
+        same with every other one. Returns the estimates by method, with the similarity of line 30 and the images
+        evaluated so far, and the number of executions that met the threshold.
         """
         estimator = ResidualEstimator(self.network, self.image, signals)
         candidates = search(estimator, signals, self.search, search_rng)
