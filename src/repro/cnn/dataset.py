@@ -167,10 +167,7 @@ def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Ar
 def draw_unmodelled(
     rng: np.random.Generator, beta: Array, largest: Array, columns: UnmodelledColumns, settings: UnmodelledSettings
 ) -> Array:
-    """Draw the unmodelled torque (n, 2, M), N m, of arms (n, 9) with their largest torque (n, 1), N m.
-
-    The columns are of one motion, or have an axis of length n in front, with the motion of each sample.
-    """
+    """Draw the unmodelled torque (n, 2, M) of arms (n, 9) with their largest torque (n, 1), on one motion or on n."""
     n, m = len(beta), columns.stribeck.shape[-1]
     excess = rng.uniform(0.0, settings.stribeck, (n, 2))
     torque = (excess * beta[:, 7:])[..., np.newaxis] * columns.stribeck

@@ -71,11 +71,7 @@ def weighted(regression: Regression) -> Estimate:
 
 @with_known
 def robust(regression: Regression) -> Estimate:
-    """Compute Huber's M-estimate with each joint's own scale, by iteratively reweighted least squares.
-
-    Large errors count in proportion to their size, not to its square, so that collisions, stiction and other short
-    events have little effect.
-    """
+    """Compute Huber's M-estimate, each joint with its own scale: collisions and stiction have little effect."""
     y, tau = regression.y, regression.tau
     error = tau - y @ solve(y, tau, prior=regression.prior)
     for _ in range(ROBUST_ITERATIONS):
@@ -100,10 +96,9 @@ def _median_scale(error: Array, mask: NDArray[np.bool_]) -> Array:
 def instrumental(regression: Regression) -> Estimate:
     """Compute the instrumental-variable estimate, with the joints weighted as in weighted least squares.
 
-    Noise in the position, e.g. of an encoder, attenuates least squares. Instruments follow the motion but not that
-    noise. Here the regressor of every other sample is the instrument for the regressor of the samples between, whose
-    noise is independent, and vice versa; no model of the controller is needed. (The bias of the tanh of Coulomb
-    friction remains, because it is not linear in the noise.)
+    Noise in the position, e.g. of an encoder, attenuates least squares. The regressor of every other sample is
+    therefore the instrument for that of the samples between, whose noise is independent, and vice versa. (The bias of
+    the tanh of Coulomb friction remains, because it is not linear in the noise.)
     """
     moments = _instrumental_moments(regression)
     prior = regression.prior
@@ -151,12 +146,9 @@ def bounded(regression: Regression) -> Estimate:
 def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array = NONE_KNOWN) -> Array:
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
-    M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.parameters`), that
-    is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the parameters, solved by Clarabel through
-    CVXPY. Friction must not be negative. Gravity may have either sign: it depends on where zero is.
-
-    The rows (k, 9), (k,) and the scale (9,) are those of `repro.identification.solve.reduced_problem`, with or without
-    further rows. NoSolutionError is raised if the solver ends without a solution.
+    M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
+    linear matrix inequality, solved by Clarabel through CVXPY. Friction must not be negative. Gravity may have either
+    sign.
     """
     import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
 
@@ -183,8 +175,7 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding.
 
-    Least squares under the bounds on friction alone is cheap; where its inertia is positive definite with the margin,
-    the matrix inequality does not bind and it is the solution. The arguments are those of `solve_inequality`.
+    Least squares under the bounds on friction alone is cheap, and the solution where its inertia is definite.
     """
     z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
     z *= determined(r, c)  # which leaves no rounding in the rows that pull
@@ -209,11 +200,10 @@ def consistent(regression: Regression) -> Estimate:
 def parsimonious(regression: Regression) -> Estimate:
     """Solve consistent least squares with no more viscous friction than the log can show.
 
-    Slow motion hardly distinguishes viscous from Coulomb friction: a little more of one and less of the other fit as
-    well, and the difference shows on faster motions. A penalty rho |Y_b b|^2 therefore shrinks the viscous torque: the
-    strongest penalty whose error in block cross-validation is within one standard error of the smallest (Breiman et
-    al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks are the
-    same). The bias is on purpose: the difference from the consistent estimate enters the standard errors.
+    Slow motion hardly distinguishes viscous from Coulomb friction. A penalty rho |Y_b b|^2 therefore shrinks the
+    viscous torque: the strongest whose error in block cross-validation is within one standard error of the smallest
+    (Breiman et al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks
+    are the same).
     """
     penalty = PENALTIES[choose_penalty(_cross_validation_errors(regression))]
     note = f"viscous torque shrunk with a penalty of {penalty:g}, the most that prediction of left-out blocks allows"

@@ -117,11 +117,7 @@ def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random
 
 
 def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
-    """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm.
-
-    The speed is that of the steps between samples, the first one from q = 0. The torque is that of the inverse dynamics
-    with central differences and the arm's nominal parameters (9,).
-    """
+    """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm."""
     q = np.pad(desired.q, ((0, 0), (1, 0)))  # the arm hangs at rest before the first sample
     step = np.diff(q) / desired.h
     dq = 0.5 * (step[:, 1:] + step[:, :-1])
@@ -154,10 +150,10 @@ def permitted_trajectory(
     speed_limit: float = SPEED_LIMIT,
     draws: int = 100,
 ) -> ReferenceTrajectory:
-    """Build a reference trajectory that keeps the limits; draw a random one up to `draws` times.
+    """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times.
 
-    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2. With 45 bands, 2 of
-    10 do. InputError is raised if the last draw breaks a limit.
+    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2; with 45 bands, 2 of
+    10.
     """
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = reference_trajectory(name, settings, rng)

@@ -56,10 +56,7 @@ Run = Callable[[Regression], tuple[dict[str, Estimate], int]]
 
 
 def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
-    """Make Algorithm 1 as published and with the refinement, which share one run.
-
-    `report` is called with steps of training done and in all, and a note.
-    """
+    """Make Algorithm 1 as published and with the refinement, which share one run."""
     run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))  # once for both
     method = partial(Method, citation="cnn_identification", claims_intervals=False, needs_all_samples=True)
     return (

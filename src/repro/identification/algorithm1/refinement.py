@@ -63,9 +63,7 @@ def restart(
 ) -> Array:
     """Collect the candidates (m, 9) that the refinement and its control start from, in units of the largest torque.
 
-    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses. If there
-    is none, the fresh ones are raised to the lowest guess: a network can estimate every guess a little below zero, and
-    without candidates there are no moves.
+    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses.
     """
     possible = FEASIBILITY[search.feasibility]
     fresh = estimator.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
@@ -77,10 +75,7 @@ def restart(
 
 
 def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
-    """Draw the candidates (n, 9) of the control without a network, in units of the largest torque.
-
-    They are the physically possible ones of as many guesses as Algorithm 1 evaluates at most.
-    """
+    """Draw the candidates (n, 9) of the control without a network: as many guesses as Algorithm 1 evaluates at most."""
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
     return guesses[FEASIBILITY[search.feasibility](guesses)]
 
@@ -93,11 +88,10 @@ def refine(
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Move the best of the candidates (m, 9), pass by pass, in units of the largest torque.
+    """Move the best of the candidates (m, 9) pass by pass, and return the ``settings.keep`` most similar, best first.
 
-    Returns the ``settings.keep`` most similar (k, 9) of `candidates` and of every physically possible one of every
-    pass, best first; none without a candidate to start from. Without an estimator it is a control, whose moved guesses
-    are candidates without the network. `rng` is left unchanged: refinement and control make the same moves.
+    Without an estimator it is a control, whose moved guesses are candidates without the network. `rng` is left
+    unchanged: refinement and control make the same moves.
     """
     if not len(candidates):
         return candidates

@@ -108,8 +108,8 @@ def search(
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
 
-    All executions advance together, one guess each a round, so that the network evaluates them as one batch.
-    Each execution has its own random stream, so the guesses are those of the listing.
+    All executions advance together, so that the network evaluates their guesses as one batch. Each has its own random
+    stream, so the guesses are those of the listing.
     """
     possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
@@ -134,8 +134,7 @@ def search(
 def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
     """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque.
 
-    The candidates (n, 9) are in units of the largest torque. Without any, the result is zeros with similarity 0, where
-    line 11 starts.
+    Without candidates (n, 9), the result is zeros with similarity 0, where line 11 starts.
     """
     if not len(beta_m):
         return Selected(np.zeros(9), 0.0)
