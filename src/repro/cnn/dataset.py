@@ -140,8 +140,7 @@ def draw_torques(
     """Draw torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
     m = motion.torque.shape[-2]
     beta = sample_beta(rng, n, settings.prior)
-    many = motion.torque.ndim == 4
-    which = rng.integers(len(motion.torque), size=n) if many else None
+    which = rng.integers(len(motion.torque), size=n) if motion.torque.ndim == 4 else None
     tau = _rebuilt(motion.torque, beta, which)  # (n, 2M)
     if settings.unmodelled:
         if motion.unmodelled is None:
@@ -158,10 +157,8 @@ def draw_torques(
 def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Array:
     """Compute Y beta (n, 2 M) of each sample, on the one motion or on motion ``which`` of K."""
     if columns.ndim == 3 or which is None:
-        torque: Array = beta @ columns.reshape(-1, columns.shape[-1]).T
-    else:
-        torque = np.einsum("nrp,np->nr", columns.reshape(len(columns), -1, columns.shape[-1])[which], beta)
-    return torque
+        return beta @ columns.reshape(-1, 9).T
+    return np.asarray(np.einsum("nrp,np->nr", columns.reshape(len(columns), -1, 9)[which], beta))
 
 
 def draw_unmodelled(

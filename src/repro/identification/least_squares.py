@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.regression import Prior, Regression, joint_variance, without_known
+from repro.identification.regression import Regression, joint_variance, without_known
 from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
 from repro.model.parameters import NAMES, Array, is_positive_definite
 
@@ -100,36 +100,28 @@ def instrumental(regression: Regression) -> Estimate:
     therefore the instrument for that of the samples between, whose noise is independent, and vice versa. (The bias of
     the tanh of Coulomb friction remains, because it is not linear in the noise.)
     """
-    moments = _instrumental_moments(regression)
-    prior = regression.prior
-    beta = _solve_moments(moments, np.ones((2, 1)), prior, 1.0 if prior is None else prior.variance)
-    beta = _solve_moments(moments, joint_variance(regression, beta), prior)
-    return Estimate(beta, ("the instruments are the regressors of every other sample",))
-
-
-def _instrumental_moments(regression: Regression) -> tuple[Array, Array, Array]:
-    """For each joint: Z' Y with both halves as each other's instruments, Z' tau, squared lengths of both halves."""
     if regression.even_odd is None:
         raise NoSolutionError("the regression was made without the regressors of every other sample")
     odd, even = regression.even_odd
-    cross = odd.mT @ even
+    cross, prior = odd.mT @ even, regression.prior
+    # For each joint: Z' Y with both halves as each other's instruments, Z' tau, squared lengths of both halves.
+    gram, right = cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0]
     length = np.stack([np.einsum("jnp,jnp->jp", half, half) for half in (odd, even)])
-    return cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0], length
 
+    def solution(variance: Array, of_rows: float = 1.0) -> Array:
+        """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
+        weight = 1.0 / variance  # (2, 1)
+        size = np.sqrt(np.prod(np.sqrt((weight * length).sum(1)), axis=0))
+        whole, product = (weight[..., None] * gram).sum(0), (weight * right).sum(0)
+        if prior is not None:
+            added = 2.0 * of_rows * prior.precision
+            whole, product = whole + np.diag(added), product + added * prior.mean
+            size = np.sqrt(size**2 + added)
+        return solve_normal(whole, product, size)
 
-def _solve_moments(
-    moments: tuple[Array, Array, Array], variance: Array, prior: Prior | None, of_rows: float = 1.0
-) -> Array:
-    """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
-    gram, right, length = moments
-    weight = 1.0 / variance  # (2, 1)
-    odd, even = np.sqrt((weight * length).sum(1))
-    whole, product, size = (weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even)
-    if prior is not None:
-        added = 2.0 * of_rows * prior.precision
-        whole, product = whole + np.diag(added), product + added * prior.mean
-        size = np.sqrt(size**2 + added)
-    return solve_normal(whole, product, size)
+    beta = solution(np.ones((2, 1)), 1.0 if prior is None else prior.variance)
+    beta = solution(joint_variance(regression, beta))
+    return Estimate(beta, ("the instruments are the regressors of every other sample",))
 
 
 @with_known
@@ -213,8 +205,8 @@ def parsimonious(regression: Regression) -> Estimate:
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
     known = _known(regression)
-    regression = without_known(regression)
-    return _shrunk(reduced_problem(regression.y, regression.tau, regression.prior), penalty, known)
+    rest = without_known(regression)
+    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, known)
 
 
 def _known(regression: Regression) -> Array:
