@@ -60,7 +60,7 @@ def log(seconds: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         options = Options(LEAST_SQUARES, Path(folder))
         problem = make_problem(load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
-        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), Arm())
+        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), Arm())
 
 
 def training(steps: int) -> None:

@@ -71,7 +71,7 @@ def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     fitted = load_log(write_log(folder / "log.csv", **log), arm)
     validation = (load_log(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
     problem = make_problem(fitted, validation, arm, options)
-    found = fit_all(problem, resolve(options, silent), options.seed, silent, silent)
+    found = fit_all(problem, resolve(options, silent), options.seed, silent)
     return (problem, *assemble(problem, found, arm))
 
 

@@ -22,9 +22,16 @@ from repro.logs.load import Source
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.ownarm.evaluate import Fit, add_runs, add_self_test, assemble, fit_all, resolve
-from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
-from repro.ownarm.prior import read_prior, with_plane
+from repro.ownarm.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.prepare import (
+    IdentificationProblem,
+    LoadedLog,
+    Options,
+    load_log,
+    make_problem,
+    read_prior,
+    with_plane,
+)
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
@@ -360,15 +367,15 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     """Run the methods, those that take seconds first."""
     bars: dict[str, Progress] = {}
 
-    def progress(what: str, done: int, total: int, note: str) -> None:
+    def progress(what: str, done: int, total: int, note: str = "") -> None:
         bars.setdefault(what, Progress(what))(done, total, note)
 
     methods = resolve(options, progress)
     quick = [m for m in methods if m.name not in NETWORKS]
-    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
+    fits = fit_all(problem, quick, options.seed, progress)
     if fits and len(quick) < len(methods):
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
-    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
     if not fits:
         raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
@@ -452,7 +459,3 @@ def _report_log(loaded: LoadedLog, briefly: bool) -> None:
         _LOG.info("  note: %s", note)
     for warning in d.warnings:
         _LOG.warning("  WARNING: %s", warning)
-
-
-def _report_fit(fit: Fit) -> None:
-    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))

@@ -12,7 +12,7 @@ from ownarm_example import example_curves, example_result
 from report_example import make_example
 
 from repro.ownarm.figures import figures_of
-from repro.ownarm.page import FILES, render_page
+from repro.ownarm.outputs import FILES, render_page
 from repro.report.page import write_report
 
 

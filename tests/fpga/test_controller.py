@@ -64,9 +64,3 @@ def test_half_a_count_rounds_to_even() -> None:
     controller = PDController([1.0, 1.0], [1.0, 1.0])
     desired = np.array([[0.5], [1.5]], dtype=np.float32)
     assert controller(desired, np.zeros((2, 1), dtype=np.int32)).tolist() == [[0], [2]]
-
-
-def test_gains_are_table_8_in_counts() -> None:
-    assert TABLE_8.torque_per_count == pytest.approx([2.7192 / 1023, 2.7314 / 1023])
-    assert TABLE_8.kp_counts == pytest.approx([180.4817 * 1023 / 2.7192, 30.6819 * 1023 / 2.7314], rel=1e-7)
-    assert TABLE_8.kv_counts.dtype == np.float32

@@ -143,7 +143,7 @@ def test_a_method_without_intervals_says_so():
         "algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA, ("a note",)), claims_intervals=False
     )
     problem = problem_of(noisy(BETA))
-    (found,) = fit_all(problem, [plain], 1, silent, silent)
+    (found,) = fit_all(problem, [plain], 1, silent)
     assert found.spread is None
     assert found.halves == ()  # each would train a network of its own
     m = evaluate(found, problem, ((0.1, 0.2),))

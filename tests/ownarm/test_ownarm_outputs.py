@@ -15,7 +15,7 @@ from ownarm_problem import ARM, FILES, tree
 from PIL import Image
 
 from repro.errors import InputError
-from repro.export.links import links_of
+from repro.export import links_of
 from repro.files import check_folder, fill_folder
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS

@@ -29,7 +29,7 @@ from repro.ownarm.figures import (
     figures_of,
     ordered_titles,
 )
-from repro.ownarm.page import render_page
+from repro.ownarm.outputs import render_page
 from repro.ownarm.result import Curves, Parameter
 from repro.ownarm.tables import (
     PARAMETER_COLUMNS,

@@ -15,15 +15,14 @@ from repro.identification.least_squares import METHODS
 from repro.model.parameters import NAMES, UNITS, Links, inertial_from_links
 from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options
-from repro.ownarm.prior import read_prior
+from repro.ownarm.prepare import Options, read_prior
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
 GOOD = {"value": 1.0, "sd": 0.1}
 
 
 def result_of(problem, arm=ARM, methods=("ordinary",)):
-    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent, silent), arm)
+    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent), arm)
 
 
 def test_a_prior_is_read_from_values_and_from_a_result():

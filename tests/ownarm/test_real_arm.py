@@ -30,7 +30,7 @@ def result(tmp_path_factory):
     options, arm = Options(LEAST_SQUARES, tmp_path_factory.mktemp("cache")), Arm()
     logs = [load_log(log_file(name), arm) for name in ("061157", "060143", "060329")]
     problem = make_problem(logs[0], tuple(logs[1:]), arm, options)
-    return assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)[0]
+    return assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), arm)[0]
 
 
 def recommended(result):

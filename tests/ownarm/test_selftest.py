@@ -139,7 +139,7 @@ def test_several_logs_are_made_each_with_its_own_noise():
 
 def test_the_recommended_method_with_intervals_is_outcome():
     problem = problem_of(recorded())
-    found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent, silent)
+    found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent)
     result, _ = assemble(problem, found, ARM)
     assert result.selftest is None
     (best,) = (m for m in result.methods if m.method == result.recommended)

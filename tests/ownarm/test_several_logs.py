@@ -27,7 +27,7 @@ def noisy_log(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
 def result_of(*logs):
     problem = make_problem(logs[0], (), ARM, OPTIONS, tuple(logs[1:]))
     methods = [METHODS[name] for name in OPTIONS.methods]
-    found = fit_all(problem, methods, 1, silent, silent)
+    found = fit_all(problem, methods, 1, silent)
     return problem, *assemble(problem, found, ARM)
 
 

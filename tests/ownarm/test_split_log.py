@@ -33,7 +33,7 @@ def whole(tmp_path_factory):
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     log = load_log(path, ARM)
     problem = make_problem(log, (), ARM, OPTIONS)
-    found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
+    found = fit_all(problem, [METHODS["ordinary"]], 1, silent)
     return problem, *assemble(problem, found, ARM)
 
 

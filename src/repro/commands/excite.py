@@ -112,7 +112,7 @@ def read_guess(given: list[str] | None) -> "Array | None":
 def _read_estimates(path: Path) -> list[float]:
     """Read the estimates of the recommended method."""
     from repro.documents import read_json
-    from repro.ownarm.prior import read_result
+    from repro.ownarm.prepare import read_result
 
     return [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
 

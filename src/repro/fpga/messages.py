@@ -205,7 +205,6 @@ def parse_trajectory(message: Message) -> tuple[int, SingleArray]:
 
 def parse_start(message: Message) -> int:
     """Read the number of samples to run for; ValueError if the RAM cannot contain them."""
-    _check_kind(message, MessageKind.START)
     (samples,) = _SAMPLE.unpack(message.payload)
     _check_samples(samples)
     return int(samples)
@@ -213,7 +212,6 @@ def parse_start(message: Message) -> int:
 
 def parse_identity(message: Message) -> dict[str, Any]:
     """Read the board's description of itself; ValueError if it is not one JSON object."""
-    _check_kind(message, MessageKind.IDENTITY)
     try:
         identity = parse_json(message.payload.decode(), "identity")
     except ValueError as error:

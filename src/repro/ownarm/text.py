@@ -43,31 +43,13 @@ def verdict(
     estimate: float,
     low: float | None,
     high: float | None,
-    excited: bool,
-    at_bound: bool,
-    determined: bool = True,
-    possible: bool = True,
-    doubt: str = "",
+    excited: bool,  # whether it moves a considerable part of a torque
+    at_bound: bool,  # whether a condition of the method keeps it at zero
+    determined: bool = True,  # whether the motion determines it by itself
+    possible: bool = True,  # whether an arm can have such a value
+    doubt: str = "",  # why there is no interval; empty where the method claims none
 ) -> str:
-    """Summarise an estimate and its 95 % interval in one phrase.
-
-    Parameters
-    ----------
-    estimate : float
-        Value.
-    low, high : float or None
-        Ends of the interval, if there is one.
-    excited : bool
-        Whether the parameter moves a considerable part of a torque.
-    at_bound : bool
-        Whether a condition of the method keeps it at zero.
-    determined : bool
-        Whether the motion determines it by itself.
-    possible : bool
-        Whether an arm can have such a value.
-    doubt : str
-        Why there is no interval; empty where the method claims none.
-    """
+    """Summarise an estimate and its 95 % interval in one phrase."""
     if not determined:
         return COMBINED if excited else NOT_EXCITED
     if at_bound:
