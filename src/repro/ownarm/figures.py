@@ -280,7 +280,8 @@ def _arrow(axes: Axes, value: float, place: int, right: bool, colour: str) -> No
 def _view(estimates: list[Parameter]) -> tuple[float, float]:
     """Find the limits of a panel: all intervals and estimates but outliers, which would squeeze the others."""
     values = np.array([(p.estimate, p.low, p.high) for p in estimates], dtype=np.float64)  # NaN where there is none
-    points, ends, widths = (x[np.isfinite(x)] for x in (values[:, 0], values, values[:, 2] - values[:, 1]))
+    values[np.isinf(values)] = np.nan
+    points, ends, widths = (x[~np.isnan(x)] for x in (values[:, 0], values, values[:, 2] - values[:, 1]))
     middle = float(np.median(points)) if points.size else 0.0
     spread = max(float(np.median(np.abs(points - middle))), 0.5 * float(np.median(widths)) if widths.size else 0.0)
     reach = _REACH * (spread or 0.1 * abs(middle) or 1.0)

@@ -69,13 +69,13 @@ class Options:
         """Refuse what the command line refuses, too."""
         if not isinstance(self.filter, str) or self.filter not in FILTERS:
             raise InputError.at("filter", repr(self.filter), f"one of {', '.join(FILTERS)}")
-        limits: tuple[tuple[str, tuple[type, ...], float, float], ...] = (
+        limits: tuple[tuple[str, Any, float, float], ...] = (
             ("cutoff", (int, float, np.number), 0.1, 1000.0),
             ("seed", (int, np.integer), 0, 2**32 - 1),
             ("steps", (int, np.integer), 1, 10**7),
         )
         for name, kind, low, high in limits:
-            value: Any = getattr(self, name)
+            value = getattr(self, name)
             number = isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
             if not number and not (name == "cutoff" and value is None):
                 whole = "whole " * (name != "cutoff")
