@@ -50,7 +50,7 @@ def test_every_cell_of_every_table_is_there_once(published):
 
 
 def test_the_running_text_is_there_too(published):
-    assert len(published) >= 190
+    assert len(published.values) >= 190
     places = {v.place for v in published}
     sections = {"I-A", "II", "III", "IV-A", "IV-B", "IV-C", "V", "V-A", "V-B", "V-C", "VI", "VII"}
     assert places >= {"Abstract", "Appendix A", "Algorithm 1", *(f"Section {s}" for s in sections)}
@@ -86,8 +86,6 @@ def test_lookups_agree_with_the_rows(published):
     assert true.shape == (4, 9) and similarity.shape == (4, 2)
     np.testing.assert_array_equal(true[2], [0.5020, 0.9779, 0.5040, 0.4777, 0.5724, 0.0715, 0.3820, 0.0972, 0.5721])
     np.testing.assert_allclose(similarity[1], [0.9498, 0.9904])
-    chosen = published.select(place="Table 10", method="least-squares", quantity="time", joint=2)
-    assert [v.printed for v in chosen] == ["99.80", "99.98", "98.65", "98.17", "99.80"]
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from repro.documents import Loader, read_yaml
+from repro.documents import Loader, read_yaml, spelled, violation
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
-from repro.schema import spelled, violation
 
 #: One value for each joint.
 Pair = tuple[float, float]

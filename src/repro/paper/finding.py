@@ -23,21 +23,17 @@ FINDINGS_FILE = Path(__file__).with_name("findings.csv")
 CONSISTENT = "consistent"
 CONTRADICTS = "contradicts itself"
 NOT_POSSIBLE = "not possible"
-OUTSIDE = "outside its own range"
-IN_PART = "holds in part"
-MISPRINT = "misprint"
 QUESTIONABLE = "questionable"
-OPEN = "cannot be decided"
 
 VERDICTS = {
     CONSISTENT: "the printed numbers agree",
     CONTRADICTS: "two statements of the paper exclude each other",
     NOT_POSSIBLE: "no arm, or no signal, can have the printed value",
-    OUTSIDE: "the value lies outside the range that the paper gives for it",
-    IN_PART: "true for some of the cases it is said of",
-    MISPRINT: "a symbol, unit or reference that the rest of the paper corrects",
+    "outside its own range": "the value lies outside the range that the paper gives for it",
+    "holds in part": "true for some of the cases it is said of",
+    "misprint": "a symbol, unit or reference that the rest of the paper corrects",
     QUESTIONABLE: "no contradiction, but a reader should know",
-    OPEN: "the part of the paper that would decide it is lost or was not printed",
+    "cannot be decided": "the part of the paper that would decide it is lost or was not printed",
 }
 
 #: Rounding of binary numbers, relative to the tolerance.

@@ -226,7 +226,7 @@ _CELL = ("place", "case", "method", "joint")
 
 def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, PublishedValue]]:
     """Time, Freq. and Total of each cell of Tables 7 and 10."""
-    totals = (t for place in ("Table 7", "Table 10") for t in numbers.select(place=place, quantity="total"))
+    totals = [v for v in numbers if v.quantity == "total" and v.place in ("Table 7", "Table 10")]
     return [
         (numbers[t.id.replace("/total/", "/time/")], numbers[t.id.replace("/total/", "/frequency/")], t) for t in totals
     ]

@@ -93,10 +93,6 @@ class Published:
     values: tuple[PublishedValue, ...]  # one entry a row; ids are unique
     source: str = PUBLISHED_FILE.name  # the file, for messages
 
-    def __len__(self) -> int:
-        """How many numbers there are."""
-        return len(self.values)
-
     def __iter__(self) -> Iterator[PublishedValue]:
         """Over the numbers, in file order."""
         return iter(self.values)
@@ -110,10 +106,6 @@ class Published:
         if id_ not in self._by_id:
             raise InputError.at(f"{self.source}: id", f"no row {id_!r}", "one row with this id")
         return self._by_id[id_]
-
-    def select(self, **wanted: str | int) -> tuple[PublishedValue, ...]:
-        """Select the numbers that match every field given, in file order."""
-        return tuple(v for v in self.values if all(getattr(v, name) == w for name, w in wanted.items()))
 
     def parameter_sets(self, method: str) -> Array:
         """Parameter sets of the numeric tests (Tables 4 and 5)."""
