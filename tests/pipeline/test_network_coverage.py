@@ -9,7 +9,7 @@ from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identification.algorithm1.conformal import distances, novelty_limit, spread_of
+from repro.identification.algorithm1.conformal import distances, novelty_limit
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.solve import solve
 from repro.model.dynamics import mass_matrix
@@ -108,8 +108,8 @@ def test_the_other_generator_draws_arms_that_links_can_give(config):
 def test_the_range_of_the_guesses_is_their_middle_share(level):
     found = np.broadcast_to(np.linspace(0.0, 1.0, 101)[:, np.newaxis], (40, 101, 9))
     truth = np.repeat((np.arange(40.0) + 0.5)[:, np.newaxis] / 40, 9, axis=1)  # evenly over the estimates
-    rows = stage._coverage_rows("Eq. 1", found, truth, spread_of(found), np.ones((1, 9)), np.ones(1), (level,))
-    assert {row["raw"] for row in rows} == {level}
+    shares = stage.coverage_shares("Eq. 1", found, truth, np.ones((1, 9)), np.ones(1), (level,))
+    assert set(shares["raw"]) == {level}
 
 
 def test_distributions_of_the_levels_rise_to_one_and_show_what_is_too_narrow(tables):

@@ -1,15 +1,13 @@
 CODE = CodeDigests()
 
+CALL = "../scripts/call.py"
 # What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
-CALL = "../scripts/call.py"
-
-
 def code(script, *definitions):
-    """Digests of what a script and further definitions reach; a docstring changes nothing."""
-    return CODE.of_script(HERE / "scripts" / script, *definitions)
+    """Digests of what a script and further definitions reach; a docstring changes nothing. A job needs none."""
+    return CODE.of_script(HERE / "scripts" / script, *definitions) if workflow.is_main_process else []
 
 
 def call(function, *definitions):
@@ -50,11 +48,6 @@ def training_sections(wildcards):
     return {**parts, "training": {**parts["training"], **source}}
 
 
-def is_plain(wildcards):
-    """Whether a network of the factorial reads the torque, not an image."""
-    return CELLS[wildcards.cell].reader == "plain"
-
-
 def factorial_motions(wildcards):
     """Motions that a network of the factorial is trained on, where they are not Eq. 10's own."""
     return f"{R}/data/tracked.safetensors" if CELLS[wildcards.cell].motions == "tracked" else []
@@ -62,15 +55,14 @@ def factorial_motions(wildcards):
 
 def factorial_training_sections(wildcards):
     """What a network of the factorial depends on."""
-    plain = config["factorial"]["plain"] if is_plain(wildcards) else {"noise": 0.0}
+    plain = config["factorial"]["plain"] if CELLS[wildcards.cell].reader == "plain" else {"noise": 0.0}
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
 
 
-def factorial_sections():
-    """What a search of the factorial depends on: not how many there are."""
-    left_out = ("training_seeds", "search_seeds")
-    own = {key: value for key, value in config["factorial"].items() if key not in left_out}
-    return {**sections(*USED, *ARM), "factorial": own}
+# What a search of the factorial depends on: not how many there are.
+SEEDS = ("training_seeds", "search_seeds")
+FACTORIAL = {key: value for key, value in config["factorial"].items() if key not in SEEDS}
+FACTORIAL_SECTIONS = {**sections(*USED, *ARM), "factorial": FACTORIAL}
 
 
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
@@ -83,9 +75,9 @@ ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 def weights(suffix):
     """Weights of a network: those of the first one that is trained in the same way."""
     names = ["", *(f"-{name}" for name in config["networks"])]
-    digests = {each: configuration_digest(of_network(config, network_name(each))) for each in names}
-    own = next(each for each in names if digests[each] == digests[suffix])
-    return f"{R}/model/cnn{own}.safetensors"
+    digests = [configuration_digest(of_network(config, network_name(each))) for each in names]
+    own = digests.index(digests[names.index(suffix)])
+    return f"{R}/model/cnn{names[own]}.safetensors"
 
 
 def is_stored(wildcards):
@@ -118,11 +110,6 @@ def identifications(suffixes):
 NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 
-def stored_capture(wildcards):
-    """Files that a capture is read from, all of which must be there."""
-    return present_files(wildcards.motion)
-
-
 def present_files(motion):
     """Files of a stored capture, or the check sums of all; one that is missing ends the run with one line."""
     files = capture_files(config, motion)
@@ -146,20 +133,16 @@ def experiment_identifications(suffix=""):
     return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
 
 
-def ledger_sources():
-    """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
-    return {
-        "captures": lambda wildcards: present_files(SUMS),
-        "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
-        "training": f"{R}/model/training.csv",
-        "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
-        "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
-    }
-
-
-def ledger_sections():
-    """Settings that are held against published ones."""
-    return sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
+# What the ledger and its tables are made from: changed afterwards, its verification fails.
+LEDGER_SOURCES = {
+    "captures": lambda wildcards: present_files(SUMS),
+    "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
+    "training": f"{R}/model/training.csv",
+    "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
+    "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
+}
+# Settings that are compared with published ones.
+LEDGER_SECTIONS = sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
 
 
 # What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.

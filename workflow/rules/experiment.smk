@@ -6,7 +6,7 @@ if SERIAL:
 
 rule acquire:
     input:
-        stored_capture,
+        lambda wildcards: present_files(wildcards.motion),
     output:
         out=f"{R}/experiment/{{motion}}.bin",
         program=f"{R}/experiment/{{motion}}.program",

@@ -10,6 +10,10 @@ rule simulate_factorial:
         CALL
 
 
+# Modules that train its networks, by what reads the torque.
+READERS = {"plain": "repro.cnn.plain", "cnn": "repro.cnn.train"}
+
+
 rule train_factorial:
     input:
         motions=factorial_motions,
@@ -21,7 +25,7 @@ rule train_factorial:
         runtime=90,
     params:
         "repro.pipeline.networks:train_cell",
-        code=lambda wildcards: " ".join(CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train")),
+        code=lambda wildcards: " ".join(CODE.of(READERS[CELLS[wildcards.cell].reader])),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:
@@ -41,7 +45,7 @@ rule score_factorial:
         runtime=60,
     params:
         *call("repro.pipeline.networks:score_cell"),
-        config=factorial_sections(),
+        config=FACTORIAL_SECTIONS,
     message:
         "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
     script:
@@ -55,7 +59,7 @@ rule score_factorial_references:
         f"{R}/factorial/references.csv",
     params:
         *call("repro.pipeline.factorial:score_references"),
-        config=factorial_sections(),
+        config=FACTORIAL_SECTIONS,
     message:
         "Least squares on the blocks of the factorial"
     script:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from repro.files import write_csv, write_json
+from repro.files import write_csv, write_json, write_text
 from repro.pipeline.job import job
 
 module, _, name = snakemake.params[0].partition(":")
@@ -25,5 +25,5 @@ with job(snakemake.log[0], snakemake.threads):
     made = function(**{name: given[name] for name in signature(function).parameters if name in given})
     if made is not None:
         for file, content in zip(snakemake.output, made if isinstance(made, list) else [made], strict=True):
-            write = write_csv if isinstance(content, pd.DataFrame) else write_json
+            write = {pd.DataFrame: write_csv, str: write_text}.get(type(content), write_json)
             write(file, content)

@@ -61,20 +61,20 @@ class Tracked:
 
 def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
     """Physical arms that the motors can carry and the loop can hold."""
+    return _draw_held(lambda: sample_beta(rng, 4 * n, "links"), n, config)
+
+
+def _draw_held(draw: Callable[[], Array], n: int, config: Config) -> Array:
+    """The first `n` drawn arms that the motors can carry and the loop can hold."""
+    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
     arms = np.empty((0, 9))
     while len(arms) < n:
-        arms = np.concatenate([arms, _held(sample_beta(rng, 4 * n, "links"), config)])
+        beta = draw()
+        g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
+        load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
+        fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
+        arms = np.concatenate([arms, beta[fit]])
     return arms[:n]
-
-
-def _held(beta: Array, config: Config) -> Array:
-    """Those of some arms that the motors can carry and the loop can hold."""
-    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
-    g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
-    load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
-    fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
-    held: Array = beta[fit]
-    return held
 
 
 def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
@@ -82,8 +82,8 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
 
     A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
     """
-    arms = np.empty((0, 9))
-    while len(arms) < n:
+
+    def draw() -> Array:
         l1, l2 = rng.uniform(0.1, 0.35, (2, 4 * n))
         rod1, rod2 = rng.uniform(0.4, 1.2, 4 * n) * l1, rng.uniform(0.4, 1.2, 4 * n) * l2  # kg, 0.4 to 1.2 kg/m
         motor, load = rng.uniform(0.05, 0.3, 4 * n), rng.uniform(0.0, 0.25, 4 * n)
@@ -92,11 +92,10 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
         j1 = rod1 * l1**2 / 12 + rod1 * (l1 / 2 - lc1) ** 2 + motor * (l1 - lc1) ** 2
         j2 = rod2 * l2**2 / 12 + rod2 * (l2 / 2 - lc2) ** 2 + load * (l2 - lc2) ** 2
         inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
-        gravity = inertial[:, 3:5]
-        viscous, coulomb = rng.uniform(0.02, 0.2, (2, 4 * n, 2)) * gravity[np.newaxis]
-        beta = np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
-        arms = np.concatenate([arms, _held(beta, config)])
-    return arms[:n]
+        viscous, coulomb = rng.uniform(0.02, 0.2, (2, 4 * n, 2)) * inertial[np.newaxis, :, 3:5]  # of gravity
+        return np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
+
+    return _draw_held(draw, n, config)
 
 
 def _program(config: Config) -> ReferenceTrajectory:
@@ -218,7 +217,7 @@ def _read_specimens(
 ) -> list[Specimen]:
     """Specimens with their parameters and recordings; `first` is the name of ID in the file."""
     kept, _ = read_tensors(path, "recordings of simulated arms")
-    control, n = control_constants(config), len(specimens)
+    n = len(specimens)
 
     def stored(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
         if name not in kept or kept[name].shape != shape:
@@ -234,7 +233,7 @@ def _read_specimens(
             name = first if motion == "ID" else motion
             position, pwm = (stored(f"{name}/{what}", (n, *program.q.shape))[k] for what in ("position", "pwm"))
             sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))  # as the board received it
-            recordings[motion] = Recording.of_counts(sent, position, pwm, control)
+            recordings[motion] = Recording.of_counts(sent, position, pwm, config)
         found.append(replace(one, true=true[k], recordings=recordings))
     return found
 

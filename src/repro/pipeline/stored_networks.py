@@ -26,22 +26,19 @@ SOURCE_KEYS = ("source", "networks")
 def training_config(config: Config) -> dict[str, Any]:
     """What decides a network: nothing of another recipe or another divisor."""
     left_out = SOURCE_KEYS if config["training"]["recipe"] == "paper" else (*SOURCE_KEYS, "paper")
-    image = config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]}
-    data = {key: value for key, value in config["data"].items() if key != "tracked"}
-    how: dict[str, Any] = {"data": data}
-    if data["motions"] == "tracked":
-        e = config["experiment"]
-        how = {
-            "data": config["data"],
-            "board": config["board"],
-            "experiment": {key: e[key] for key in ("margin_samples", "lead_in_s")},
-            "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
-        }
-    return {
-        **{name: config[name] for name in ("signals", "network")},
-        **how,
-        "image": image,
+    parts = {
+        "signals": config["signals"],
+        "network": config["network"],
+        "image": config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]},
         "training": {key: value for key, value in config["training"].items() if key not in left_out},
+    }
+    if config["data"]["motions"] != "tracked":
+        return parts | {"data": {key: value for key, value in config["data"].items() if key != "tracked"}}
+    return parts | {
+        "data": config["data"],
+        "board": config["board"],
+        "experiment": {key: config["experiment"][key] for key in ("margin_samples", "lead_in_s")},
+        "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
     }
 
 
@@ -132,43 +129,38 @@ def model_card(
     motions: str,
 ) -> str:
     """What a user of the weights wants to know, as Markdown."""
-    layers = architecture(network)
-    last = history.iloc[-1]
+    layers, last = architecture(network), history.iloc[-1]
     below = history.index[history["test_loss"] <= 1e-3]
-    reached = (
-        f"step {int(history['step'][below[0]])}, after {seconds_at[below[0]]:.0f} s"
-        if len(below)
-        else "not reached in this budget"
+    reached = "not reached in this budget"
+    if len(below):
+        reached = f"step {int(history['step'][below[0]])}, after {seconds_at[below[0]]:.0f} s"
+    size = "\n".join(
+        f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
+        for r in layers.itertuples()
     )
-    digest = hashlib.sha256(weights.read_bytes()).hexdigest()
-    size = [f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
-            for r in layers.itertuples()]  # fmt: skip
-    lines = [
-        f"# Model card: {weights.name}",
-        "",
-        "Reads the nine parametric residuals of a two-joint arm off the 100 x 100 x 2 signal image of Eq. 9.",
-        "Trained on torques computed by numeric substitution in Eq. 1; no measured data.",
-        "",
-        "| layer | kind | output | kernel | parameters |",
-        "|---|---|---|---|---|",
-        *size,
-        "",
-        f"- Parameters: {int(layers['parameters'].sum())}",
-        f"- Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, "
-        f"{training.precision} arithmetic in layers 1 to 4",
-        f"- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, "
-        f"the rest uniform on {data.guess.low:g} to {data.guess.high:g}",
-        f"- Motions: {motions}",
-        f"- Torque beyond Eq. 1, at most: {data.unmodelled}",
-        f"- Image: Z1 divided by {data.image.scale}"
-        + (f" ({data.image.constant:g})" if data.image.scale == "constant" else ""),
-        f"- Final loss: training {last['train_loss']:.3e}, held-out {last['test_loss']:.3e}",
-        f"- Held-out loss of 1e-3: {reached}",
-        f"- Training time: {seconds_at[-1]:.0f} s of wall time",
-        f"- SHA-256 of the weights: `{digest}`",
-        "",
-        "Use: identification of arms that are sent Eq. 10's trajectory. Not for other motions: the image's meaning",
-        "depends on the motion. Parameters are read in units of the largest torque.",
-        "",
-    ]
-    return "\n".join(lines)
+    divisor = data.image.scale + (f" ({data.image.constant:g})" if data.image.scale == "constant" else "")
+    return f"""# Model card: {weights.name}
+
+Reads the nine parametric residuals of a two-joint arm off the 100 x 100 x 2 signal image of Eq. 9.
+Trained on torques computed by numeric substitution in Eq. 1; no measured data.
+
+| layer | kind | output | kernel | parameters |
+|---|---|---|---|---|
+{size}
+
+- Parameters: {int(layers["parameters"].sum())}
+- Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, \
+{training.precision} arithmetic in layers 1 to 4
+- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, \
+the rest uniform on {data.guess.low:g} to {data.guess.high:g}
+- Motions: {motions}
+- Torque beyond Eq. 1, at most: {data.unmodelled}
+- Image: Z1 divided by {divisor}
+- Final loss: training {last["train_loss"]:.3e}, held-out {last["test_loss"]:.3e}
+- Held-out loss of 1e-3: {reached}
+- Training time: {seconds_at[-1]:.0f} s of wall time
+- SHA-256 of the weights: `{hashlib.sha256(weights.read_bytes()).hexdigest()}`
+
+Use: identification of arms that are sent Eq. 10's trajectory. Not for other motions: the image's meaning
+depends on the motion. Parameters are read in units of the largest torque.
+"""
