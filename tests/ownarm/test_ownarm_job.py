@@ -116,7 +116,7 @@ def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):
     log = load_log(write_log(tmp_path / "log.csv"), ARM)
     slow = load_log(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
     with pytest.raises(InputError, match=r"^cutoff: found 5 Hz, expected .* 10 Hz of slow\.csv"):
-        make_problem(log, (slow,), ARM, Options(("ordinary",), tmp_path, cutoff=5.0))
+        make_problem((log,), (slow,), ARM, Options(("ordinary",), tmp_path, cutoff=5.0))
 
 
 def stretched(t):

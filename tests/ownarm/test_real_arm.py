@@ -29,7 +29,7 @@ def result(tmp_path_factory):
     """Least-squares methods on 061157 with everything chosen from the log, judged on the two other logs."""
     options, arm = Options(LEAST_SQUARES, tmp_path_factory.mktemp("cache")), Arm()
     logs = [load_log(log_file(name), arm) for name in ("061157", "060143", "060329")]
-    problem = make_problem(logs[0], tuple(logs[1:]), arm, options)
+    problem = make_problem(logs[:1], logs[1:], arm, options)
     return assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), arm)[0]
 
 

@@ -44,7 +44,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
 
 
 def problem_of(*logs, options=OPTIONS):
-    return make_problem(logs[0], (), ARM, options, logs[1:])
+    return make_problem(logs, (), ARM, options)
 
 
 def outcome(*logs, seed=1, name="ordinary", draws=5):

@@ -32,7 +32,7 @@ def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("split") / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     log = load_log(path, ARM)
-    problem = make_problem(log, (), ARM, OPTIONS)
+    problem = make_problem((log,), (), ARM, OPTIONS)
     found = fit_all(problem, [METHODS["ordinary"]], 1, silent)
     return problem, *assemble(problem, found, ARM)
 

@@ -90,10 +90,7 @@ class TrainingSettings:
 
 
 def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:
-    """Read finite weights of the shapes ``settings.weights``; `fact`, if given, is what the file's header must state.
-
-    InputError is raised if the file is missing or damaged, or has another network.
-    """
+    """Read finite weights of the shapes ``settings.weights``; the header must state the `fact`, if there is one."""
     weights, metadata = read_tensors(path, "weights of a network")
     header = [*metadata.values()]
     expected, shapes = settings.weights, {name: w.shape for name, w in weights.items()}

@@ -64,11 +64,7 @@ def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[
 
 
 def assemble(u: Floats, v: Floats) -> Floats:
-    """Build the image Z (..., 2, S, S), ``Z[..., d, i, j] = sum_r u[..., d, r, i] v[..., d, r, j]``, from its factors.
-
-    Its axes are channel, row (psi) and column (alpha). Training and identification never call this: the network works
-    on the factors.
-    """
+    """Build the image (..., 2, S, S): channel, row (psi), column (alpha). Only figures need it, not the network."""
     return np.swapaxes(u, -1, -2) @ v
 
 

@@ -55,10 +55,9 @@ def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
 
 
 class Muon(torch.optim.Optimizer):
-    """Momentum whose steps are orthogonalised, for weights as matrices from inputs to outputs.
+    """Momentum whose steps are orthogonalised: `torch.optim.Muon` with the learning rate matched to Adam's.
 
-    The step of `torch.optim.Muon` with its learning rate matched to Adam's, for kernels too and in the arithmetic
-    of the network: the library's always takes bfloat16, which most processors only emulate.
+    The library's takes no kernels and always bfloat16, which most processors only emulate.
     """
 
     def __init__(self, weights: Iterable[Tensor], lr: float, dtype: torch.dtype) -> None:
@@ -118,10 +117,7 @@ def paper_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, 
 
 
 def streamed_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
-    """Fresh samples at every step; Muon on the weights, Adam on the biases, at a rate that rises, then falls to zero.
-
-    Muon's orthogonalised steps give a lower loss than Adam after the same number of samples.
-    """
+    """Fresh samples at every step; Muon on the weights (lower loss than Adam), Adam on the biases."""
     # Layers 2 and 3 start as the identity, so that all layers learn at once.
     for kernel in (net.conv2.weight, net.conv3.weight):
         nn.init.dirac_(kernel)
@@ -169,11 +165,7 @@ def train(
     checkpoint: Path | None = None,
     report: Callable[[int, int, float], None] = lambda *_: None,
 ) -> Trained:
-    """Train the network.
-
-    If `checkpoint` is a file of the same run, training continues from it; a damaged one raises InputError. `report` is
-    called with steps done, steps in all and the latest training loss.
-    """
+    """Train the network, or go on from the checkpoint of the same run; `report` gets steps, all steps and the loss."""
     settings = replace(settings, precision=on_this_processor(settings.precision))
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)

@@ -37,10 +37,7 @@ class Identifiability:
 
 
 def excitation(regression: Regression) -> Identifiability:
-    """Compute rank, condition number, friction correlation and base parameters of a motion; no torque is used.
-
-    Rows of a prior count as rows of the motion, and a known parameter as determined.
-    """
+    """Analyse a motion; no torque is used. Rows of a prior count as rows, a known parameter as determined."""
     prior = regression.prior
     y = without_known(regression).y
     if prior is not None:

@@ -260,7 +260,7 @@ def detection_limits(
     """Compute the smallest size of each candidate that both rules would accept, next to the chosen columns.
 
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains; that must be
-    `MIN_ERROR_REDUCTION` of the error with it. The rows are `h` apart.
+    `MIN_ERROR_REDUCTION` of the error with it.
     """
     error, limits = cross_validation_error(with_columns(a, chosen), b, others), []
     for k in candidates:
@@ -276,10 +276,7 @@ def detection_limits(
 
 
 def find_friction(log: Log, settings: FilterSettings, subtract: bool) -> tuple[FrictionTerm, ...]:
-    """Find the friction terms to subtract, if any may be, and those that would help, in the order of `FRICTION_TERMS`.
-
-    The log is uniformly sampled and has correct calibration; the load is that of least squares.
-    """
+    """Find the friction terms to subtract, if any may be, and those that would help, in a calibrated log."""
     r = drop_standstill(prepare(log, settings))
     a, b = weighted_rows(r, term_columns(FRICTION, log, settings, solve(r.y, r.tau)))
     candidates = [k for k in range(len(FRICTION_TERMS)) if np.any(a[..., N_NINE + k])]

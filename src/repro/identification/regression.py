@@ -154,10 +154,7 @@ def joint_variance(regression: Regression, beta: Array) -> Array:
 
 
 def correlation_time(error: Array, h: float) -> float:
-    """Time over which residuals (2, n), `h` apart, stay correlated, s, the longer of both joints.
-
-    It is the sum of the autocorrelation up to its first zero.
-    """
+    """Sum the autocorrelation of residuals (2, n), `h` apart, up to its first zero, s; the longer of both joints."""
     n = error.shape[-1]
     centred = error - error.mean(-1, keepdims=True)
     power = np.abs(np.fft.rfft(centred, 2 * n, axis=-1)) ** 2
@@ -174,8 +171,7 @@ def correlation_time(error: Array, h: float) -> float:
 def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float) -> tuple[float, float]:
     """Autocorrelation of each joint's residual at a lag of one period of the cut-off (Hz).
 
-    It is 0 for white residuals and near 1 for residuals that Eq. 1 or the delay does not explain. Filtering alone
-    correlates neighbouring samples, but not samples a whole period of the cut-off apart.
+    Filtering alone correlates neighbouring samples, but not samples a whole period of the cut-off apart.
     """
     error = regression.tau - regression.y @ beta
     error = error - error.mean(-1, keepdims=True)

@@ -19,10 +19,7 @@ UNDETERMINED_WEIGHT, REGULARISATION_WEIGHT = 1e-3, 1e-7
 
 
 def unit_columns(y: Array) -> tuple[Array, Array]:
-    """Scale a regressor (2, n, 9) to rows (2 n, 9) with columns of unit length.
-
-    beta = z / scale (9,) solves the problem that z solves for the rows. A column that is nothing but rounding is zero.
-    """
+    """Scale a regressor (2, n, 9) to rows (2 n, 9) with columns of unit length, or zero; beta = z / scale (9,)."""
     a = y.reshape(-1, y.shape[-1])
     length = np.sqrt(np.einsum("np,np->p", a, a))
     moved = length > MIN_COLUMN_RATIO * length.max(initial=0.0)
@@ -48,9 +45,8 @@ def solve_normal(gram: Array, right: Array, length: Array) -> Array:
 def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None = None) -> Array:
     """Compute the parameters (9,) with the smallest sum of squared torque errors, from y (2, n, 9) and tau (2, n).
 
-    `weight` of each squared error broadcasts to (2, n). Where the parameters are not unique, they are those of the
-    smallest length in units of the columns' length; a parameter that the motion does not move is 0. Weights next to a
-    prior are those of rows of variance 1.
+    `weight` of each squared error broadcasts to (2, n); next to a prior, weighted rows have a variance of 1. Parameters
+    that are not unique are the shortest in units of the columns' length; one that the motion does not move is 0.
     """
     if weight is None and prior is None:
         a, scale = unit_columns(y)
@@ -66,11 +62,9 @@ def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None
 
 
 def reduced_problem(y: Array, tau: Array, prior: Prior | None = None) -> tuple[Array, Array, Array]:
-    """Reduce least squares to few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant, with beta = z / scale.
+    """Reduce |Y beta - tau|^2, but for a constant, to |R z - c|^2 with R (k, 9), c (k,) and beta = z / scale (9,).
 
-    Further rows make the solution unique: undetermined directions are pulled to zero, and so is all of z, too weakly to
-    matter where anything else determines it. The rows of a prior are among them. Returns R (k, 9), c (k,) and
-    scale (9,).
+    Further rows are those of the prior, and rows that pull undetermined directions, and more weakly all of z, to zero.
     """
     a, scale = unit_columns(y)
     gram, product = a.T @ a, a.T @ tau.reshape(-1)

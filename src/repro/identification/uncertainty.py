@@ -83,10 +83,7 @@ class Perturbation:
 
 
 def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
-    """Compute torque of period one turn of a joint (eccentric gear), shape (2, N, 3).
-
-    sin q1 at joint 1 is left out: no log can distinguish it from g1.
-    """
+    """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
     return np.concatenate([one_joint(np.cos(moved[0])), one_joint(np.sin(moved[0]))[..., 1:]], axis=-1)
 
 
@@ -109,9 +106,8 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
 def simex(regression: Regression) -> Regression:
     """Add an error to each inertial and gravity term, as large as would explain the residual.
 
-    Errors of the regressor attenuate least squares, most where large terms add up to a small torque. SIMEX: the shift
-    that a second error of the same size causes estimates the bias (linear extrapolant). Errors are not drawn: their
-    signs are columns of a Hadamard matrix, which are orthogonal from term to term.
+    The shift that a second error of the same size causes estimates the bias (SIMEX with a linear extrapolant). The
+    signs of the errors are columns of a Hadamard matrix, which are orthogonal from term to term.
     """
     beta = solve(regression.y, regression.tau)
     residual = (regression.tau - regression.y @ beta) * regression.mask
@@ -126,10 +122,7 @@ def simex(regression: Regression) -> Regression:
 
 
 def project_out(regression: Regression, columns: Array) -> Regression:
-    """Project columns (2, n, k) out of torque and regressor.
-
-    Least squares then gives the parameters that it gives with those columns in the model.
-    """
+    """Project columns (2, n, k) out of torque and regressor, as if they were in the model of least squares."""
     x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
     basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
@@ -142,11 +135,7 @@ def project_out(regression: Regression, columns: Array) -> Regression:
 
 
 def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
-    """Compute the positive-part shrinkage factor max(0, 1 - c / F) of the shift that k projected columns cause.
-
-    F is that of the F-test, with the length of the log in correlation times as number of samples of a joint; c is its
-    critical value at the level `F_TEST_LEVEL`.
-    """
+    """Compute max(0, 1 - c / F) of the shift that k projected columns cause, by the F-test over independent samples."""
     errors = [r.tau - r.y @ solve(r.y, r.tau) for r in (plain, projected)]
     weight = 1.0 / np.maximum(np.sum(errors[0] ** 2, axis=-1, keepdims=True), np.finfo(np.float64).tiny)
     before, after = (float(np.sum(weight * error**2)) for error in errors)
@@ -158,10 +147,7 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
 
 
 def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) -> dict[str, Perturbation]:
-    """Add the columns of each of `UNMODELLED_EFFECTS` to a uniformly sampled log, weighted against `plain`.
-
-    `plain` is the regression that gave the estimate: of this log, or of the log with its calibration errors corrected.
-    """
+    """Add the columns of each of `UNMODELLED_EFFECTS` to a log, weighted against the regression of the estimate."""
     own = drop_standstill(prepare(log, settings))
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
     columns_of_forms = iter(filtered_columns(forms, log, settings, solve(own.y, own.tau)))
@@ -176,10 +162,7 @@ def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) ->
 
 
 def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare a uniformly sampled log with other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
-
-    Standstill is left out. `delay_error` is the standard error of the delay, s; 0 where it is known.
-    """
+    """Prepare a log with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
     s = settings
 
     def prepared(changed: FilterSettings) -> Regression:
@@ -219,8 +202,8 @@ def attach_prior(
 ) -> tuple[Regression, dict[str, Perturbation]]:
     """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
 
-    The squared shifts by means that are off by their standard deviations add up ([3]_, 5.1.2). In linear least
-    squares they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
+    The squared shifts by means that are off by their standard deviations add up ([3]_, 5.1.2). In linear least squares
+    they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
     """
     beta = solve(regression.y, regression.tau)
     rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
@@ -289,8 +272,7 @@ def bootstrap(
 ) -> Uncertainty:
     """Compute standard errors and 95 % intervals of a method on the regression that gave the estimate `first`.
 
-    `report` is called with replicates done and in all. NoSolutionError is raised if the method has no solution on most
-    replicates, or on the log through another filter.
+    NoSolutionError is raised if the method has no solution on most replicates, or on the log through another filter.
     """
     n, beta = regression.t.size, first.beta
     length = block_length(regression.tau - regression.y @ beta, regression.h)

@@ -131,10 +131,7 @@ def mass_matrix(q: Array, beta: Array) -> Array:
 
 
 def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Solve Eq. 1 for the acceleration (..., 2), rad/s^2, from states and torques (..., 2) and parameters (..., 9).
-
-    Nothing is checked: an integrator needs a value, finite or not, for a state that diverges.
-    """
+    """Solve Eq. 1 for the acceleration (..., 2); unchecked, as an integrator needs a value when a state diverges."""
     i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
     q1, q2, dq1, dq2 = q[..., 0], q[..., 1], dq[..., 0], dq[..., 1]
     driving = tau - beta[..., 5:7] * dq - beta[..., 7:9] * np.tanh(friction_steepness * dq)
@@ -168,10 +165,7 @@ def forward_kinematics(q: Array, geometry: ArmGeometry) -> tuple[Array, Array]:
 
 
 def inverse_kinematics(tip: Array, geometry: ArmGeometry) -> Array:
-    """Compute joint positions (..., 2, N), rad, with q2 >= 0, that put the tip on points (..., 2, N), m.
-
-    q1 is within (-pi, pi]: a path around joint 1 jumps by 2 pi where it passes straight above it.
-    """
+    """Compute joint positions (..., 2, N), -pi < q1 <= pi and q2 >= 0, that put the tip on points (..., 2, N), m."""
     (tip,) = check_motion(tip)
     x, y = tip[..., 0, :], tip[..., 1, :]
     l1, l2, reach = geometry.l1, geometry.l2, geometry.reach

@@ -43,10 +43,7 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Links:
-    """Geometry and mass of the two links (Fig. 1): numbers, or arrays of one common shape S.
-
-    The length of link 2 does not enter the dynamics.
-    """
+    """Geometry and mass of the links (Fig. 1), numbers or arrays of a shape S; the length of link 2 has no effect."""
 
     m1: Array | float  # masses, kg
     m2: Array | float

@@ -89,15 +89,13 @@ def inconsistency(beta: Array) -> str:
 
 def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
     """Report calibration errors and friction that was not subtracted, with the name of the log if there are several."""
-    lines = [
-        f"in {log.loaded.name} {line}" if len(logs) > 1 else line
-        for log in logs
-        for line in (
-            *calibration_lines(log.faults, arm),
-            *(friction_line(term) for term in log.terms if not term.taken),
-        )
-    ]
-    return (*lines, *([] if all(_same_errors(log.faults, logs[0].faults) for log in logs) else [DIFFERENT_ERRORS]))
+    lines = []
+    for log in logs:
+        friction = (friction_line(term) for term in log.terms if not term.taken)
+        where = f"in {log.loaded.name} " if len(logs) > 1 else ""
+        lines += [f"{where}{line}" for line in (*calibration_lines(log.faults, arm), *friction)]
+    same = all(_same_errors(log.faults, logs[0].faults) for log in logs)
+    return tuple(lines) if same else (*lines, DIFFERENT_ERRORS)
 
 
 def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:

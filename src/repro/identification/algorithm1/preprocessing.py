@@ -26,11 +26,7 @@ class PreparedSignals:
     time_scale: float = 1.0  # canonical time over recorded time
 
     def to_recorded_time(self, beta: Array) -> Array:
-        """Convert parameters (..., 9) from canonical to recorded time.
-
-        With t' = p t, Eq. 1 keeps its form when inertias are multiplied by p^2 and viscous friction by p; gravity and
-        Coulomb friction stay.
-        """
+        """Convert parameters (..., 9) from canonical to recorded time: with t' = p t, Eq. 1 keeps its form."""
         p = self.time_scale
         return np.asarray(beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0]))
 
@@ -38,8 +34,7 @@ class PreparedSignals:
 def fit2trt(tau: Array, tau_mean: Array) -> float:
     """Compute the factor that brings a torque to the level of the mean training torque (Eq. 15, Fig. 9), both (2, N).
 
-    It is the mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the torque is
-    zero to rounding carry no level and are left out. ValueError is raised if it is zero throughout.
+    It is the mean of |tau_mean| / |tau|, the norms taken over the joints, where the torque is not zero to rounding.
     """
     if tau.shape != tau_mean.shape:
         raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
@@ -66,11 +61,7 @@ def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: Sign
 def filtered(
     q: ArrayLike, tau: ArrayLike, settings: SignalSettings, begin: int = 0, end: int | None = None
 ) -> Regression:
-    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples begin to end - 1.
-
-    `q` and `tau` (2, N) are measured. The regression is in recorded time. ValueError is raised if shapes differ, values
-    are not finite, or the cut is empty.
-    """
+    """Apply lines 1 to 4 of Algorithm 1 to measured q and tau (2, N); **cut** keeps the samples begin to end - 1."""
     q, tau = check_motion(q, tau)
     n, m = q.shape[-1], settings.samples
     end = n if end is None else end
@@ -90,10 +81,8 @@ def prepare(
 ) -> PreparedSignals:
     """Apply lines 5 to 12 of Algorithm 1 to cut and filtered signals in recorded time.
 
-    `tau_mean` (2, N) is the mean torque of the training data at the same samples. `time_scale` is canonical time over
-    recorded time, for a trajectory that was run slower or faster than in training. `image_motion` (three arrays of
-    shape (2, N), in recorded time) is the motion that f of the image is evaluated on, an extension of ours; the
-    measured one by default.
+    `tau_mean` (2, N) is the mean torque of the training data at the same samples, `time_scale` is canonical time over
+    recorded time. f of the image is evaluated on `image_motion` (an extension of ours), by default the measured motion.
     """
     steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
     c_p = fit2trt(recorded.tau, tau_mean)  # line 5

@@ -59,7 +59,6 @@ class Candidates:
     beta: Array  # physically possible estimates (n, 9), in units of the largest torque
     execution: NDArray[np.int64]  # execution that each came from (n,)
     similarity: Array  # n_e of line 27, (n,)
-    images: int  # images that the network evaluated, rejected estimates included
 
 
 @dataclass(frozen=True)
@@ -109,15 +108,14 @@ def search(
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
 
-    All executions advance together, one guess each a round, so that the network evaluates them as one batch.
-    Each execution has its own random stream, so the guesses are those of the listing run one by one.
+    All executions advance together, so that the network evaluates their guesses as one batch. Each has its own random
+    stream, so the guesses are those of the listing.
     """
     possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
     streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
     running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0
     beta_m, origin, similarity = [np.empty((0, 9))], [np.empty(0, np.int64)], [np.empty(0)]  # line 11
-    images_before = estimator.images
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
@@ -130,15 +128,13 @@ def search(
         origin.append(running[ok])
         similarity.append(n_e[ok])
         running = running[n_e < settings.threshold]  # line 28 is the loop's own count
-    images = estimator.images - images_before
-    return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity), images)
+    return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity))
 
 
 def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
     """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque.
 
-    The candidates (n, 9) are in units of the largest torque. Without any, the result is zeros with similarity 0, where
-    line 11 starts.
+    Without candidates (n, 9), the result is zeros with similarity 0, where line 11 starts.
     """
     if not len(beta_m):
         return Selected(np.zeros(9), 0.0)
