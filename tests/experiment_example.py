@@ -1,13 +1,16 @@
 """A short experiment without a simulation: recordings of an arm that follows its program perfectly."""
 
 import copy
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 import yaml
 
+from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
@@ -21,6 +24,14 @@ ERROR = {1: 0.5, 2: 0.99, 3: 0.9}
 ON_ID = {1: 0.6, 2: 0.8, 3: 0.97}
 MEDIAN = 2
 LEAST_SQUARES = 1.1
+
+
+def refused(call, *arguments):
+    """The one line that a call with wrong input ends in."""
+    with pytest.raises(InputError) as error:
+        call(*arguments)
+    assert re.fullmatch(r"[^\n]+: found [^\n]+, expected [^\n]+", str(error.value)), str(error.value)
+    return str(error.value)
 
 
 def full_config():

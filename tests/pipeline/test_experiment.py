@@ -2,16 +2,14 @@
 
 import copy
 import json
-import re
 import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from experiment_example import CAPTURES, MOTIONS, ROOT, capture, followed, full_config, short_config
+from experiment_example import CAPTURES, MOTIONS, ROOT, capture, followed, full_config, refused, short_config
 from fake_board import served
 
-from repro.errors import InputError
 from repro.fingerprint import differing, fingerprint
 from repro.fpga.capture import read_capture, write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
@@ -34,15 +32,6 @@ pytestmark = pytest.mark.slow
 
 CONFIG = full_config()
 SHORT = short_config()
-ONE_LINE = re.compile(r"[^\n]+: found [^\n]+, expected [^\n]+")
-
-
-def refused(call, *arguments):
-    """The one line that a call ends in."""
-    with pytest.raises(InputError) as error:
-        call(*arguments)
-    assert ONE_LINE.fullmatch(str(error.value)), str(error.value)
-    return str(error.value)
 
 
 def changed(config, **sections):

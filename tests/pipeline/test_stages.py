@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from experiment_example import full_config
+from experiment_example import full_config, refused
 
 from repro.cnn.network import FactoredCNN, save_network
-from repro.errors import InputError
 from repro.files import write_csv, write_json
 from repro.pipeline.identifications import read_identifications, read_mean_torque, read_scores, score_estimates
 from repro.pipeline.networks import algorithm1_of
@@ -44,17 +43,6 @@ def original(tmp_path_factory):
 def results(original, tmp_path):
     """A copy that a test may damage."""
     return Path(shutil.copytree(original, tmp_path / "results"))
-
-
-def refused(call, *arguments):
-    """Message of the one line that a call ends in."""
-    with pytest.raises(InputError) as error:
-        call(*arguments)
-    message = str(error.value)
-    assert len(message.splitlines()) == 1
-    assert ": found " in message
-    assert ", expected " in message
-    return message
 
 
 def load(folder, config=CONFIG):
