@@ -239,16 +239,8 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
-        axes.plot(
-            100.0 * own["confirmation"],
-            at,
-            ls="none",
-            marker="D",
-            ms=3.2,
-            mfc="white",
-            mec="#d1490a",
-            label="frozen arm",
-        )
+        frozen = {"marker": "D", "ms": 3.2, "mfc": "white", "mec": "#d1490a", "label": "frozen arm"}
+        axes.plot(100.0 * own["confirmation"], at, ls="none", **frozen)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.set_title(RESPONSES[response])
         axes.set_xlabel("Effect (points of per cent)")
