@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from html_page import Page
 from PIL import Image
@@ -16,7 +15,6 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
-from repro.paper.claims import broken
 from repro.report import page as page_module
 from repro.report.embed import link
 from repro.report.page import answer, build_report, read_claims
@@ -129,18 +127,6 @@ def test_what_comes_from_a_file_is_escaped(text, page):
     assert len(page.all("script")) == 1
     assert TRICKY in page.one("claims")["text"]
     assert TRICKY in page.one("audit")["text"]
-
-
-def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
-    rows = [{**row, "asserted": ("reproduced", "differs")[k % 2]} for k, row in enumerate(claim_rows(12))]
-    changed = make_example(tmp_path)
-    write_rows(changed.results / "claims.csv", rows)
-    claims = read_claims(changed.results / "claims.csv")
-    lost = broken(pd.read_csv(changed.results / "claims.csv", keep_default_na=False))
-    assert [claim["id"] for claim in claims if not claim["satisfied"]] == list(lost["id"])
-    assert 0 < len(lost) < 12
-    headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
-    assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
 
 
 def test_the_first_section_counts_what_agrees(inputs, page):
