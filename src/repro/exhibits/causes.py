@@ -16,10 +16,12 @@ from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
 
-_why_table = partial(table, category=EXPERIMENT, inputs=("arm",), trained="all")
-_why_figure = partial(figure, category=EXPERIMENT, inputs=("arm",), trained="all")
-_factorial_table = partial(table, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
-_factorial_figure = partial(figure, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
+_why_table, _why_figure = (
+    partial(kind, category=EXPERIMENT, inputs=("arm",), trained="all") for kind in (table, figure)
+)
+_factorial_table, _factorial_figure = (
+    partial(kind, category=ABLATION, inputs=("factorial",), trained="all", optional=True) for kind in (table, figure)
+)
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {

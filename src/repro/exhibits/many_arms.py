@@ -18,8 +18,7 @@ from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
-_table = partial(table, category=EXPERIMENT, trained="all")
-_figure = partial(figure, category=EXPERIMENT, trained="all")
+_table, _figure = (partial(kind, category=EXPERIMENT, trained="all") for kind in (table, figure))
 
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
