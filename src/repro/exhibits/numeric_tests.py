@@ -257,13 +257,16 @@ def _torques(
     return long_table(parts)
 
 
+_of_runs = partial(figure, inputs=("published",), sections=_NUMERIC)
+
+
 def _torque_figure(
     which: int, title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
 ) -> Callable[[Numbers], Exhibit]:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
     draw = partial(compare, titles=titles, spectra=spectra)
-    return figure(which, title, draw, category=category, inputs=("published",), sections=_NUMERIC, trained=trained)
+    return _of_runs(which, title, draw, category=category, trained=trained)
 
 
 @_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
@@ -294,15 +297,7 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "validation", _ALL)
 
 
-@figure(
-    16,
-    "Validation trajectory",
-    lambda frame: draw_motion(frame, style.PAGE),
-    category=VALIDATION,
-    inputs=("published",),
-    sections=_NUMERIC,
-    trained="all",
-)
+@_of_runs(16, "Validation trajectory", partial(draw_motion, width=style.PAGE), category=VALIDATION, trained="all")
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(_scores(inputs))["N1", "algorithm1"]
@@ -323,14 +318,16 @@ _RECIPES = {
 }
 
 
-@table(
+_table, _figure = (
+    partial(kind, category=ABLATION, label="The paper's training", optional=True) for kind in (table, figure)
+)
+
+
+@_table(
     "paper_recipe",
     "Literal Algorithm 1 with it",
-    lambda frame: similarities(frame, (*_ALL, *PROGRAMS), _RECIPE),
-    category=ABLATION,
-    label="The paper's training",
+    partial(similarities, cases=(*_ALL, *PROGRAMS), of_what=_RECIPE),
     inputs=("paper_recipe",),
-    optional=True,
 )
 def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the literal Algorithm 1 on N1 to N4 (identification trajectory) and on the simulated arm with a
@@ -351,16 +348,13 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(
+@_figure(
     "paper_recipe",
     "Loss next to ours",
     draw_held_out_losses,
-    category=ABLATION,
-    label="The paper's training",
     inputs=("losses",),
     sections=("training", "networks"),
     trained="all",
-    optional=True,
 )
 def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, next to
