@@ -116,10 +116,10 @@ def parameter_layout(frame: pd.DataFrame) -> Table:
     methods = [method for method in methods_of(frame) if method in SIDE_BY_SIDE]
     left_out = frame["method"].nunique() - len(methods)
     repeated = bool((frame["estimate_sd"] > 0).any())
-    found = frame.set_index(["parameter", "method"])
+    found = frame.set_index(["parameter", "method"]).to_dict("index")
     rows = []
     for name, si in dict(zip(frame["parameter"], frame["unit"], strict=True)).items():
-        of_methods = [found.loc[(name, method)] for method in methods]
+        of_methods = [found[name, method] for method in methods]
         cells = [with_unit(formula(name), si), number(float(of_methods[0]["true"]), 4)]
         for row in of_methods:
             cells.append(number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None))

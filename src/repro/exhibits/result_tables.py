@@ -27,7 +27,7 @@ def by_method(frame: pd.DataFrame) -> list[Block]:
 def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     """Lay out true and identified parameters, cases side by side, a block for each method."""
     units = dict(zip(frame["parameter"], frame["unit"], strict=True))
-    found = frame.set_index(["method", "case", "parameter"])
+    found = frame.set_index(["method", "case", "parameter"]).to_dict("index")
     repeated = bool((frame["estimate_sd"] > 0).any())
     blocks = []
     for method in methods_of(frame):
@@ -35,7 +35,7 @@ def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
         for name, si in units.items():
             cells = [with_unit(formula(name), si)]
             for case in cases:
-                row = found.loc[(method, case, name), :]
+                row = found[method, case, name]
                 spread = float(row["estimate_sd"]) if repeated else None
                 cells += [number(float(row["true"]), 4), number(float(row["estimate"]), 4, spread)]
             rows.append(cells)
@@ -48,7 +48,7 @@ def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
 
 def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Table:
     """Lay out similarities in percent: rows by joint and factor, columns by case, a block for each method."""
-    found = frame.set_index(["method", "case", "joint"])
+    found = frame.set_index(["method", "case", "joint"]).to_dict("index")
     blocks = []
     for method in methods_of(frame):
         rows = []
@@ -56,7 +56,7 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
             for factor, word in (("time", "Time"), ("frequency", "Freq."), ("total", "Total")):
                 cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
                 for case in cases:
-                    row = found.loc[(method, case, joint), :]
+                    row = found[method, case, joint]
                     spread = 100.0 * float(row["total_sd"]) if factor == "total" and row["seeds"] > 1 else None
                     cells.append(number(100.0 * float(row[factor]), 2, spread))
                 rows.append(cells)
