@@ -145,14 +145,6 @@ def test_nothing_is_loaded_and_the_policy_allows_what_is_there(page, text, figur
     assert all(image["alt"] for image in page.all("img"))
 
 
-def test_the_same_result_gives_the_same_bytes(figures, text):
-    first = replace(example_curves(), signals=example_curves().signals[:1])
-    again = figures_of(example_result(validation_logs=()), first)
-    assert set(again) == {"parameters", "cutoff", "overlay-0", "spectra-0"}
-    assert all(figures[name] == content for name, content in again.items())
-    assert render_page(example_result(), example_curves(), figures) == text
-
-
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
     result, curves = example_result(), example_curves()
     wild = method("wild", "Wild", parameters=parameters(np.inf), fit=score(LOGS[0], np.inf, np.nan))

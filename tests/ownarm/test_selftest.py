@@ -131,12 +131,6 @@ def test_rounded_time_stamps_are_no_jitter():
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
 
 
-def test_several_logs_are_made_each_with_its_own_noise():
-    _, test = outcome(recorded(0), recorded(1, zero=0.08), name="consistent", draws=2)
-    assert not test.model_wrong
-    assert sum(p.hold for p in test.parameters) >= 0.85 * sum(p.intervals for p in test.parameters)
-
-
 def test_the_recommended_method_with_intervals_is_outcome():
     problem = problem_of(recorded())
     found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent)
