@@ -55,9 +55,9 @@ def test_the_result_says_what_was_done(whole):
     assert len(result.warnings) == 1
     assert "the log is short, 12 s" in result.warnings[0]
     p = result.preparation
-    assert p.cutoff == problem.settings.cutoff
+    assert p.cutoff == problem.first.settings.cutoff
     assert 1.0 <= p.cutoff <= 10.0
-    assert p.cutoff_reason == problem.cutoff.reason
+    assert p.cutoff_reason == problem.first.cutoff.reason
     assert p.delay == pytest.approx(0.0, abs=2e-4)
     assert p.friction_steepness == 20.0
     assert p.samples == problem.regression.t.size
@@ -86,7 +86,7 @@ def test_each_method_is_judged_by_its_own_parameters(whole):
 
 @pytest.mark.parametrize("late", [-0.006, 0.0, 0.005])
 def test_the_delay_is_found(tmp_path, late):
-    assert prepared_from_file(tmp_path, late=late).settings.delay == pytest.approx(late, abs=3e-4)
+    assert prepared_from_file(tmp_path, late=late).first.settings.delay == pytest.approx(late, abs=3e-4)
 
 
 @pytest.mark.parametrize("steepness", [10.0, 50.0])
@@ -99,8 +99,8 @@ def test_the_steepness_of_friction_is_found_where_it_is_not_given(tmp_path, stee
 
 def test_a_cutoff_that_is_given_is_used(tmp_path):
     problem = prepared_from_file(tmp_path, options=Options(("ordinary",), tmp_path, cutoff=3.5))
-    assert problem.settings.cutoff == problem.cutoff.hertz == 3.5
-    assert problem.cutoff.reason == "given by the user"
+    assert problem.first.settings.cutoff == problem.first.cutoff.hertz == 3.5
+    assert problem.first.cutoff.reason == "given by the user"
     kept = [r.h for r in problem.as_good["filters"].regressions]  # eight samples a period of the cut-off
     assert min(kept) < problem.regression.h < max(kept)
     with pytest.raises(InputError, match=r"^cutoff: found 60 Hz, expected .* 200 Hz of log\.csv"):

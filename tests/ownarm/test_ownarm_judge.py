@@ -48,10 +48,12 @@ def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, lo
     hum = np.array([[0.0], [log.pop("hum", 0.0)]])
     problem = prepared_from_file(tmp_path, **log)
     if hum.any():
-        raw = problem.fitted.log
+        raw = problem.first.loaded.log
         noise = hum * np.random.default_rng(1).normal(size=raw.tau.shape)
         undriven = replace(raw, tau=raw.tau * [[1.0], [0.0]] + noise)
-        problem = make_problem((replace(problem.fitted, log=undriven),), (), ARM, Options(("ordinary",), tmp_path))
+        problem = make_problem(
+            (replace(problem.first.loaded, log=undriven),), (), ARM, Options(("ordinary",), tmp_path)
+        )
     found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
     assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
     assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}

@@ -101,7 +101,9 @@ def test_residuals_are_those_of_the_recommended_method(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
-@pytest.mark.parametrize("writer", ["figures_of", "render_page", "bibtex", "scores_table", "mjcf", "residuals_table"])
+@pytest.mark.parametrize(
+    "writer", ["figures_of", "render_page", "bibtex", "tables.scores_table", "mjcf", "tables.residuals_table"]
+)
 @pytest.mark.parametrize("there", ["nothing", "an empty folder", "a result"])
 def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, writer, there):
     out = tmp_path / "new" / "deep" / "out"
@@ -115,7 +117,7 @@ def test_a_writer_that_fails_leaves_everything_as_it_was(tmp_path, monkeypatch, 
     def fail(*_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(outputs, writer, fail)
+    monkeypatch.setattr(f"repro.ownarm.outputs.{writer}", fail)
     with pytest.raises(InputError, match="no space left"):
         write_result(out, *example(), ARM)
     assert everything(tmp_path) == names

@@ -83,7 +83,7 @@ def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
     """White noise of the torque through both filters leaves a share of its size that only the filters decide."""
     _, test = clean
     problem = problem_of(recorded())
-    log, settings = problem.fitted.log, problem.settings
+    log, settings = problem.first.loaded.log, problem.first.settings
     noise = replace(log, tau=NOISE * np.random.default_rng(9).normal(size=log.tau.shape))
     filtered = np.sqrt(np.mean(prepare(noise, settings).tau ** 2, axis=-1))
     torque = np.sqrt(np.mean(problem.regression.tau**2, axis=-1))

@@ -144,7 +144,7 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
         fit=score(name, r, beta, positions[0] if n == 1 else None),
         validation=validation,
         halves=fitted.halves,
-        whiteness=residual_autocorrelation(r, beta, problem.settings.cutoff),
+        whiteness=residual_autocorrelation(r, beta, problem.first.settings.cutoff),
         notes=fitted.estimate.notes,
         citation=fitted.method.citation,
     )
@@ -179,19 +179,19 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
     """Evaluate the fits and recommend one."""
     betas = np.stack([f.estimate.beta for f in fits])
     logs = (*(log.loaded for log in problem.logs), *(loaded for loaded, _ in problem.validation))
-    filters = (*(log.settings for log in problem.logs), *(problem.settings for _ in problem.validation))
+    filters = (*(log.settings for log in problem.logs), *(problem.first.settings for _ in problem.validation))
     positions = [position_errors(loaded.log, one, betas) for loaded, one in zip(logs, filters, strict=True)]
     methods = tuple(evaluate(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(fits))
     methods = compare_networks(methods, NETWORKS)
     recommended, reason = recommend(methods)
     excitation = _excitation(problem, betas[[m.method for m in methods].index(recommended)])
-    s, r, name = problem.settings, problem.regression, FILTERS[problem.settings.name].description
-    why = problem.cutoff.reason
+    s, r, name = problem.first.settings, problem.regression, FILTERS[problem.first.settings.name].description
+    why = problem.first.cutoff.reason
     preparation = Preparation(name, s.cutoff, why, s.delay, s.friction_steepness, 1.0 / r.h, r.t.size, s.cut)
     result = Result(
         arm=arm.name,
         simulated=any(loaded.log.simulated for loaded in logs),
-        log=problem.fitted.description,
+        log=problem.first.loaded.description,
         more_logs=tuple(log.loaded.description for log in problem.logs[1:]),
         validation_logs=tuple(loaded.description for loaded, _ in problem.validation),
         preparation=preparation,
@@ -206,7 +206,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         prior=_prior_rows(problem.prior),
     )
     pairs = (*((log.loaded, log.regression) for log in problem.logs), *problem.validation)
-    return result, Curves(tuple(_signals(one.name, r, methods, betas) for one, r in pairs), problem.cutoff)
+    return result, Curves(tuple(_signals(one.name, r, methods, betas) for one, r in pairs), problem.first.cutoff)
 
 
 def _prior_rows(prior: Prior | None) -> dict[str, dict[str, float]]:
