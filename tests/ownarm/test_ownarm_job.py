@@ -49,18 +49,13 @@ def test_the_result_says_what_was_done(whole):
     problem, result, _ = whole
     assert result.arm == "test arm"
     assert not result.simulated
-    assert (result.log.name, [d.name for d in result.validation_logs]) == ("log.csv", ["other.csv"])
-    assert result.recommended in METHODS
     assert result.reason.startswith("smallest mean torque error on the validation logs")
-    assert len(result.warnings) == 1
-    assert "the log is short, 12 s" in result.warnings[0]
+    assert ["the log is short, 12 s" in line for line in result.warnings] == [True]
     p = result.preparation
-    assert p.cutoff == problem.first.settings.cutoff
+    assert (p.cutoff, p.cutoff_reason) == (problem.first.settings.cutoff, problem.first.cutoff.reason)
     assert 1.0 <= p.cutoff <= 10.0
-    assert p.cutoff_reason == problem.first.cutoff.reason
     assert p.delay == pytest.approx(0.0, abs=2e-4)
-    assert p.friction_steepness == 20.0
-    assert p.samples == problem.regression.t.size
+    assert (p.friction_steepness, p.samples) == (20.0, problem.regression.t.size)
     assert p.rate == pytest.approx((p.samples - 1) / np.ptp(problem.regression.t))
     e = result.excitation
     assert (e.rank, e.unexcited, e.base_parameters) == (9, (), NAMES)
