@@ -87,9 +87,9 @@ def test_the_delay_is_found(tmp_path, late):
 @pytest.mark.parametrize("steepness", [10.0, 50.0])
 def test_the_steepness_of_friction_is_found_where_it_is_not_given(tmp_path, steepness):
     auto = prepared_from_file(tmp_path, replace(ARM, friction_steepness=None), steepness=steepness)
-    assert auto.settings.friction_steepness == steepness
+    assert auto.first.settings.friction_steepness == steepness
     given_one = prepared_from_file(tmp_path, replace(ARM, friction_steepness=33.0), steepness=steepness)
-    assert given_one.settings.friction_steepness == 33.0
+    assert given_one.first.settings.friction_steepness == 33.0
 
 
 def test_a_cutoff_that_is_given_is_used(tmp_path):
