@@ -19,12 +19,12 @@ from experiment_example import (
 
 from repro.exhibits.arm_experiment import (
     HIGHEST,
-    identification_curves,
     shown_estimates,
     stability_table,
     tip_paths,
-    validation_curves,
+    torque_curves,
 )
+from repro.exhibits.panels import long_table
 from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import program_settings, read_recording, true_parameters
 from repro.pipeline.identifications import every_seed, least_squares_of, score_runs
@@ -77,11 +77,10 @@ def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
 
 @pytest.mark.parametrize("motion", ["ID", "T4"])
 def test_spectra_are_those_of_the_curves_over_frequency_in_hertz(recordings, motion):
-    if motion == "ID":
-        draw, prefix = (lambda spectra: identification_curves(recordings["ID"], SIGNALS, ESTIMATES, spectra)), ""
-    else:
-        draw, prefix = (lambda spectra: validation_curves([recordings["T4"]], SIGNALS, ESTIMATES, spectra)), "T4 "
-    in_time, in_frequency = draw(False), draw(True)
+    prefix = "" if motion == "ID" else f"{motion} "
+    in_time, in_frequency = (
+        long_table(torque_curves([recordings[motion]], SIGNALS, ESTIMATES, spectra)) for spectra in (False, True)
+    )
     for joint in (1, 2):
         for series in ("measured", "least-squares"):
             _, tau = curve(in_time, f"{prefix}torque{joint}", series)

@@ -3,7 +3,6 @@
 import base64
 import csv
 import hashlib
-import io
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -17,11 +16,10 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
-from repro.paper.claims import Basis, broken
+from repro.paper.claims import broken
 from repro.report import page as page_module
-from repro.report.embed import link, pictures
-from repro.report.ledger import Tally, read_claims, tally
-from repro.report.page import answer, build_report, write_report
+from repro.report.embed import link
+from repro.report.page import answer, build_report, read_claims
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -48,8 +46,6 @@ def decode(uri):
 def test_the_same_inputs_give_the_same_bytes_wherever_they_lie(inputs, text, tmp_path):
     assert build_report(inputs) == text
     assert build_report(make_example(tmp_path / "else where")) == text
-    write_report(inputs)
-    assert inputs.page.read_bytes() == text.encode()
 
 
 def test_nothing_is_loaded_from_outside(page, text):
@@ -119,21 +115,6 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
     assert (decode(found.href), found.download) == (b"x\n1\n", "small.csv")
 
 
-def test_pictures_too_large_together_are_made_smaller(tmp_path):
-    names = {name: tmp_path / f"{name}.png" for name in ("a", "b")}
-    for path in names.values():
-        path.parent.mkdir(exist_ok=True)
-        noise = np.random.default_rng(1).integers(0, 255, (300, 500, 3), dtype=np.uint8)
-        Image.fromarray(noise).save(path)
-    whole, smaller = pictures(names), pictures(names, budget=100_000)
-    for name, path in names.items():
-        assert decode(whole[name].uri) == path.read_bytes()
-        assert (smaller[name].width, smaller[name].height) == (whole[name].width, whole[name].height) == (200, 120)
-        with Image.open(io.BytesIO(decode(smaller[name].uri))) as image:
-            assert image.size == (400, 240)
-    assert pictures(names, budget=100_000) == smaller
-
-
 def test_anchors_occur_once_and_links_inside_lead_to_them(page):
     anchors = [element["id"] for element in page.elements if "id" in element]
     assert len(anchors) == len(set(anchors))
@@ -156,7 +137,7 @@ def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
     write_rows(changed.results / "claims.csv", rows)
     claims = read_claims(changed.results / "claims.csv")
     lost = broken(pd.read_csv(changed.results / "claims.csv", keep_default_na=False))
-    assert [claim.id for claim in claims if not claim.satisfied] == list(lost["id"])
+    assert [claim["id"] for claim in claims if not claim["satisfied"]] == list(lost["id"])
     assert 0 < len(lost) < 12
     headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
     assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
@@ -164,14 +145,12 @@ def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
 
 def test_the_first_section_counts_what_agrees(inputs, page):
     claims = read_claims(inputs.results / "claims.csv")
-    own = [claim for claim in claims if "@" not in claim.id and claim.basis == "numeric"]
-    agree = sum(claim.verdict in ("reproduced", "better") for claim in own)
-    differ = sum(claim.verdict == "differs" for claim in own)
-    assert tally(claims, Basis.NUMERIC) == Tally(agree, differ, len(own) - agree - differ)
+    own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == "numeric"]
+    agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
     assert min(agree, differ, len(own) - agree - differ) > 0
     short = " ".join(page.one("short")["text"].split())
     assert f"own numeric tests, {agree} agree and {differ} differ." in short
-    assert answer(inputs).words in short
+    assert answer(inputs)[0] in short
 
 
 @pytest.mark.parametrize(
@@ -191,7 +170,7 @@ def test_the_answer_follows_the_conclusions(inputs, conclusions, word, tmp_path)
         if (row["method"], row["opponent"], row["set"]) == ("algorithm1", "least-squares", "all"):
             row["conclusion"] = of_durations[row["duration"]]
     write_rows(tmp_path / "tables" / "verdict.csv", rows)
-    assert answer(replace(inputs, results=tmp_path)).words.startswith(f"{word}: ")
+    assert answer(replace(inputs, results=tmp_path))[0].startswith(f"{word}: ")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of six causes."""
 
 from collections.abc import Hashable, Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -8,11 +10,16 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, number, plain
+from repro.exhibits.markup import EMPTY, Column, Table, Text, digits, grid, number, plain
 from repro.files import read_csv
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
+
+_why_table = partial(table, category=EXPERIMENT, inputs=("arm",), trained="all")
+_why_figure = partial(figure, category=EXPERIMENT, inputs=("arm",), trained="all")
+_factorial_table = partial(table, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
+_factorial_figure = partial(figure, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {
@@ -115,7 +122,7 @@ def draw_why(frame: pd.DataFrame) -> Figure:
     return drawn
 
 
-@table("why", "Motions of the training and of line 18, crossed", EXPERIMENT, why_layout, inputs=("arm",), trained="all")
+@_why_table("why", "Motions of the training and of line 18, crossed", why_layout)
 def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -123,7 +130,7 @@ def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     return why_table(crossed(read_scores(inputs["scores"], SCORES)))
 
 
-@figure("why", "Motions of the training and of line 18, crossed", EXPERIMENT, draw_why, inputs=("arm",), trained="all")
+@_why_figure("why", "Motions of the training and of line 18, crossed", draw_why)
 def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -165,9 +172,9 @@ def effects_layout(frame: pd.DataFrame) -> Table:
         by = {key: one.iloc[0].to_dict() for key, one in rows.groupby(["effect", "response"], sort=False)}
         names = sorted(dict.fromkeys(rows["effect"]), key=lambda name: -abs(by[name, "validation"]["value"]))
         for name in names:
-            points = [_estimate(by[name, response], 100.0, 1) for response in ("id", "validation")]
+            points = [_estimate(by[name, response], 100.0, 1) for response in RESPONSES]
             error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else EMPTY
-            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in ("id", "validation")]
+            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in RESPONSES]
             cells.append([plain(_words(name)), *points, error, *held_out])
         blocks.append((plain(_CONTRASTS[str(of)]), cells))
     count, seeds = int(frame["blocks"].min()), int(frame["training_seeds"].min())
@@ -182,33 +189,40 @@ def effects_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "lrrrrr", [plain(name) for name in header], blocks)
 
 
+#: Levels of the factors in words, where they are not their names.
+_LEVELS = {
+    "cnn": "Algorithm 1",
+    "plain": "plain network",
+    "ordinary": "least squares",
+    "bounded": "least squares, bounded",
+    "true": "true parameters",
+    "ideal": "Eq. 10",
+    "tracked": "closed-loop",
+    "rad_per_s": "rad/s",
+}
+
+
+def _level(column: str, row: Mapping[Hashable, Any]) -> Text:
+    level = row[column]
+    return EMPTY if pd.isna(level) else plain(_LEVELS.get(level, str(level)))
+
+
 def cells_layout(frame: pd.DataFrame) -> Table:
     """Means of the cells."""
-    words = {
-        "cnn": "Algorithm 1",
-        "plain": "plain network",
-        "ordinary": "least squares",
-        "bounded": "least squares, bounded",
-        "true": "true parameters",
-        "ideal": "Eq. 10",
-        "tracked": "closed-loop",
-        "rad_per_s": "rad/s",
-    }
-    names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
-    rows = []
-    level_texts = frame[names].astype(object).fillna("").astype(str)
-    for row in frame.assign(**{name: level_texts[name] for name in names}).to_dict("records"):
-        level_cells = [plain(words.get(row[name], row[name])) for name in names]
-        error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
-        met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)
-        rows.append([*level_cells, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
-    caption = plain(
+    names = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor")
+    factors = ("reader", "training", "image_motion", "omega", "back_emf", "metric")
+    columns: list[Column] = [
+        *((name, "l", partial(_level, column)) for name, column in zip(names, factors, strict=True)),
+        ("ID", "r", digits("id", 1, 100.0)),
+        ("T1 to T4", "r", digits("validation", 1, 100.0)),
+        ("Error", "r", digits("error", 3)),
+        ("Met", "r", digits("met", 1)),
+    ]
+    caption = (
         "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
         "estimates over the largest torque, and executions of 100 that met the threshold."
     )
-    header = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor", "ID", "T1 to T4", "Error", "Met")
-    columns = [plain(name) for name in header]
-    return Table(caption, "llllllrrrr", columns, [(None, rows)])
+    return grid(caption, columns, [(None, frame)])
 
 
 def draw_effects(frame: pd.DataFrame) -> Figure:
@@ -249,9 +263,7 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
     return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
 
 
-@table(
-    "factorial", "Effects of the causes", ABLATION, effects_layout, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_table("factorial", "Effects of the causes", effects_layout)
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.
@@ -259,25 +271,19 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return effects(_factorial(inputs))
 
 
-@table(
+@_factorial_table(
     "factorial_cells",
     "Similarities under each combination of the causes",
-    ABLATION,
     cells_layout,
     label="Factorial, cells",
     target="factorial_cells",
-    inputs=("factorial",),
-    trained="all",
-    optional=True,
 )
 def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean similarity on simulated arms under each combination of the causes, with methods that need no network."""
     return cell_means(_factorial(inputs), read_csv(inputs["references"][0]))
 
 
-@figure(
-    "factorial", "Effects of the causes", ABLATION, draw_effects, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_figure("factorial", "Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.

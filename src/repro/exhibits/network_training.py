@@ -22,7 +22,7 @@ from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.exhibits import style
 from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
-from repro.exhibits.markup import Table, plain
+from repro.exhibits.markup import Column, Table, grid, words
 from repro.exhibits.panels import JOINTS, TIME, curves_of, long_table, loss_panel, plot_series
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
@@ -66,14 +66,13 @@ def network_features(network: NetworkSettings, training: TrainingSettings) -> pd
 
 def characteristics(frame: pd.DataFrame) -> Table:
     """Characteristics of the network (Table 3)."""
-    rows = [
-        (plain(feature), plain(str(value))) for feature, value in frame[["feature", "value"]].itertuples(index=False)
-    ]
-    caption = plain("Characteristics of the convolutional neural network.")
-    return Table(caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
+    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
+    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
 
 
-@table(3, "Characteristics of the network", MODEL, characteristics, sections=("signals", "network", "training"))
+@table(
+    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
+)
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
     return network_features(network_settings(config), training_settings(config))
@@ -222,7 +221,7 @@ def draw_network(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(7, "Architecture of the CNN", MODEL, draw_network, sections=("signals", "network"))
+@figure(7, "Architecture of the CNN", draw_network, category=MODEL, sections=("signals", "network"))
 def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
@@ -288,7 +287,7 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(8, "Images of the training data", DATA, draw_examples, sections=_TRAINING)
+@figure(8, "Images of the training data", draw_examples, category=DATA, sections=_TRAINING)
 def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
@@ -310,8 +309,7 @@ def torque_percentiles(signals: SignalSettings, data: DataSettings, seed: int, a
 
 def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     """Distribution of the training torques over time (Fig. 9)."""
-    series = ("p05", "p25", "p50", "p75", "p95", "mean")
-    curves = curves_of(frame, dict.fromkeys(JOINTS, series))
+    curves = curves_of(frame)
     figure = style.new_figure(style.COLUMN, 3.7)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     for axes, joint in zip(panels, JOINTS, strict=True):
@@ -328,7 +326,7 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(9, "Distribution of the training torques", DATA, draw_torque_distribution, sections=_TRAINING)
+@figure(9, "Distribution of the training torques", draw_torque_distribution, category=DATA, sections=_TRAINING)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
     return torque_percentiles(signal_settings(config), data_settings(config), training_settings(config).seed)
@@ -342,14 +340,14 @@ def loss_curves(history: pd.DataFrame) -> pd.DataFrame:
 
 def draw_loss(frame: pd.DataFrame) -> Figure:
     """Loss on training and test images over the iterations (Fig. 10)."""
-    figure, axes = loss_panel(frame, ("train", "test"), "Training iteration (steps)", "Loss (dimensionless)")
+    figure, axes = loss_panel(frame, "Training iteration (steps)", "Loss (dimensionless)")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     axes.xaxis.set_major_locator(MaxNLocator(6))
     style.legend_above(figure, axes, 2)
     return figure
 
 
-@figure(10, "Loss over the training", MODEL, draw_loss, inputs=("history",), trained="all")
+@figure(10, "Loss over the training", draw_loss, category=MODEL, inputs=("history",), trained="all")
 def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
     return loss_curves(read_csv(inputs["history"][0], HISTORY_COLUMNS))
@@ -410,8 +408,8 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
 @figure(
     11,
     "Spectra of the kernels",
-    MODEL,
     draw_kernels,
+    category=MODEL,
     inputs=("weights",),
     sections=("signals", "network"),
     trained="all",

@@ -1,6 +1,7 @@
 """The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -26,20 +27,17 @@ from repro.exhibits.declare import (
     figure,
     table,
 )
-from repro.exhibits.markup import Table, formula, plain, unit
+from repro.exhibits.markup import Column, Table, formula, grid, unit, words
 from repro.exhibits.panels import (
     COEFFICIENT,
-    JOINTS,
     TIME,
     TORQUE,
     Curve,
+    compare,
     curves_of,
     draw_motion,
     long_table,
     loss_panel,
-    page,
-    spectrum_panels,
-    torque_panels,
 )
 from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
@@ -60,16 +58,16 @@ _RECIPE = f"with a network trained by the paper's own schedule and with ours; ID
 
 def description(frame: pd.DataFrame) -> Table:
     """Dynamic parameters (Table 2)."""
-    columns = ["parameter", "description", "expression", "unit"]
-    rows = [
-        (formula(name), plain(description), formula(expression), unit(si))
-        for name, description, expression, si in frame[columns].itertuples(index=False)
+    columns: list[Column] = [
+        ("Parameter", "l", lambda row: formula(row["parameter"])),
+        ("Description", "l", words("description")),
+        ("Expression", "l", lambda row: formula(row["expression"])),
+        ("Unit", "l", lambda row: unit(row["unit"])),
     ]
-    header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
-    return Table(plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
+    return grid("Dynamic parameters of the arm.", columns, [(None, frame)])
 
 
-@table(2, "Dynamic parameters", MODEL, description)
+@table(2, "Dynamic parameters", description, category=MODEL)
 def table02(_: Inputs, __: Config) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
@@ -131,7 +129,7 @@ def _arrow(figure: Figure, left: tuple[Axes, Annotation], right: tuple[Axes, Ann
 
 def draw_subsampling(frame: pd.DataFrame) -> Figure:
     """Subsampling by the DCT-II in three steps (Fig. 5)."""
-    curves = curves_of(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
+    curves = curves_of(frame)
     x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
 
@@ -166,7 +164,7 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(5, "Subsampling technique", SIGNALS, draw_subsampling, sections=_NUMERIC)
+@figure(5, "Subsampling technique", draw_subsampling, category=SIGNALS, sections=_NUMERIC)
 def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
@@ -180,7 +178,7 @@ def motion_curves(motion: Motion) -> pd.DataFrame:
     return long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in panels.items() for j in (0, 1))
 
 
-@figure(6, "Identification trajectory", SIGNALS, draw_motion, sections=("signals",))
+@figure(6, "Identification trajectory", draw_motion, category=SIGNALS, sections=("signals",))
 def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
     signals = signal_settings(config)
@@ -196,7 +194,7 @@ def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
 
 
 def _result_table(which: int, title: str, category: str, layout: Layout) -> Callable[[Numbers], Exhibit]:
-    return table(which, title, category, layout, inputs=("networks",), trained="claims")
+    return table(which, title, layout, category=category, inputs=("networks",), trained="claims")
 
 
 @_result_table(4, "Parameters of N1 and N2", NUMERIC, lambda frame: parameters(frame, ("N1", "N2")))
@@ -260,25 +258,12 @@ def _torques(
 
 
 def _torque_figure(
-    which: int,
-    title: str,
-    category: str,
-    cases: Sequence[str],
-    draw: Callable[..., None] = torque_panels,
-    trained: Trained = "no",
+    which: int, title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
 ) -> Callable[[Numbers], Exhibit]:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
-
-    def compare(frame: pd.DataFrame) -> Figure:
-        panels = {
-            f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS
-        }
-        curves = curves_of(frame, dict.fromkeys(panels, ("actual", "rebuilt")))
-        drawn = page(len(panels))
-        draw(drawn, curves, panels)
-        return drawn
-
-    return figure(which, title, category, compare, inputs=("published",), sections=_NUMERIC, trained=trained)
+    titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
+    draw = partial(compare, titles=titles, spectra=spectra)
+    return figure(which, title, draw, category=category, inputs=("published",), sections=_NUMERIC, trained=trained)
 
 
 @_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
@@ -297,7 +282,7 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
 
-@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectrum_panels, "all")
+@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectra=True, trained="all")
 def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 12 and 13 (Fig. 14)."""
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
@@ -312,8 +297,8 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 @figure(
     16,
     "Validation trajectory",
-    VALIDATION,
     lambda frame: draw_motion(frame, style.PAGE),
+    category=VALIDATION,
     inputs=("published",),
     sections=_NUMERIC,
     trained="all",
@@ -324,7 +309,7 @@ def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
 
 
-@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectrum_panels, "all")
+@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectra=True, trained="all")
 def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the validation torques (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
@@ -341,8 +326,8 @@ _RECIPES = {
 @table(
     "paper_recipe",
     "Literal Algorithm 1 with it",
-    ABLATION,
     lambda frame: similarities(frame, (*_ALL, *PROGRAMS), _RECIPE),
+    category=ABLATION,
     label="The paper's training",
     inputs=("paper_recipe",),
     optional=True,
@@ -359,7 +344,7 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     """Loss on held-out images over the images trained on, of the paper's schedule and of ours."""
-    figure, axes = loss_panel(frame, tuple(_RECIPES), "Training (images)", "Held-out loss (dimensionless)")
+    figure, axes = loss_panel(frame, "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     style.legend_above(figure, axes, 1)
@@ -369,8 +354,8 @@ def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
 @figure(
     "paper_recipe",
     "Loss next to ours",
-    ABLATION,
     draw_held_out_losses,
+    category=ABLATION,
     label="The paper's training",
     inputs=("losses",),
     sections=("training", "networks"),

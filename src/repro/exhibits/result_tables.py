@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import pandas as pd
 
 from repro.errors import InputError
-from repro.exhibits.markup import Table, Text, formula, number, plain, unit
-from repro.exhibits.style import METHODS
+from repro.exhibits.markup import Block, Table, Text, formula, number, plain, with_unit
+from repro.exhibits.style import METHODS, title_of
 
 
 def methods_of(table: pd.DataFrame) -> list[str]:
@@ -17,7 +17,12 @@ def methods_of(table: pd.DataFrame) -> list[str]:
 
 def heading_of(method: str) -> Text:
     """What a method is called."""
-    return plain(METHODS[method].title if method in METHODS else method)
+    return plain(title_of(method))
+
+
+def by_method(frame: pd.DataFrame) -> list[Block]:
+    """A block for each method."""
+    return [(heading_of(method), frame[frame["method"] == method]) for method in methods_of(frame)]
 
 
 def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
@@ -31,11 +36,6 @@ def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
     return chosen.iloc[0]
 
 
-def with_unit(name: Text, si: str) -> Text:
-    """Name of a column with its unit in brackets."""
-    return name + Text("~(", " (") + unit(si) + plain(")")
-
-
 def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     """Lay out true and identified parameters, cases side by side, a block for each method."""
     names = dict(zip(frame["parameter"], frame["unit"], strict=True))
@@ -44,7 +44,7 @@ def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     for method in methods_of(frame):
         rows = []
         for name, si in names.items():
-            cells = [formula(name) + Text("~(", " (") + unit(si) + plain(")")]
+            cells = [with_unit(formula(name), si)]
             for case in cases:
                 row = one_row(frame, {"method": method, "case": case, "parameter": name})
                 spread = float(row["estimate_sd"]) if repeated else None

@@ -14,14 +14,15 @@ from repro.documents import read_json
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, number, plain
-from repro.exhibits.result_tables import heading_of, methods_of
+from repro.exhibits.markup import Column, Table, Text, digits, grid, plain, several, words
+from repro.exhibits.result_tables import by_method
 from repro.files import read_csv
 from repro.pipeline.experiment import read_recordings
 from repro.pipeline.identifications import read_identifications
+from repro.pipeline.interpretations import ARM as OF_ARM
 from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.job import Config
-from repro.pipeline.summary import both_metrics
+from repro.pipeline.summary import BOTH_METRICS, both_metrics
 from repro.signals.programs import SPAN
 
 
@@ -30,33 +31,25 @@ def both_metrics_layout(frame: pd.DataFrame) -> Table:
 
     Columns as `repro.pipeline.summary.BOTH_METRICS`.
     """
-    words = {"mean-square": "mean square", "energy": "energy ratio"}
-    values = ("numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id", "frequency_validation")
-    blocks = []
-    for method in methods_of(frame):
-        rows = [
-            [
-                plain(words[row["formula"]]),
-                *(EMPTY if pd.isna(row[name]) else number(100.0 * row[name], 2) for name in values),
-            ]
-            for row in frame[frame["method"] == method].to_dict("records")
-        ]
-        blocks.append((heading_of(method), rows))
-    caption = plain(
+    names = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4", "Freq., ID", "Freq., T1 to T4")
+    formulas = {"mean-square": "mean square", "energy": "energy ratio"}
+    columns: list[Column] = [
+        ("Time factor", "l", lambda row: plain(formulas[row["formula"]])),
+        *several(names, BOTH_METRICS[2:], 2, 100.0),
+    ]
+    caption = (
         "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
         "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
         "factor, which both share; medians over the seeds, %."
     )
-    names = ("Time factor", "N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4")
-    header = [plain(name) for name in (*names, "Freq., ID", "Freq., T1 to T4")]
-    return Table(caption, "lrrrrrrr", header, blocks)
+    return grid(caption, columns, by_method(frame))
 
 
 @table(
     "both_metrics",
     "Headline rows under both time factors",
-    EXPERIMENT,
     both_metrics_layout,
+    category=EXPERIMENT,
     target="both_metrics",
     inputs=("headline",),
     sections=(*ARM, "metric", "numeric"),
@@ -81,16 +74,18 @@ def grouped(frame: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
 
 def readings_layout(frame: pd.DataFrame) -> Table:
     """Headline numbers under each reading of the paper."""
-    of_arm = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
-    shares = ("id_mean", "id_lowest", "validation_mean", *of_arm)
-    blocks = []
-    for question, chosen in grouped(frame):
-        rows = []
-        for row in chosen.to_dict("records"):
-            cells = [plain(row["reading"]), number(row["steps"], 0), number(1e4 * row["held_out_loss"], 2)]
-            rows.append([*cells, *(number(100.0 * row[name], 2) for name in shares)])
-        blocks.append((plain(f"{question[:1].upper()}{question[1:]}" if question == DEFAULT else question), rows))
-    caption = plain(
+    names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
+    columns: list[Column] = [
+        ("Reading", "l", words("reading")),
+        ("Steps", "r", digits("steps", 0)),
+        (
+            Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})"),
+            "r",
+            digits("held_out_loss", 2, 1e4),
+        ),
+        *several(names, ("id_mean", "id_lowest", "validation_mean", *OF_ARM), 2, 100.0),
+    ]
+    caption = (
         "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median "
         "of the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the"
         " eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over "
@@ -98,10 +93,8 @@ def readings_layout(frame: pd.DataFrame) -> Table:
         "squares (LS) and the true parameters (true). A reading that needs no network of its own has the default's. "
         "Held-out losses under different labels or images do not compare."
     )
-    names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
-    loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")
-    header = [plain("Reading"), plain("Steps"), loss, *(plain(name) for name in names)]
-    return Table(caption, "l" + "r" * 10, header, blocks)
+    titles = {DEFAULT: DEFAULT.capitalize()}
+    return grid(caption, columns, [(plain(titles.get(name, name)), rows) for name, rows in grouped(frame)])
 
 
 def _numbers(path: Path) -> dict[str, Any]:
@@ -114,8 +107,8 @@ def _numbers(path: Path) -> dict[str, Any]:
 @table(
     "ablation",
     "Headline numbers under other interpretations",
-    ABLATION,
     readings_layout,
+    category=ABLATION,
     inputs=("readings",),
     trained="all",
     optional=True,
@@ -234,8 +227,8 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
 @figure(
     "ablation",
     "Headline numbers by reading",
-    ABLATION,
     draw_readings,
+    category=ABLATION,
     inputs=("ablation",),
     trained="all",
     optional=True,
