@@ -281,13 +281,10 @@ def _published(row: Mapping[Hashable, Any]) -> str:
     return f"{row['published']} {row['unit']}".removesuffix(" 1").removesuffix(" not printed")
 
 
-def _cell(text: object) -> str:
-    return str(text).replace("|", r"\|")
-
-
 def _table(header: tuple[str, ...], rows: list[tuple[object, ...]]) -> list[str]:
     lines = [f"| {' | '.join(header)} |", f"|{'---|' * len(header)}"]
-    return [*lines, *(f"| {' | '.join(_cell(c) for c in row)} |" for row in rows), ""]
+    cells = ([str(cell).replace("|", r"\|") for cell in row] for row in rows)
+    return [*lines, *(f"| {' | '.join(row)} |" for row in cells), ""]
 
 
 def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
