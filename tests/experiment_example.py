@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from repro.config import merged
 from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
@@ -37,6 +38,11 @@ def refused(call, *arguments):
 def full_config():
     """The configuration of the repository."""
     return yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+
+
+def changed(config, **sections):
+    """A copy with some values of some sections replaced."""
+    return merged(config, sections)
 
 
 def short_config():

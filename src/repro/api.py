@@ -375,7 +375,7 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
     fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
     if not fits:
-        raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
+        raise InputError.at(problem.first.loaded.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
     if len(problem.logs) > 1:
         result = add_runs(result, problem, methods, options.seed, progress)

@@ -45,8 +45,7 @@ def test_every_combination_of_the_factors_has_its_network():
     ]
     expected = itertools.product(("cnn",), ("measured", "desired"), ("ideal", "tracked"), ("rad_per_s", "index"))
     expected = {*expected, *itertools.product(("plain",), ("",), ("ideal", "tracked"), ("rad_per_s", "index"))}
-    assert len(combinations) == len(expected)
-    assert set(combinations) == expected
+    assert sorted(combinations) == sorted(expected)
 
 
 @pytest.mark.parametrize("name", CELLS)

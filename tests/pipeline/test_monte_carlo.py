@@ -8,12 +8,7 @@ import pytest
 from experiment_example import MOTIONS, refused, short_config
 from safetensors.numpy import load_file, save_file
 
-from repro.fpga.controller import simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.plant import Plant
 from repro.pipeline.experiment import (
-    control_constants,
-    disturbance,
     mechanical_parameters,
     program_from_config,
     true_parameters,
@@ -73,24 +68,6 @@ def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
     monkeypatch.setattr("repro.pipeline.simulated_arms.draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
     same_motors = able + (true - mechanical)
     np.testing.assert_allclose(spread_arms(config), [true, same_motors], rtol=1e-15)
-
-
-@pytest.mark.parametrize("name", ["ID", "T1"])
-def test_a_specimen_is_the_arm_simulated_alone(recorded, name):
-    """Arms of a batch share their substeps, so now and then a position falls on the other side of a count.
-
-    With these coarse motors the loop makes some counts of one on the lighter arm that was drawn.
-    """
-    control = control_constants(CONFIG)
-    for one in read_spread(recorded, CONFIG, 1):
-        levels, phase = disturbance(CONFIG, one.seed)
-        recording = one.recordings[name]
-        position, _ = simulate(Plant(one.true, 0.0025, levels, phase), control, recording.program.q)
-        counts = np.rint(recording.q / RADIANS_PER_COUNT)
-        apart = np.abs(counts - position[0])
-        assert apart.max() <= (1 if one.arm == 0 else 5)
-        assert apart.mean() < (0.05 if one.arm == 0 else 0.5)
-        np.testing.assert_allclose(recording.q, counts * RADIANS_PER_COUNT, atol=1e-12)
 
 
 def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded, tmp_path):

@@ -9,12 +9,10 @@ from experiment_example import full_config
 
 from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
-from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.identifications import (
-    MEAN_ARMS,
     identify_arms,
     least_squares_of_arms,
     mean_training_torque,
@@ -25,7 +23,6 @@ from repro.settings import NumericSettings
 from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
-from repro.streams import Stream, stream
 
 ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
@@ -66,17 +63,6 @@ def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     on_validation = scores[scores["trajectory"] == "validation"].groupby("joint")["total"].nunique()
     assert (on_id == 1).all()  # the same motion for every seed
     assert (on_validation == 2).all()
-
-
-def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
-    data = DataSettings()
-    tau = mean_training_torque(SIGNALS, data, 1)
-    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    pick = slice(None, None, 377)
-    arms = sample_beta(stream(1, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior)
-    each = inverse_dynamics(motion.q[:, pick], motion.dq[:, pick], motion.ddq[:, pick], arms)
-    assert tau.shape == (2, 3770)
-    np.testing.assert_allclose(tau[:, pick], each.mean(0), rtol=1e-9, atol=1e-12)
 
 
 class PerfectNetwork:
