@@ -173,12 +173,3 @@ def test_loss_is_the_printed_formula(seed, gain):
             total += (y_d - y_cnn) ** 2 / 18
     found = sigmoid_loss(torch.from_numpy(residual), torch.from_numpy(label), gain)
     assert float(found) == pytest.approx(total / 4, rel=1e-12)
-
-
-def test_output_undoes_the_sigmoid_of_the_listing():
-    """Line 20 of Algorithm 1 takes -log((1 - y) / y) of y = 1 / (1 + exp(-r)): the network returns r itself."""
-    plain, _ = pair(literal.SMALL, "float64")
-    picture = np.random.default_rng(0).normal(size=(2, 44, 44))
-    with torch.no_grad():
-        expected = plain(torch.from_numpy(picture)[None])[0].numpy()
-    np.testing.assert_allclose(literal.read(plain, picture), expected, rtol=1e-9)

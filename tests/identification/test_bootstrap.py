@@ -25,9 +25,6 @@ def rows_of(r):
     return r.y.reshape(-1, 9)
 
 
-# Bootstrap
-
-
 def textbook(r):
     """Standard errors of ordinary least squares for white residuals of one size."""
     a, tau = rows_of(r), r.tau.reshape(-1)
@@ -95,13 +92,6 @@ def test_correlation_time_of_an_autoregression_is_its_theory(rho):
     assert np.mean(times) == pytest.approx(0.5 * (1.0 + rho) / (1.0 - rho) + 0.5, rel=0.1)
 
 
-@given(st.integers(2, 400), st.floats(0.0, 0.999), st.integers(0, 99))
-def test_blocks_are_at_least_a_sample_and_twenty_fit(n, rho, seed):
-    length = block_length(autoregressive(rho, n, np.random.default_rng(seed)), H)
-    assert isinstance(length, int)
-    assert 1 <= length <= max(n // 20, 1)
-
-
 @given(st.data())
 def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     n = data.draw(st.integers(1, 300))
@@ -162,16 +152,5 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
         return ORDINARY.estimate(regression).beta
 
     chooser = replace(ORDINARY, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
-    reports = []
-    as_good = {"filters": Perturbation((r, r))}
-    bootstrap(
-        chooser,
-        r,
-        chooser.estimate(r),
-        as_good,
-        np.random.default_rng(0),
-        15,
-        lambda k, total: reports.append((k, total)),
-    )
+    ordinary_spread(r, 0, 15, chooser, {"filters": Perturbation((r, r))})
     assert seen == [0.7] * (15 + GROUPS + 2)
-    assert reports == [(k, 15) for k in range(1, 16)]

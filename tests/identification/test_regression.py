@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from regression_example import CUTOFF, H, beta_of, noisy_problem, regression_of
+from regression_example import H, beta_of, noisy_problem, regression_of
 from strategies import seeds
 
 from repro.identification.filtering import FilterSettings, prepare
@@ -104,11 +104,3 @@ def test_whiteness_of_a_residual_made_by_hand():
     # A lag beyond the log, a residual that is constant, and one that is zero.
     assert residual_autocorrelation(regression_of(zero, tau, H), BETA, 0.1 / H) == (0.0, 0.0)
     assert residual_autocorrelation(regression_of(zero, np.array([[2.0] * 4, [0.0] * 4]), H), BETA, 1 / H) == (0.0, 0.0)
-
-
-def test_the_lag_is_a_period_of_the_cutoff():
-    n = 5000
-    t = H * np.arange(n)
-    at_cutoff, at_half = np.sin(2 * np.pi * CUTOFF * t), np.sin(np.pi * CUTOFF * t)
-    found = residual_autocorrelation(regression_of(np.zeros((2, n, 9)), np.stack([at_cutoff, at_half])), BETA, CUTOFF)
-    assert found == pytest.approx((1.0, -1.0), abs=0.01)

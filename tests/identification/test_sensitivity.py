@@ -133,16 +133,6 @@ def test_the_columns_of_a_zero_position_are_the_change_of_the_torque():
     np.testing.assert_allclose(columns[..., 1], change, atol=0.02 * np.abs(change).max())
 
 
-def test_columns_that_explain_no_more_than_chance_have_no_weight_in_19_of_20_logs():
-    rng = np.random.default_rng(2)
-    weights = []
-    for _ in range(200):
-        y, tau, x = rng.normal(size=(2, 60, 9)), rng.normal(size=(2, 60)), rng.normal(size=(2, 60, 4))
-        plain = regression_of(y, tau)
-        weights.append(shrinkage(plain, project_out(plain, x), 4))
-    assert 0.01 < np.mean(np.array(weights) > 0.0) < 0.11
-
-
 def test_the_weight_is_one_minus_the_critical_value_over_f():
     rng = np.random.default_rng(1)
     y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))

@@ -36,16 +36,6 @@ def test_derivatives_are_exact(duration, h):
     np.testing.assert_allclose(central_difference(motion.dq, h), motion.ddq[:, inner], rtol=0, atol=1e-10)
 
 
-@given(stretch=st.floats(0.1, 10.0))
-def test_time_scaling_keeps_the_shape(stretch):
-    base = identification_trajectory()
-    slow = identification_trajectory(stretch * 3.0 * np.pi, stretch * H)
-    np.testing.assert_allclose(slow.time, stretch * base.time, rtol=1e-13)
-    np.testing.assert_allclose(slow.q, base.q, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(stretch * slow.dq, base.dq, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(stretch**2 * slow.ddq, base.ddq, rtol=0, atol=1e-12)
-
-
 def test_margin_continues_the_trajectory_on_both_sides():
     bare, wide = identification_trajectory(5.0), identification_trajectory(5.0, margin=40)
     assert wide.time.size == bare.time.size + 80
@@ -69,13 +59,3 @@ def test_random_trajectory_stays_in_its_range_around_the_middle(seed, low, span)
     assert motion.q.max() <= low + span
     # Mean of 2000 uniform numbers: six standard errors.
     assert (abs(motion.q.mean(-1) - (low + 0.5 * span)) < 6.0 * span / np.sqrt(12.0 * 2000)).all()
-
-
-def test_random_trajectory_derivatives_are_those_of_its_position():
-    motion = make_random(11, c_f=1e-2)
-    # Each backward difference sits half a sample early: the velocity by one half, the acceleration by one.
-    middle = 0.5 * (motion.dq[:, 1:] + motion.dq[:, :-1])
-    slope = central_difference(motion.q, H)
-    np.testing.assert_allclose(middle[:, 4:-3], slope, rtol=0, atol=1e-3 * np.abs(slope).max())
-    bend = central_difference(slope, H)
-    np.testing.assert_allclose(motion.ddq[:, 9:-7], bend, rtol=0, atol=1e-3 * np.abs(bend).max())
