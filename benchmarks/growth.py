@@ -59,7 +59,9 @@ def log(seconds: int) -> None:
     """All methods of least squares on a log, from opening it to the answer."""
     with tempfile.TemporaryDirectory() as folder:
         options = Options(LEAST_SQUARES, Path(folder))
-        problem = make_problem(load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
+        problem = make_problem(
+            (load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()),), (), Arm(), options
+        )
         assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), Arm())
 
 

@@ -17,7 +17,7 @@ from matplotlib.transforms import Bbox
 
 from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
-from repro.exhibits import catalogue, make, style
+from repro.exhibits import catalogue, declare, style
 from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.files import read_csv
@@ -301,13 +301,13 @@ def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
     pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
-    make.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
+    declare.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
     return pdf.read_bytes(), png.read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
     tex, md = folder / f"{name}.tex", folder / f"{name}.md"
-    make.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
+    declare.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
     return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
 
 

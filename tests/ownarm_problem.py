@@ -62,7 +62,7 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
 
 def prepared_from_file(folder, arm=ARM, options=None, **log):
     options = options or Options(("ordinary",), folder)
-    return make_problem(load_log(write_log(folder / "log.csv", **log), arm), (), arm, options)
+    return make_problem((load_log(write_log(folder / "log.csv", **log), arm),), (), arm, options)
 
 
 def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
@@ -70,7 +70,7 @@ def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     options = Options(methods, folder / "cache")
     fitted = load_log(write_log(folder / "log.csv", **log), arm)
     validation = (load_log(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
-    problem = make_problem(fitted, validation, arm, options)
+    problem = make_problem((fitted,), validation, arm, options)
     found = fit_all(problem, resolve(options, silent), options.seed, silent)
     return (problem, *assemble(problem, found, arm))
 

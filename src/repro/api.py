@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from repro.errors import InputError, require
 from repro.files import check_folder
-from repro.identification.filtering import FILTERS
 from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.identification.scores import integrate
 from repro.logs.armfile import Arm, read_arm
@@ -340,7 +339,6 @@ def identify(
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
     options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)
-    _check_options(options)
     if set(names) & set(NETWORKS) and with_plane(before, described) is not None:
         given = "prior" if before is not None else f"{described.file}: plane"
         raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
@@ -351,7 +349,7 @@ def identify(
     loaded = [load_log(source, described) for source in (*logs, *others)]
     for k, each in enumerate(loaded):
         _report_log(each, briefly=k > 0)
-    problem = make_problem(loaded[0], tuple(loaded[len(logs) :]), described, options, tuple(loaded[1 : len(logs)]))
+    problem = make_problem(loaded[: len(logs)], loaded[len(logs) :], described, options)
     for prepared in problem.logs:
         s = prepared.settings
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
@@ -377,7 +375,7 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
     fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
     if not fits:
-        raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
+        raise InputError.at(problem.first.loaded.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
     if len(problem.logs) > 1:
         result = add_runs(result, problem, methods, options.seed, progress)
@@ -392,22 +390,6 @@ def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source,
         if not isinstance(one, kinds):
             raise InputError.at(name, repr(one)[:60], "a path, a DataFrame, a Log, or a list of these")
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
-
-
-def _check_options(options: Options) -> None:
-    """Refuse what the command line refuses, too."""
-    if not isinstance(options.filter, str) or options.filter not in FILTERS:
-        raise InputError.at("filter", repr(options.filter), f"one of {', '.join(FILTERS)}")
-    limits: tuple[tuple[str, object, type | tuple[type, ...], float, float], ...] = (
-        ("cutoff", 1.0 if options.cutoff is None else options.cutoff, (int, float, np.number), 0.1, 1000.0),
-        ("seed", options.seed, (int, np.integer), 0, 2**32 - 1),
-        ("steps", options.steps, (int, np.integer), 1, 10**7),
-    )
-    for name, value, kind, low, high in limits:
-        number = isinstance(value, kind) and not isinstance(value, bool)
-        if not (number and low <= value <= high):  # type: ignore[operator]
-            whole = "whole " * (name != "cutoff")
-            raise InputError.at(name, repr(value)[:60], f"a {whole}number from {low:g} to {high:.10g}")
 
 
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:

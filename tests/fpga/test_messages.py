@@ -122,17 +122,9 @@ def test_identity():
     assert parse_identity(message) == json.loads(message.payload) == identity
 
 
-def test_a_trajectory_fills_the_ram_and_no_more():
+def test_a_trajectory_fills_the_ram():
     start, last = parse_trajectory(split(encode_trajectory(np.zeros((2, RAM_SAMPLES))))[-1])
     assert start + last.shape[1] == RAM_SAMPLES
-    for n in (0, RAM_SAMPLES + 1):
-        with pytest.raises(ValueError, match=r"RAM contains 1 \.\.\. 8192 samples \(20.48 s at 2.5 ms\)"):
-            encode_trajectory(np.zeros((2, n)))
-        with pytest.raises(ValueError, match="RAM contains 1"):
-            encode_start(n)
-    for value in (np.nan, 1e39):
-        with pytest.raises(ValueError, match="finite in single precision"):
-            encode_trajectory([[value], [0.0]])
 
 
 NAN = np.array([np.nan, 0], dtype=">f4").tobytes()

@@ -36,7 +36,7 @@ def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02):
 
 def ready_of(log, friction):
     log = loaded(log)
-    return make_problem(log, (log,), ARM, Options(("ordinary",), "unused", friction=friction))
+    return make_problem((log,), (log,), ARM, Options(("ordinary",), "unused", friction=friction))
 
 
 @pytest.mark.parametrize(

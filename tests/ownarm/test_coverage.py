@@ -30,7 +30,7 @@ def slow():
 def regressions(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(loaded(log), (), Arm(), options) for log in logs]
+    problems = [make_problem((loaded(log),), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 

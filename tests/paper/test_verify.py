@@ -36,8 +36,7 @@ def project(made, tmp_path, monkeypatch):
     root = tmp_path / "project"
     shutil.copytree(made, root)
     monkeypatch.chdir(root)
-    for function in (ledger.verify_ledger, ledger.write_ledger):
-        monkeypatch.setattr(function, "__defaults__", (*function.__defaults__[:-1], root / "published.csv"))
+    monkeypatch.setattr(ledger, "PUBLISHED_FILE", root / "published.csv")
     return root
 
 

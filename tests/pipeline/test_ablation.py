@@ -74,20 +74,6 @@ def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name)
     assert configuration_digest(configuration_of(CONFIG, VARIANTS[name])) == configuration_digest(own)
 
 
-@pytest.mark.parametrize(
-    ("name", "files"),
-    [
-        ("desired", ("model/cnn.safetensors", "model/training.csv")),
-        ("tracked-measured", ("model/cnn-tracked-measured.safetensors", "model/training-tracked-measured.csv")),
-        ("recipe-paper", ("model/cnn-paper-recipe.safetensors", "model/training-paper-recipe.csv")),
-        ("recipe-ranges", ("model/cnn-paper-recipe-ranges.safetensors", "model/training-paper-recipe-ranges.csv")),
-        ("metric-energy", ("model/cnn.safetensors", "model/training.csv")),
-    ],
-)
-def test_a_reading_takes_the_network_that_is_trained_for_it(name, files):
-    assert network_files(name) == files
-
-
 def true_on_validation():
     """Mean total of the true parameters on T1 to T4."""
     true, signals = true_parameters(CONFIG), signal_settings(CONFIG)

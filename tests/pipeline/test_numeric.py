@@ -1,23 +1,18 @@
 """The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 from experiment_example import full_config
 
-from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
-from repro.cnn.network import FactoredCNN
-from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.identifications import (
-    MEAN_ARMS,
     identify_arms,
     least_squares_of_arms,
     mean_training_torque,
@@ -28,7 +23,6 @@ from repro.settings import NumericSettings
 from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
-from repro.streams import Stream, stream
 
 ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
@@ -71,17 +65,6 @@ def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     assert (on_validation == 2).all()
 
 
-def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
-    data = DataSettings()
-    tau = mean_training_torque(SIGNALS, data, 1)
-    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    pick = slice(None, None, 377)
-    arms = sample_beta(stream(1, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior)
-    each = inverse_dynamics(motion.q[:, pick], motion.dq[:, pick], motion.ddq[:, pick], arms)
-    assert tau.shape == (2, 3770)
-    np.testing.assert_allclose(tau[:, pick], each.mean(0), rtol=1e-9, atol=1e-12)
-
-
 class PerfectNetwork:
     """Solves for the residual instead of having learnt it; Z1 divided by a constant shows psi to a known factor.
 
@@ -100,120 +83,26 @@ class PerfectNetwork:
         return torch.from_numpy((right - guess).astype(np.float32))
 
 
-def experiment(**changes):
-    settings = {
-        "variant": "tracked",
-        "data": DataSettings(image=AWARE),
-        "search": SearchSettings(executions=4, inner_limit=3),
-        "refinement": RefinementSettings(restarts=5, keep=9, passes=2),
-        "numeric": NUMERIC,
-    }
-    return SimpleNamespace(**settings | changes)
+def identify(network, arms):
+    search, refinement = SearchSettings(executions=4, inner_limit=3), RefinementSettings(restarts=5, keep=9, passes=2)
+    algorithm1 = Algorithm1("tracked", network, AWARE, search, refinement)
+    tau_mean = mean_training_torque(SIGNALS, DataSettings(), 1)
+    return identify_arms(algorithm1, SIGNALS, replace(NUMERIC, arms=arms), tau_mean, 1)["arms"]
 
 
-def identify(network, e, seed):
-    algorithm1 = Algorithm1(e.variant, network, e.data.image, e.search, e.refinement)
-    return identify_arms(algorithm1, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
-
-
-@pytest.fixture(scope="module")
-def perfect():
-    """Uses the model of the exact trajectory, so the filter's error remains."""
+def test_a_perfect_network_finds_every_arm():
+    """It uses the model of the exact trajectory, so the filter's error remains."""
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    return PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
-
-
-@pytest.fixture(scope="module")
-def found(perfect):
-    return identify(perfect, experiment(), 1)
-
-
-def test_a_perfect_network_finds_every_arm(found):
+    network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
+    found = identify(network, ARMS)
     for name, beta in ARMS.items():
-        arm = found["arms"][name]
+        arm = found[name]
         np.testing.assert_array_equal(arm["true"], beta)
         for method in ("algorithm1+tracked", "algorithm1+refinement+tracked"):
             # What is left is the filter's: it rounds the torque's steps, and f of the image does not.
             np.testing.assert_allclose(arm["methods"][method]["beta"], beta, atol=0.04)
             assert arm["methods"][method]["similarity"] > 0.99
         assert arm["executions_over_threshold"] == 4
-
-
-def test_a_perfect_network_needs_one_image_for_each_execution(found):
-    for arm in found["arms"].values():
-        assert arm["methods"]["algorithm1+tracked"]["images"] == 4
-        # Refinement reads 5 fresh guesses, then the best 9 in each of 2 passes, all there are in the first.
-        assert arm["methods"]["algorithm1+refinement+tracked"]["images"] == 4 + 5 + 2 * 9
-
-
-@pytest.fixture(scope="module")
-def untrained():
-    torch.manual_seed(3)
-    return FactoredCNN(NetworkSettings(hidden=(4, 3))).requires_grad_(False)
-
-
-def test_the_same_seed_gives_the_same_result_and_another_another(untrained):
-    published = experiment(variant="published", data=DataSettings())
-    one, again, other = (identify(untrained, published, seed) for seed in (1, 1, 2))
-    assert one == again
-    assert [one["seed"], other["seed"]] == [1, 2]
-    assert one["arms"] != other["arms"]
-
-
-def test_without_passes_there_is_algorithm_1_alone(untrained):
-    literal = experiment(refinement=RefinementSettings(restarts=5, keep=9, passes=0), variant="tracked")
-    result = identify(untrained, literal, 1)
-    whole = identify(untrained, experiment(variant="tracked"), 1)
-    for name, arm in result["arms"].items():
-        assert list(arm["methods"]) == ["algorithm1+tracked"]
-        # The search is the same whether it is refined afterwards or not.
-        assert arm["methods"]["algorithm1+tracked"] == whole["arms"][name]["methods"]["algorithm1+tracked"]
-
-
-def test_refinement_never_ends_below_algorithm_1(untrained, found):
-    for result in (identify(untrained, experiment(), 1), found):
-        for arm in result["arms"].values():
-            literal, control, refined = arm["methods"].values()
-            assert refined["similarity"] >= literal["similarity"] - 1e-12
-            assert control["similarity"] >= literal["similarity"] - 1e-12
-            assert literal["images"] < control["images"] < refined["images"]
-
-
-def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
-    class Refused:
-        def __call__(self, u, v):
-            return torch.full((len(u), 9), -10.0)
-
-    literal = experiment(refinement=RefinementSettings(passes=0))
-    result = identify(Refused(), literal, 1)
-    for arm in result["arms"].values():
-        assert arm["executions_over_threshold"] == 0
-        for estimate in arm["methods"].values():
-            assert estimate["beta"] == [0.0] * 9
-            assert estimate["similarity"] == 0.0
-    scores = score_estimates([result], SIGNALS, NUMERIC, METRIC)
-    assert (scores["total"] == 0.0).all()
-
-
-def test_the_control_without_a_network_is_the_same_for_every_network():
-    """And has guesses of its own for every seed and arm."""
-    twins = {"N1": ARMS["N1"], "twin": ARMS["N1"]}
-    settings = experiment(
-        variant="published",
-        search=SearchSettings(executions=4, inner_limit=2500, threshold=0.0),  # met by the first guess
-        refinement=RefinementSettings(restarts=5, keep=100, passes=60),
-        numeric=replace(NUMERIC, arms=twins),
-    )
-
-    def control(residual, seed):
-        found = identify(lambda u, v: torch.full((len(u), 9), residual), settings, seed)["arms"]
-        return {name: arm["methods"]["differential-evolution"] for name, arm in found.items()}
-
-    first, second = control(0.0, 1), control(0.0, 2)
-    assert first == control(0.25, 1)
-    estimates = [estimate for by_arm in (first, second) for estimate in by_arm.values()]
-    assert all(estimate["images"] == 0 and estimate["similarity"] > 0.9 for estimate in estimates)
-    assert len({tuple(estimate["beta"]) for estimate in estimates}) == 4
 
 
 def least_squares(arms):
@@ -232,7 +121,7 @@ def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monk
     assert list(arm["methods"]) == ["least-squares", "bounded"]
     seen = []
     monkeypatch.setattr(Algorithm1, "run", lambda _, prepared, *__: (seen.append(prepared.regression) or {}, 0))
-    identify(None, experiment(numeric=replace(NUMERIC, arms={name: ARMS[name]})), 1)
+    identify(None, {name: ARMS[name]})
     (r,) = seen
     expected, *_ = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)
     np.testing.assert_allclose(arm["methods"]["least-squares"]["beta"], expected, rtol=1e-8)

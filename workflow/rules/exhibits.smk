@@ -83,7 +83,7 @@ for (module, *sources), exhibits in TOGETHER.items():
         output:
             **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
         params:
-            *call("repro.exhibits.make:make_exhibits", *(one.definition for one in exhibits)),
+            *call("repro.exhibits.declare:make_exhibits", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],
             config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
         message:

@@ -125,7 +125,8 @@ class PtyEndpoint:
 
     def __init__(self, link: Path | None = None) -> None:
         self._link = link
-        if link is not None and (link.exists() or link.is_symlink()) and not _is_terminal_link(link):
+        ours = link is not None and link.is_symlink() and str(link.readlink()).startswith("/dev/")
+        if link is not None and os.path.lexists(link) and not ours:
             raise InputError.at(f"link {link}", "a file", "a name to make or a link to a terminal")
         self._open()
 
@@ -188,10 +189,6 @@ class PtyEndpoint:
         os.close(self._master)
         if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self._device:
             self._link.unlink()
-
-
-def _is_terminal_link(link: Path) -> bool:
-    return link.is_symlink() and str(link.readlink()).startswith("/dev/")
 
 
 class SocketEndpoint:

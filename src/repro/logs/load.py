@@ -109,17 +109,9 @@ def _from_capture(path: Path, arm: Arm) -> Log:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
     if recording.n_interpolated:
         notes.append(f"{recording.n_interpolated} lost samples are interpolated")
-    simulated = metadata.source == "simulated"
-    limit = np.array(metadata.control.full_torque)
-    return Log(
-        name=path.name,
-        t=t,
-        q=recording.q,
-        tau=recording.tau,
-        notes=tuple(notes),
-        simulated=simulated,
-        torque_limit=limit,
-    )
+    simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
+    log = Log(name=path.name, t=t, q=recording.q, tau=recording.tau, notes=tuple(notes), simulated=simulated)
+    return replace(log, torque_limit=limit)
 
 
 def _from_table(table: Table, name: str, arm: Arm) -> Log:

@@ -18,31 +18,10 @@ from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
-from repro.ownarm.figures import drawn_methods, figures_of
+from repro.ownarm import tables, text
+from repro.ownarm.figures import MOST_METHODS, figures_of, ordered_titles
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.tables import (
-    blocks,
-    method_columns,
-    parameters_table,
-    percent,
-    predictions,
-    residuals_table,
-    rounded,
-    runs_table,
-    scores_table,
-    significant,
-)
-from repro.ownarm.text import (
-    ALLOWED,
-    COMBINED,
-    NOT_EXCITED,
-    detection_limits,
-    friction_line,
-    self_test_rows,
-    self_test_verdict,
-    spread_rows,
-)
 from repro.pipeline.provenance import write_provenance
 from repro.report.embed import Picture, environment, policy
 
@@ -67,11 +46,11 @@ def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: It
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
     write_json(folder / "parameters.json", _jsonable(asdict(result)))
-    write_csv(folder / "parameters.csv", parameters_table(result))
-    write_csv(folder / "scores.csv", scores_table(result))
-    write_csv(folder / "residuals.csv", residuals_table(result, curves))
+    write_csv(folder / "parameters.csv", tables.parameters_table(result))
+    write_csv(folder / "scores.csv", tables.scores_table(result))
+    write_csv(folder / "residuals.csv", tables.residuals_table(result, curves))
     if result.spread:
-        write_csv(folder / "runs.csv", runs_table(result))
+        write_csv(folder / "runs.csv", tables.runs_table(result))
     write_text(folder / "methods.bib", bibtex(citations(result)))
     _write_links(folder, result, arm)
     names = sorted(path.name for path in folder.iterdir())
@@ -106,7 +85,7 @@ def bibtex(keys: Sequence[str]) -> str:
 
 def _write_links(folder: Path, result: Result, arm: Arm) -> None:
     """Write URDF and MJCF if a set of two links has these parameters, else a file with the reason."""
-    unknown = [p.name for p in result.best.parameters[:5] if p.verdict in (NOT_EXCITED, COMBINED)]
+    unknown = [p.name for p in result.best.parameters[:5] if p.verdict in (text.NOT_EXCITED, text.COMBINED)]
     beta = np.array([p.estimate for p in result.best.parameters])
     reason = f"The motion does not determine {', '.join(unknown)}, which masses and lengths depend on."
     if not unknown:
@@ -171,13 +150,13 @@ def render_page(
         "unit": lambda text: unit(text).md,
         "symbols": symbols,
         "sentence": sentence,
-        "friction": friction_line,
-        "rounded": rounded,
-        "percent": percent,
-        "significant": significant,
-        "rows": self_test_rows,
-        "spread": spread_rows,
-        "conclusion": self_test_verdict,
+        "friction": text.friction_line,
+        "rounded": tables.rounded,
+        "percent": tables.percent,
+        "significant": tables.significant,
+        "rows": text.self_test_rows,
+        "spread": text.spread_rows,
+        "conclusion": text.self_test_verdict,
     }
     return jinja.get_template("page.html").render(
         result=result,
@@ -186,16 +165,16 @@ def render_page(
         policy=policy(style),
         logs=logs,
         fitted=len(result.fitted_logs),
-        detection_limits=detection_limits(result),
+        detection_limits=text.detection_limits(result),
         facts=_facts(logs),
-        predictions=predictions(best),
-        columns=method_columns(result),
-        blocks=blocks(result),
+        predictions=tables.predictions(best),
+        columns=tables.method_columns(result),
+        blocks=tables.blocks(result),
         pictures={name: _picture(content) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),
-        drawn=[method.title for key in drawn_methods(result) for method in result.methods if method.method == key],
+        drawn=list(ordered_titles(result).values())[:MOST_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
-        allowed=ALLOWED,
+        allowed=text.ALLOWED,
         files=[(name, quote(name), FILES.get(name, "")) for name in files],
         largest_share=max(1.0, *result.excitation.share),
     )

@@ -26,6 +26,7 @@ from repro.identification.extra_terms import (
     values_of,
 )
 from repro.identification.filtering import (
+    FILTERS,
     MAX_DELAY,
     Cutoff,
     FilterSettings,
@@ -64,6 +65,22 @@ class Options:
     prior: Prior | None = None  # of the parameters
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
 
+    def __post_init__(self) -> None:
+        """Refuse what the command line refuses, too."""
+        if not isinstance(self.filter, str) or self.filter not in FILTERS:
+            raise InputError.at("filter", repr(self.filter), f"one of {', '.join(FILTERS)}")
+        limits: tuple[tuple[str, Any, float, float], ...] = (
+            ("cutoff", (int, float, np.number), 0.1, 1000.0),
+            ("seed", (int, np.integer), 0, 2**32 - 1),
+            ("steps", (int, np.integer), 1, 10**7),
+        )
+        for name, kind, low, high in limits:
+            value = getattr(self, name)
+            number = isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
+            if not number and not (name == "cutoff" and value is None):
+                whole = "whole " * (name != "cutoff")
+                raise InputError.at(name, repr(value)[:60], f"a {whole}number from {low:g} to {high:.10g}")
+
 
 @dataclass(frozen=True)
 class LoadedLog:
@@ -90,9 +107,7 @@ class PreparedLog:
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
-    hidden: dict[str, float | None] = field(
-        default_factory=dict
-    )  # detection limits of others, see `calibration_limits`
+    hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
     terms: tuple[FrictionTerm, ...] = ()  # friction terms beyond Eq. 1
     load: Array | None = None  # (9,), parameters that give the load of that friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
@@ -114,22 +129,12 @@ class IdentificationProblem:
     @property
     def doubt(self) -> str:
         """Why no interval is claimed; empty if it is from one of the logs."""
-        return self.logs[0].doubt if all(log.doubt for log in self.logs) else ""
+        return self.first.doubt if all(log.doubt for log in self.logs) else ""
 
     @property
-    def fitted(self) -> LoadedLog:
-        """The first log to fit."""
-        return self.logs[0].loaded
-
-    @property
-    def settings(self) -> FilterSettings:
-        """Filters of the first log."""
-        return self.logs[0].settings
-
-    @property
-    def cutoff(self) -> Cutoff:
-        """How the cut-off of the first log was chosen."""
-        return self.logs[0].cutoff
+    def first(self) -> PreparedLog:
+        """The first log to fit, whose filters are those of the validation logs."""
+        return self.logs[0]
 
 
 def load_log(source: Source, arm: Arm) -> LoadedLog:
@@ -258,14 +263,10 @@ def _correct_as(log: Log, first: PreparedLog) -> Log:
 
 
 def make_problem(
-    fitted: LoadedLog,
-    validation: tuple[LoadedLog, ...],
-    arm: Arm,
-    options: Options,
-    more: tuple[LoadedLog, ...] = (),
+    fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog], arm: Arm, options: Options
 ) -> IdentificationProblem:
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
-    logs = _prepare_logs((fitted, *more), arm, options)
+    logs = _prepare_logs(fitted, arm, options)
     first = logs[0]
     validation = tuple(replace(loaded, log=_correct_as(loaded.log, first)) for loaded in validation)
     for loaded in validation:
@@ -281,16 +282,8 @@ def make_problem(
 def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
     """Give the problem of one of its logs by itself, prepared as it is among the others."""
     moving, as_good = join_logs((log,), problem.prior)
-    excited = excitation(moving)
-    return replace(
-        problem,
-        logs=(log,),
-        regression=log.regression,
-        moving=moving,
-        as_good=as_good,
-        validation=(),
-        excited=excited,
-    )
+    alone = replace(problem, logs=(log,), regression=log.regression, validation=(), excited=excitation(moving))
+    return replace(alone, moving=moving, as_good=as_good)
 
 
 def at_limit(delay: float) -> bool:

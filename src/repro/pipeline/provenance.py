@@ -35,13 +35,18 @@ PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotli
 ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 
 
+def _git(folder: Path, *arguments: str) -> str | None:
+    """What git prints about a checkout; None if it fails."""
+    try:
+        run = subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return run.stdout.strip()
+
+
 def commit(folder: Path) -> str:
     """Commit of a checkout, with ``-dirty`` if files differ from it; ``unknown`` outside one."""
-    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-    try:
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+    return _git(folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown"
 
 
 def package_versions() -> dict[str, str]:
@@ -59,19 +64,17 @@ def host_fingerprint() -> dict[str, str]:
 
 def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
     """Write the sidecar after a run that succeeded."""
-    write_json(
-        path,
-        {
-            "commit": commit(folder),
-            "cores": cores,
-            "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "machine": f"{platform.machine()} {platform.system()}",
-            "contract": held(os.environ),
-            "fingerprint": dict(fingerprint),
-            "packages": package_versions(),
-            "python": platform.python_version(),
-        },
-    )
+    content = {
+        "commit": commit(folder),
+        "cores": cores,
+        "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "machine": f"{platform.machine()} {platform.system()}",
+        "contract": held(os.environ),
+        "fingerprint": dict(fingerprint),
+        "packages": package_versions(),
+        "python": platform.python_version(),
+    }
+    write_json(path, content)
 
 
 def recorded_fingerprint(results: Path) -> dict[str, str] | None:
@@ -131,17 +134,11 @@ def _leaves(node: object, place: str = "") -> dict[str, str]:
 
 def _config_of(name: str, root: Path) -> dict[str, Any] | None:
     """Read the configuration of a commit: empty if the whole history has none, None if only a part of it is here."""
-    git = ["git", "-C", str(root)]
-    try:
-        shown = subprocess.run([*git, "show", f"{name}:./config/config.yaml"], capture_output=True, check=False)
-        if shown.returncode == 0:
-            content: dict[str, Any] = yaml.safe_load(shown.stdout)
-            return content
-        shallow = [*git, "rev-parse", "--is-shallow-repository"]
-        whole = subprocess.run(shallow, capture_output=True, text=True, check=False).stdout.strip() == "false"
-    except (OSError, yaml.YAMLError):
-        return None
-    return {} if whole else None
+    text = _git(root, "show", f"{name}:./config/config.yaml")
+    if text is not None:
+        content: dict[str, Any] = yaml.safe_load(text)
+        return content
+    return {} if _git(root, "rev-parse", "--is-shallow-repository") == "false" else None
 
 
 #: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
