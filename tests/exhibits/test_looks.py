@@ -66,17 +66,3 @@ def test_methods_look_the_same_everywhere_and_are_told_apart() -> None:
     assert len(looks) == len(style.METHODS)
     marks = {(m["marker"], m.get("fillstyle")) for m in (style.MARKS[method] for method in style.METHODS)}
     assert len(marks) == len(style.METHODS)
-
-
-def test_each_motion_has_its_own_band_and_nothing_large_is_left_out() -> None:
-    frame = FRAMES["fig24"]()
-    slow = frame["panel"].str.startswith("T2")
-    frame.loc[slow, "y"] *= np.exp(-frame.loc[slow, "x"] * 4)
-    figure = made("fig24", frame)
-    assert "Not shown: from the end of each row to 10.6 Hz" in figure.get_supxlabel()
-    ends = {axes.get_title(loc="left"): axes.lines[0].get_xdata()[-1] for axes in figure.axes}
-    assert ends["T2, joint 1"] == ends["T2, joint 2"] < 0.5 * ends["T1, joint 1"]
-    for (panel,), rows in frame.groupby(["panel"]):
-        case, joint = panel.split(" torque")
-        beyond = rows[rows["x"] > ends[f"{case}, joint {joint}"]]
-        assert (beyond["y"].abs() < 0.05 * rows["y"].abs().max()).all()

@@ -182,7 +182,7 @@ class Table:
             lines.append(r"\midrule")
             if heading is not None:
                 lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
-            lines += [tex_row(row) for row in rows]
+            lines += map(tex_row, rows)
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
 
     def md(self, title: str) -> str:
@@ -246,11 +246,6 @@ class LongTable(Table):
     """A laid-out table whose text is wrapped and that goes on over pages."""
 
     shares: Sequence[float] = ()  # width of each column as a share of what the gaps between them leave of the page
-
-    def __post_init__(self) -> None:
-        """Check that the columns fill the page."""
-        if len(self.shares) != len(self.alignment) or abs(sum(self.shares) - 1.0) > 1e-9:
-            raise ValueError(f"shares: must be one for each of {len(self.alignment)} columns, of sum 1.")
 
     def tex(self, label: str) -> str:
         """LaTeX of the table, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""

@@ -17,8 +17,6 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
-import pandas as pd
-
 from repro.files import read_rows
 from repro.paper.published import Published, PublishedValue, evaluate
 
@@ -149,10 +147,3 @@ class Check:
 def read_checks(published: Published) -> list[Check]:
     """Read the rows of ``findings.csv``."""
     return [Check(row, published) for row in read_rows(FINDINGS_FILE)]
-
-
-def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:
-    """Tidy table of findings."""
-    return pd.DataFrame(
-        [{**vars(f), "numbers": " ".join(f.numbers)} for f in findings], columns=list(Finding.__dataclass_fields__)
-    )
