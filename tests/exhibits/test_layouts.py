@@ -1,7 +1,6 @@
 """Text and tables in LaTeX and Markdown: escaped, balanced, and a message that names what is wrong."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -47,22 +46,9 @@ def test_markup_of_formulas_and_units() -> None:
     assert markup.number(-0.12345, 4).md == "-0.1235"
 
 
-@pytest.mark.parametrize(
-    ("name", "spoil", "words"),
-    [
-        ("table04", lambda f: f[:-1], "0 rows"),
-        ("table04", lambda f: pd.concat([f, f[:1]]), "2 rows"),
-        ("table06", lambda f: f.assign(seeds=range(len(f))), "one number of seeds"),
-        ("table06", lambda f: f.assign(seeds=f["method"].map({"algorithm1": 3}).fillna(5)), "3, 5"),
-        ("table06", lambda f: f.assign(seeds=f["case"].map({"N3": 1}).fillna(5)), "1, 5"),
-        ("table07", lambda f: f[f["case"] != "N4"], "case N4"),
-        ("table09", lambda f: f[1:], "0 rows"),
-    ],
-)
-def test_tables_name_what_is_wrong(
-    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
-) -> None:
-    assert words in refused(laid_out, tmp_path, name, spoil(TABLES[name]()))
+def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
+    frame = TABLES["table07"]()
+    assert "N4" in refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"])
 
 
 def one_finding(**fields: object) -> pd.DataFrame:

@@ -2,7 +2,6 @@
 
 import itertools
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -107,40 +106,15 @@ def test_method_runs_through_its_nine_steps_and_back() -> None:
     assert {"2 Image", "6 Torque", "7 Similarity", "9 Adjustment"} == set(ways.loc[ways["start"] == "Signals", "end"])
 
 
-def change(row: int, column: str, value: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
-    def changed(frame: pd.DataFrame) -> pd.DataFrame:
-        frame = frame.copy()
-        frame.loc[row if row >= 0 else len(frame) + row, column] = value
-        return frame
-
-    return changed
-
-
 def test_a_label_too_long_for_its_box_is_refused(tmp_path: Path) -> None:
-    frame = change(9, "label", "word " * 40)(FRAMES["fig02"]())
+    frame = FRAMES["fig02"]()
+    frame.loc[9, "label"] = "word " * 40
     assert "lines of words" in refused(drawn, tmp_path, "fig02", frame)
 
 
-REFERENCES = (*(f"[{number}]" for number in range(11, 29)), "this article")
-COLUMNS = ("reference", "robot", "dof", "method", "identified", "optimisation", "set_apart")
-
-
-@pytest.fixture(scope="module")
-def works():
-    return words("table01")
-
-
-def test_every_work_is_there_once_and_in_order(works):
-    assert tuple(works["reference"]) == REFERENCES
-    assert list(works.columns) == list(COLUMNS)
-    assert not works.isin(("", "nan")).to_numpy().any()
-    assert works["dof"].str.fullmatch(r"[1-9]\d*(, [1-9]\d*)*|not stated").all()
-    assert set(works["optimisation"]) == {"yes", "no", "not stated"}
-    assert set(works["set_apart"]) == {"yes", "no"}
-
-
-def test_answers_follow_the_sentences_of_section_i_a(works):
-    by_work = works.set_index("reference")
+def test_answers_follow_the_sentences_of_section_i_a() -> None:
+    by_work = words("table01").set_index("reference")
+    assert list(by_work.index) == [*(f"[{number}]" for number in range(11, 29)), "this article"]
     by_squares = {f"[{n}]" for n in (16, 18, 19, 20, 23, 24, 26, 27, 28)}
     assert set(by_work.index[by_work["optimisation"] == "yes"]) == by_squares
     assert by_squares >= set(by_work.index[by_work["method"].str.contains(r"\bW?LS\b")])

@@ -97,15 +97,6 @@ def test_links_exist_up_to_the_edge_and_not_beyond(gap):
         links_of(np.array([0.5, 2.0 * np.sqrt(0.06 * (1.0 + gap)), 0.2, 3.0, 1.0, 0.1, 0.1, 0.1, 0.1]))
 
 
-def test_a_centre_of_mass_on_joint_1_leaves_m1_free_and_it_is_a_rods():
-    links = links_of(BETA)
-    centred = BETA.copy()
-    centred[3] = links.m2 * links.l1 * STANDARD_GRAVITY
-    links = links_of(centred)
-    assert abs(links.lc1) < 1e-12
-    assert links.m1 == pytest.approx(3.0 * links.j1 / links.l1**2)
-
-
 def test_known_lengths_guide_the_choice_or_the_notes_say_why_not():
     links = links_of(REAL, 9.81, (0.31, 0.2))
     assert links.lc2 == pytest.approx(0.1)

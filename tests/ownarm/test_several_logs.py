@@ -90,16 +90,6 @@ def test_the_fit_is_of_both_and_each_is_foretold_by_the_other(two):
 
 
 @pytest.mark.slow
-def test_intervals_of_both_are_narrower_than_of_one(two):
-    _, alone, _ = result_of(noisy_log("a.csv", 0, delay=0.004))
-    widths = [
-        [p.high - p.low for p in next(m for m in result.methods if m.method == "consistent").parameters[:5]]
-        for result in (two[1], alone)
-    ]
-    assert np.median(np.divide(*widths)) < 1.0
-
-
-@pytest.mark.slow
 def test_a_log_of_another_arm_is_named():
     other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
     _, result, _ = result_of(

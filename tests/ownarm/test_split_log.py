@@ -37,14 +37,6 @@ def whole(tmp_path_factory):
     return problem, *assemble(problem, found, ARM)
 
 
-def test_pieces_and_their_lengths_are_told(whole):
-    _, result, _ = whole
-    assert "200 rows with empty cells left out: lines 1802 to 2001" in result.log.notes
-    note = "3 gaps of up to 1.5 s: the log is used in 3 pieces of 8.995, 7.995, 8.495 s; 1 too short, left out"
-    assert note in result.log.notes
-    assert not result.more_logs
-
-
 def test_one_delay_one_zero_and_the_parameters_of_all_pieces(whole):
     problem, result, _ = whole
     (log,) = problem.logs

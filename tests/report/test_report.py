@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from html_page import Page
 from PIL import Image
@@ -16,7 +15,6 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
-from repro.paper.claims import broken
 from repro.report import page as page_module
 from repro.report.embed import link
 from repro.report.page import answer, build_report, read_claims
@@ -55,8 +53,7 @@ def test_nothing_is_loaded_from_outside(page, text):
     for element in page.elements:
         assert not any(name.startswith("on") or name == "style" for name in element), "the policy would block it"
     assert not re.search(r"@import|url\(", page.all("style")[0]["text"])
-    assert "http:" not in text
-    assert "https:" not in text
+    assert not re.search("https?:", text)
 
 
 def test_the_policy_allows_the_style_and_the_script_that_are_there(page):
@@ -86,18 +83,10 @@ def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):
 
 
 def test_downloads_hold_the_files_and_links_lead_to_them(inputs, page):
-    files = {path.name: path for path in (inputs.results / "tables").iterdir()} | {
-        "claims.csv": inputs.results / "claims.csv"
-    }
     links = page.all("a")
     held = {item["download"]: decode(item["href"]) for item in links if "download" in item}
-    for name in files:
-        if not name.endswith(".md"):
-            assert name in held
-    for exhibit in TABLES:
-        if not exhibit.optional:
-            path = inputs.results / "tables" / f"{exhibit.name}.tex"
-            assert held[path.name] == path.read_bytes()
+    for path in (*(inputs.results / "tables").glob("*.tex"), inputs.results / "claims.csv"):
+        assert held[path.name] == path.read_bytes()
     beside = [item["href"] for item in links if not item["href"].startswith(("#", "data:"))]
     assert sorted(beside) == sorted(f"../../paper_figures/{e.name}.pdf" for e in FIGURES if not e.optional)
     assert all((inputs.page.parent / href).resolve().is_file() for href in beside)
@@ -115,32 +104,11 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
     assert (decode(found.href), found.download) == (b"x\n1\n", "small.csv")
 
 
-def test_anchors_occur_once_and_links_inside_lead_to_them(page):
-    anchors = [element["id"] for element in page.elements if "id" in element]
-    assert len(anchors) == len(set(anchors))
-    inside = [item["href"][1:] for item in page.all("a") if item["href"].startswith("#")]
-    assert set(inside) <= set(anchors)
-    for row in claim_rows():
-        assert f"claim-{row['id']}" in inside
-
-
 def test_what_comes_from_a_file_is_escaped(text, page):
     assert "<script>alert" not in text
     assert len(page.all("script")) == 1
     assert TRICKY in page.one("claims")["text"]
     assert TRICKY in page.one("audit")["text"]
-
-
-def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
-    rows = [{**row, "asserted": ("reproduced", "differs")[k % 2]} for k, row in enumerate(claim_rows(12))]
-    changed = make_example(tmp_path)
-    write_rows(changed.results / "claims.csv", rows)
-    claims = read_claims(changed.results / "claims.csv")
-    lost = broken(pd.read_csv(changed.results / "claims.csv", keep_default_na=False))
-    assert [claim["id"] for claim in claims if not claim["satisfied"]] == list(lost["id"])
-    assert 0 < len(lost) < 12
-    headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
-    assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
 
 
 def test_the_first_section_counts_what_agrees(inputs, page):

@@ -24,7 +24,7 @@ from repro.exhibits.markup import (
     words,
 )
 from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
-from repro.exhibits.result_tables import by_method, heading_of, methods_of, one_row, similarities
+from repro.exhibits.result_tables import by_method, heading_of, methods_of, similarities
 from repro.model.dynamics import ArmGeometry, forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
@@ -114,18 +114,20 @@ SIDE_BY_SIDE = ("algorithm1", "algorithm1+refinement", "least-squares")
 def parameter_layout(frame: pd.DataFrame) -> Table:
     """Parameters of the simulated arm as identified by each method (Table 9)."""
     methods = [method for method in methods_of(frame) if method in SIDE_BY_SIDE]
-    left_out = len(methods_of(frame)) - len(methods)
+    left_out = frame["method"].nunique() - len(methods)
     repeated = bool((frame["estimate_sd"] > 0).any())
+    found = frame.set_index(["parameter", "method"]).to_dict("index")
     rows = []
     for name, si in dict(zip(frame["parameter"], frame["unit"], strict=True)).items():
-        found = [one_row(frame, {"method": method, "parameter": name}) for method in methods]
-        cells = [with_unit(formula(name), si), number(float(found[0]["true"]), 4)]
-        cells += [number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None) for row in found]
+        of_methods = [found[name, method] for method in methods]
+        cells = [with_unit(formula(name), si), number(float(of_methods[0]["true"]), 4)]
+        for row in of_methods:
+            cells.append(number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None))
         rows.append(cells)
     spread = ", ± the standard deviation over the seeds" if repeated else ""
     rest = f" {left_out} further methods are in the CSV." if left_out else ""
     caption = plain(f"True and identified parameters of the simulated arm: median seed{spread}.{rest}")
-    header = [plain("Parameter"), plain("True"), *(heading_of(method) for method in methods)]
+    header = [plain("Parameter"), plain("True"), *map(heading_of, methods)]
     return Table(caption, "lr" + "r" * len(methods), header, [(None, rows)])
 
 

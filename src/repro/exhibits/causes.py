@@ -16,10 +16,12 @@ from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
 
-_why_table = partial(table, category=EXPERIMENT, inputs=("arm",), trained="all")
-_why_figure = partial(figure, category=EXPERIMENT, inputs=("arm",), trained="all")
-_factorial_table = partial(table, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
-_factorial_figure = partial(figure, category=ABLATION, inputs=("factorial",), trained="all", optional=True)
+_why_table, _why_figure = (
+    partial(kind, category=EXPERIMENT, inputs=("arm",), trained="all") for kind in (table, figure)
+)
+_factorial_table, _factorial_figure = (
+    partial(kind, category=ABLATION, inputs=("factorial",), trained="all", optional=True) for kind in (table, figure)
+)
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {
@@ -34,10 +36,9 @@ _EFFECT_WEIGHTS = {
     "training": (-0.5, -0.5, 0.5, 0.5),
     "both": (0.5, -0.5, -0.5, 0.5),
 }
-#: Levels of the two factors in words.
+#: Levels of the two factors, and effects, in words.
 _TRAINING = {"ideal": "Eq. 10", "tracked": "closed-loop motions"}
-_IMAGE_MOTION = {"measured": "measured", "desired": "desired"}
-#: Effects in words.
+_MOTIONS = ("measured", "desired")
 _EFFECT_TEXTS = {
     "image_motion": "desired instead of measured motion in line 18",
     "training": "closed-loop motions instead of Eq. 10 in training",
@@ -80,17 +81,12 @@ def why_layout(frame: pd.DataFrame) -> Table:
     """Similarity in the four cells, then the effects."""
     blocks = []
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
-        of_kind = frame[frame["row"] == kind].fillna(
-            {"image_motion": ""}
-        )  # an effect has none, which a CSV leaves empty
-        cells = []
-        for key, rows in of_kind.groupby(["training", "image_motion"], sort=False):
-            training, motion = map(str, key)
-            words = [_EFFECT_TEXTS[training], ""] if kind == "effect" else [_TRAINING[training], _IMAGE_MOTION[motion]]
-            by = rows.set_index("response")[["value", "spread"]].astype(float).T.to_dict()
-            values = [number(100.0 * by[r]["value"], 1, 100.0 * by[r]["spread"]) for r in RESPONSES]
-            cells.append([*map(plain, words), *values])
-        blocks.append((plain(heading), cells))
+        cells: dict[tuple[str, str], list[Text]] = {}
+        own = frame[frame["row"] == kind].fillna({"image_motion": ""})  # an effect has none, which a CSV leaves empty
+        for row in own.sort_values("response", kind="stable").to_dict("records"):
+            key = ({**_TRAINING, **_EFFECT_TEXTS}[row["training"]], row["image_motion"])
+            cells.setdefault(key, [*map(plain, key)]).append(number(100.0 * row["value"], 1, 100.0 * row["spread"]))
+        blocks.append((plain(heading), list(cells.values())))
     seeds = int(frame["seeds"].min())
     caption = plain(
         "Algorithm 1 on the simulated arm with the motions of the training and the motion of line 18 crossed: mean "
@@ -108,13 +104,13 @@ def draw_why(frame: pd.DataFrame) -> Figure:
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         for training, look in looks.items():
             rows = frame[(frame["response"] == response) & (frame["training"] == training)]
-            at = rows["image_motion"].map({name: k for k, name in enumerate(_IMAGE_MOTION)})
+            at = rows["image_motion"].map({name: k for k, name in enumerate(_MOTIONS)})
             colour = style.STROKES[look]["color"]
             axes.plot(at, 100.0 * rows["value"], ls="none", color=colour, alpha=0.55, **style.MARKS[look])
-            middle = rows.groupby("image_motion")["value"].mean().reindex(list(_IMAGE_MOTION))
+            middle = rows.groupby("image_motion")["value"].mean().reindex(list(_MOTIONS))
             axes.plot([0, 1], 100.0 * middle, label=f"trained on {_TRAINING[training]}", **style.STROKES[look])
         axes.set_title(title)
-        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _IMAGE_MOTION.values()])
+        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _MOTIONS])
         axes.set_xlim(-0.3, 1.3)
         axes.set_ylabel("Total similarity (%)")
         axes.grid(visible=False, axis="x")
@@ -239,16 +235,8 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
-        axes.plot(
-            100.0 * own["confirmation"],
-            at,
-            ls="none",
-            marker="D",
-            ms=3.2,
-            mfc="white",
-            mec="#d1490a",
-            label="frozen arm",
-        )
+        frozen = {"marker": "D", "ms": 3.2, "mfc": "white", "mec": "#d1490a", "label": "frozen arm"}
+        axes.plot(100.0 * own["confirmation"], at, ls="none", **frozen)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.set_title(RESPONSES[response])
         axes.set_xlabel("Effect (points of per cent)")

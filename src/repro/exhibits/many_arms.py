@@ -18,8 +18,7 @@ from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
-_table = partial(table, category=EXPERIMENT, trained="all")
-_figure = partial(figure, category=EXPERIMENT, trained="all")
+_table, _figure = (partial(kind, category=EXPERIMENT, trained="all") for kind in (table, figure))
 
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
@@ -116,15 +115,8 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
         level = 100.0 * rows["level"].to_numpy()
         axes.axhspan(-band, band, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
         for column, (look, label) in _LOOKS.items():
-            stroke = style.STROKES[look]
-            axes.plot(
-                level,
-                100.0 * rows[column].to_numpy() - level,
-                color=stroke["color"],
-                linestyle=stroke["linestyle"],
-                linewidth=1.0,
-                label=label,
-            )
+            stroke = {**style.STROKES[look], "linewidth": 1.0}
+            axes.plot(level, 100.0 * rows[column].to_numpy() - level, label=label, **stroke)
         axes.set_title(rf"${name[0]}_{name[1]}$")
         axes.set_xlim(0.0, 100.0)
         axes.set_xticks([0, 50, 100])

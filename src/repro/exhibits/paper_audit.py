@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Hashable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from repro.exhibits.declare import CLAIMS, METRIC, Inputs, figure, table
 from repro.exhibits.markup import (
     EMPTY,
     Column,
-    LongTable,
     Table,
     Text,
     digits,
@@ -31,6 +31,8 @@ from repro.files import read_csv
 from repro.paper.audit import audit
 from repro.paper.finding import CONSISTENT, VERDICTS
 from repro.pipeline.job import Config
+
+_table, _figure = (partial(kind, category=METRIC, inputs=("search",)) for kind in (table, figure))
 
 
 def _search(inputs: Inputs) -> pd.DataFrame:
@@ -86,7 +88,7 @@ def ranking_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(plain(f"{f.capitalize()} factor"), listed[listed["factor"] == f]) for f in factors])
 
 
-@table("metric_search", "Ranking of the formulas of metr2ev", ranking_layout, category=METRIC, inputs=("search",))
+@_table("metric_search", "Ranking of the formulas of metr2ev", ranking_layout)
 def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Ranking of candidate formulas of metr2ev by their rms log error against the published Table 7, with the range of
     ranks if one of the four arms is left out.
@@ -117,14 +119,7 @@ def motions_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(None, frame)])
 
 
-@table(
-    "metric_motions",
-    "Random motions that explain Table 7",
-    motions_layout,
-    category=METRIC,
-    target="metric_motions",
-    inputs=("search",),
-)
+@_table("metric_motions", "Random motions that explain Table 7", motions_layout, target="metric_motions")
 def metric_motions(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Random motions of different length and bandwidth: their mean-square torque, the bounds from the published Table 7
     that it satisfies, and the rms log errors of the formulas of metr2ev against that table.
@@ -168,7 +163,7 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure("metric_search", "Candidates for the metric's formula", draw_candidates, category=METRIC, inputs=("search",))
+@_figure("metric_search", "Candidates for the metric's formula", draw_candidates)
 def metric_search_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """How well candidate formulas of metr2ev explain the Time and Freq. rows of the published Table 7, given the
     published parameters of Tables 4 and 5.
@@ -235,7 +230,7 @@ def _verdict(verdict: str, found: float, printed: float, si: str) -> Text:
     return text + Text(" (", " (") + (formula(si) if "_" in si else unit(si)) + plain(")")
 
 
-def audit_layout(frame: pd.DataFrame) -> LongTable:
+def audit_layout(frame: pd.DataFrame) -> Table:
     """Findings of the audit of the paper."""
     blank = {"unit": "", "note": ""}
     table = frame.astype(dict.fromkeys(blank, object)).fillna(blank)
@@ -256,7 +251,7 @@ def audit_layout(frame: pd.DataFrame) -> LongTable:
         "come last, without their values and notes."
     )
     header = tuple(plain(name) for name in ("Place", "Finding", "Arithmetic", "Verdict"))
-    return LongTable(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
+    return Table(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
 
 
 @table("audit", "Audit of the paper", audit_layout, category=CLAIMS, target="audit")

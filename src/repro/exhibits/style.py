@@ -75,15 +75,15 @@ RC: Final[dict[RcKeyType, Any]] = {
 
 @dataclass(frozen=True)
 class Appearance:
-    """How a method appears."""
+    """How a method or another series appears."""
 
-    title: str  # in tables
+    title: str  # in tables; empty for what is in no table
     label: str  # in legends
     color: str
     dashes: tuple[float, ...]  # none for a solid line
     width: float
-    marker: str
-    size: float  # of the marker
+    marker: str = ""  # empty for what is only drawn as a line
+    size: float = 0.0  # of the marker
     hollow: bool = False  # whether the marker is an outline
 
     @property
@@ -163,46 +163,28 @@ def title_of(method: str) -> str:
     return METHODS[method].title if method in METHODS else method
 
 
-#: How each series is drawn wherever it appears. Every pair that meets in one panel also differs in
-#: lightness and in width or dash, so it reads in greyscale.
-STROKES: Final[dict[str, dict[str, Any]]] = {
-    "joint1": {"color": "#00507f", "linestyle": "-", "linewidth": 1.0},
-    "joint2": {"color": "#e08a00", "linestyle": (0, (4.5, 1.5)), "linewidth": 1.2},
-    "actual": {"color": "#79bde8", "linestyle": "-", "linewidth": 2.0},
-    "rebuilt": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.8},
-    "train": {"color": "#79bde8", "linestyle": "-", "linewidth": 1.2},
-    "test": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 1.0},
-    "median": {"color": "#00304d", "linestyle": "-", "linewidth": 1.2},
-    "mean": {"color": "#c44a00", "linestyle": (0, (3.0, 1.5)), "linewidth": 1.2},
-    "desired": {"color": "#00304d", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.9},
-    "desired1": {"color": "#9fcbe6", "linestyle": "-", "linewidth": 2.6},
-    "desired2": {"color": "#f8dcae", "linestyle": "-", "linewidth": 2.6},
-    "measured": {"color": "0.80", "linestyle": "-", "linewidth": 2.6},
-    **{name: entry.stroke for name, entry in METHODS.items()},
+#: Every pair that meets in one panel also differs in lightness and in width or dash, so it reads in greyscale.
+_SERIES = {
+    "joint1": Appearance("", "Joint 1", "#00507f", (), 1.0),
+    "joint2": Appearance("", "Joint 2", "#e08a00", (4.5, 1.5), 1.2),
+    "actual": Appearance("", "Actual", "#79bde8", (), 2.0),
+    "rebuilt": Appearance("", "Rebuilt from the identified parameters", "#8c1d04", (3.5, 1.5), 0.8, "o", 2.2),
+    "train": Appearance("", "Training", "#79bde8", (), 1.2),
+    "test": Appearance("", "Test", "#8c1d04", (3.5, 1.5), 1.0),
+    "median": Appearance("", "Median", "#00304d", (), 1.2),
+    "mean": Appearance("", "Mean", "#c44a00", (3.0, 1.5), 1.2),
+    "desired": Appearance("", "Desired", "#00304d", (3.5, 1.5), 0.9),
+    "desired1": Appearance("", "Desired, joint 1", "#9fcbe6", (), 2.6),
+    "desired2": Appearance("", "Desired, joint 2", "#f8dcae", (), 2.6),
+    "measured": Appearance("", "Measured", "0.80", (), 2.6),
+    **METHODS,
 }
-
+#: How each series is drawn wherever it appears.
+STROKES: Final = {name: entry.stroke for name, entry in _SERIES.items()}
 #: Marks of the series that are also drawn point by point; the colour is that of the stroke.
-MARKS: Final[dict[str, dict[str, Any]]] = {
-    "rebuilt": {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.0},
-    **{name: entry.mark for name, entry in METHODS.items()},
-}
-
+MARKS: Final = {name: entry.mark for name, entry in _SERIES.items() if entry.marker}
 #: What the legend calls each series.
-SERIES_LABELS: Final[dict[str, str]] = {
-    "joint1": "Joint 1",
-    "joint2": "Joint 2",
-    "actual": "Actual",
-    "rebuilt": "Rebuilt from the identified parameters",
-    "train": "Training",
-    "test": "Test",
-    "median": "Median",
-    "mean": "Mean",
-    "desired": "Desired",
-    "desired1": "Desired, joint 1",
-    "desired2": "Desired, joint 2",
-    "measured": "Measured",
-    **{name: entry.label for name, entry in METHODS.items()},
-}
+SERIES_LABELS: Final = {name: entry.label for name, entry in _SERIES.items()}
 
 #: Heads the legend of every figure whose signals come from the simulated arm.
 SIMULATED: Final = "Simulated experiment"

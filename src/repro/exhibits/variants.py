@@ -1,7 +1,7 @@
 """The headline numbers under other readings of the paper: both time factors, and the ablation."""
 
-from pathlib import Path
-from typing import Any
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,6 @@ from matplotlib.ticker import MaxNLocator
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.documents import read_json
-from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, table
 from repro.exhibits.markup import Column, Table, Text, digits, grid, plain, several, words
@@ -24,6 +23,8 @@ from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_
 from repro.pipeline.job import Config
 from repro.pipeline.summary import BOTH_METRICS, both_metrics
 from repro.signals.programs import SPAN
+
+_table, _figure = (partial(kind, category=ABLATION, trained="all", optional=True) for kind in (table, figure))
 
 
 def both_metrics_layout(frame: pd.DataFrame) -> Table:
@@ -97,29 +98,14 @@ def readings_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(plain(titles.get(name, name)), rows) for name, rows in grouped(frame)])
 
 
-def _numbers(path: Path) -> dict[str, Any]:
-    content = read_json(path)
-    if not isinstance(content, dict):
-        raise InputError.at(str(path), type(content).__name__, "numbers by name")
-    return content
-
-
-@table(
-    "ablation",
-    "Headline numbers under other interpretations",
-    readings_layout,
-    category=ABLATION,
-    inputs=("readings",),
-    trained="all",
-    optional=True,
-)
+@_table("ablation", "Headline numbers under other interpretations", readings_layout, inputs=("readings",))
 def readings_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Headline numbers under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4 and on the
     simulated arm (medians of the seeds), and the mean over T1 to T4 of the simulated arm for the refined Algorithm 1,
     least squares and the true parameters. Losses under different labels or images do not compare with each other.
     """
     histories = [read_csv(path, HISTORY_COLUMNS) for path in inputs["losses"]]
-    return ablation_table([_numbers(path) for path in inputs["results"]], histories)
+    return ablation_table([cast("dict[str, Any]", read_json(path)) for path in inputs["results"]], histories)
 
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
@@ -153,11 +139,10 @@ _REST = 1.0
 
 def draw_readings(frame: pd.DataFrame) -> Figure:
     """Headline numbers under each reading of the paper, beside those of the default reading."""
-    every = [name for names in _PANELS.values() for name in names]
     labels: dict[float, str] = {}
     headings, rows, place = [], {}, 0.0
     for question, chosen in grouped(frame):
-        wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value").reindex(columns=every)
+        wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value")
         if question != DEFAULT:
             place += _GAP
             headings.append(len(labels))
@@ -167,7 +152,7 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
             rows[place] = wide.loc[reading]
             labels[place] = f"Default: {reading}" if question == DEFAULT else str(reading)
             place += 1.0
-    values = pd.DataFrame.from_dict({row: numbers.to_dict() for row, numbers in rows.items()}, orient="index")
+    values = pd.DataFrame(rows).T
     drawn = style.new_figure(style.PAGE, _REST + _ROW * place)
     panels = drawn.subplots(1, len(_PANELS), sharey=True)
     for axes, (title, quantities) in zip(panels, _PANELS.items(), strict=True):
@@ -210,29 +195,18 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
         here = shown[name].to_numpy()
         heights = values.index.to_numpy(dtype=np.float64)[here] + offsets[name]
         axes.plot(values[name].to_numpy()[here], heights, ls="none", color=stroke["color"], label=label, **_MARKS[look])
+    looks = [look for _, look in quantities.values()]
     across = axes.get_yaxis_transform()  # x as a share of the panel, y by row
     for place, row, known in zip(values.index, values.to_numpy(), shown.to_numpy(), strict=True):
-        outside = [
-            (value, look)
-            for value, (_, look), inside in zip(row, quantities.values(), known, strict=True)
-            if not inside
-        ]
-        for k, (value, look) in enumerate(outside):
+        far = [pair for pair, near in zip(zip(row, looks, strict=True), known, strict=True) if not near]
+        for k, (value, look) in enumerate(far):
             x = _WRITTEN * k + _SIGN
             axes.plot(x, place, transform=across, ls="none", color=style.STROKES[look]["color"], **_MARKS[look])
             words = axes.text(x + 0.8 * _SIGN, place, f"{value:.2f}", transform=across, color=style.INK)
             words.set(fontsize=style.SMALL_SIZE, va="center_baseline")
 
 
-@figure(
-    "ablation",
-    "Headline numbers by reading",
-    draw_readings,
-    category=ABLATION,
-    inputs=("ablation",),
-    trained="all",
-    optional=True,
-)
+@_figure("ablation", "Headline numbers by reading", draw_readings, inputs=("ablation",))
 def readings_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean total similarity under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4
     (left), on the simulated arm's identification run and on the validation motions (middle), and on the validation

@@ -5,7 +5,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from repro.errors import InputError
@@ -262,14 +262,14 @@ def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dic
     for signal, kind in KINDS.items():
         if signal not in found:
             continue
-        column, unit, assumed_unit = found[signal], found[signal].unit, found[signal].unit is None
-        if unit is None:
-            unit = si_unit(kind)
+        column = found[signal]
+        if column.unit is None:
             for twin in (twin for name, twin in found.items() if KINDS[name] == kind and twin.unit):
                 expected = f"its unit, as {twin.header} is in {twin.unit}; or units.{kind} in the arm file"
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
-            assumed.setdefault(unit, []).append(column.header)
-        complete[signal] = Column(column.index, column.header, unit, assumed_unit)
+            assumed.setdefault(si_unit(kind), []).append(column.header)
+            column = replace(column, unit=si_unit(kind), assumed=True)
+        complete[signal] = column
     if assumed:
         units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
         notes.append(f"the header states no unit for some columns; assumed: {units}")

@@ -105,7 +105,7 @@ def large_range(log: Log) -> Iterator[str]:
 
 
 def odd_speed(log: Log) -> Iterator[str]:
-    """Report a speed that hardly any arm has."""
+    """Report a speed that hardly any arm has, and a motion that is too fast for the rate."""
     top = float(np.percentile(np.abs(speed(log)), 99.9, axis=1).max())
     if top > 100.0:
         yield (
@@ -117,10 +117,6 @@ def odd_speed(log: Log) -> Iterator[str]:
             f"the fastest motion is {top:.2g} rad/s, too slow to show inertia: check the unit of time, or record a "
             "faster motion"
         )
-
-
-def slow_sampling(log: Log) -> Iterator[str]:
-    """Report a motion that is too fast for the rate."""
     step = float(np.percentile(np.abs(np.diff(log.q, axis=1)), 99.0, axis=1).max())
     if step > 0.3:
         yield (
@@ -188,8 +184,8 @@ def _correlation(a: Array, b: Array) -> float:
     return float(a @ b) / size if size > 0.0 else 0.0
 
 
-def torque_in_counts(log: Log) -> Iterator[str]:
-    """Report torques that look like counts or mN m."""
+def odd_torque(log: Log) -> Iterator[str]:
+    """Report a torque that looks like counts or mN m, and one at the drive's limit."""
     for joint, tau in enumerate(log.tau, 1):
         largest = float(np.abs(tau).max())
         if largest > 100.0 and np.array_equal(tau, np.rint(tau)):
@@ -197,17 +193,13 @@ def torque_in_counts(log: Log) -> Iterator[str]:
                 f"the torque of joint {joint} is whole numbers up to {largest:.0f}, taken for N m: if these are "
                 "counts, give units.torque: counts and torque_constant in the arm file"
             )
-            return
+            break
         if largest > 1000.0:
             yield (
                 f"the torque of joint {joint} is up to {largest:.4g} N m: if this is mN m, give units.torque: mN m in "
                 "the arm file"
             )
-            return
-
-
-def saturated(log: Log) -> Iterator[str]:
-    """Report torques at the drive's limit."""
+            break
     fractions = saturated_fraction(log)
     joint = int(np.argmax(fractions))
     if fractions[joint] > 0.05:
@@ -220,8 +212,7 @@ def saturated(log: Log) -> Iterator[str]:
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
     still, turns, jumps = (list(check(log)) for check in (still_joint, large_range, position_jump))
-    rest = [line for check in (torque_in_counts, saturated) for line in check(log)]
-    warnings = [*still, *turns, *odd_speed(log), *slow_sampling(log), *jumps, *rest]
+    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log)]
     # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
     if not still and (turns or not jumps):
         warnings += [*velocity_disagrees(log), *better_convention(log, arm.second_joint_absolute), *late_torque(log)]

@@ -70,19 +70,21 @@ class Table:
                 column.add([(line, cells[index]) for line, cells in rows])
         self._check(readers)
         values = np.stack([np.concatenate(column.values) for column in readers])
-        notes = ("numbers have a decimal comma",) if any(column.comma for column in readers) else ()
+        notes = ("numbers have a decimal comma",) if any("comma" in column.first for column in readers) else ()
         return values, np.array(lines), notes
 
     def _check(self, columns: Sequence["_Column"]) -> None:
         """Refuse cells that are no finite numbers, and commas that could be for decimals or for groups of digits."""
-        commas = [column.comma for column in columns if column.comma]
-        underscores = [column.underscore for column in columns if column.underscore]
+        commas, underscores, wrong = (
+            [column.first[kind] for column in columns if kind in column.first]
+            for kind in ("comma", "underscore", "wrong")
+        )
         if commas and any(column.point for column in columns):
             cell, expected = commas[0], "a point, as in other numbers"
         elif commas and all(column.grouped for column in columns):
             cell = commas[0]
             expected = "commas that are clearly for decimals, not for groups of digits: write a point"
-        elif invalid := underscores or [column.wrong for column in columns if column.wrong]:
+        elif invalid := underscores or wrong:
             cell, expected = invalid[0], "a finite number"
         else:
             return
@@ -98,9 +100,8 @@ class _Column:
     values: list[Array] = field(default_factory=list)
     point: bool = False  # whether a cell has one
     grouped: bool = True  # whether each comma could be for groups of digits
-    comma: _Cell | None = None
-    underscore: _Cell | None = None  # python takes 1_000 for a number
-    wrong: _Cell | None = None
+    # Of each kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
+    first: dict[str, _Cell] = field(default_factory=dict)
 
     def add(self, cells: list[tuple[int, str]]) -> None:
         """Append the cells of some lines."""
@@ -121,13 +122,13 @@ class _Column:
         place = (line, self.name, cell)
         self.point = self.point or "." in cell
         if _COMMA.fullmatch(cell):
-            self.comma = self.comma or place
+            self.first.setdefault("comma", place)
             self.grouped = self.grouped and _GROUPS.fullmatch(cell) is not None
         if "_" in cell:
-            self.underscore = self.underscore or place
+            self.first.setdefault("underscore", place)
         value = math.nan if cell.lower() in _EMPTY else _number(cell.replace(",", "."), math.inf)
         if math.isinf(value):
-            self.wrong = self.wrong or place
+            self.first.setdefault("wrong", place)
         return value
 
 

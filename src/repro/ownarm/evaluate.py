@@ -11,7 +11,7 @@ from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
-from repro.identification.regression import Prior, Regression, residual_autocorrelation
+from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
 from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
@@ -144,7 +144,7 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
         fit=score(name, r, beta, positions[0] if n == 1 else None),
         validation=validation,
         halves=fitted.halves,
-        whiteness=residual_autocorrelation(r, beta, problem.settings.cutoff),
+        whiteness=residual_autocorrelation(r, beta, problem.first.settings.cutoff),
         notes=fitted.estimate.notes,
         citation=fitted.method.citation,
     )
@@ -178,23 +178,24 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
 def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> tuple[Result, Curves]:
     """Evaluate the fits and recommend one."""
     betas = np.stack([f.estimate.beta for f in fits])
-    logs = (*(log.loaded for log in problem.logs), *(loaded for loaded, _ in problem.validation))
-    filters = (*(log.settings for log in problem.logs), *(problem.settings for _ in problem.validation))
-    positions = [position_errors(loaded.log, one, betas) for loaded, one in zip(logs, filters, strict=True)]
+    s, r, why = problem.first.settings, problem.regression, problem.first.cutoff.reason
+    logs = [(log.loaded, log.regression, log.settings) for log in problem.logs]
+    logs += [(loaded, regression, s) for loaded, regression in problem.validation]
+    positions = [position_errors(loaded.log, filters, betas) for loaded, _, filters in logs]
     methods = tuple(evaluate(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(fits))
     methods = compare_networks(methods, NETWORKS)
     recommended, reason = recommend(methods)
     excitation = _excitation(problem, betas[[m.method for m in methods].index(recommended)])
-    s, r, name = problem.settings, problem.regression, FILTERS[problem.settings.name].description
-    why = problem.cutoff.reason
-    preparation = Preparation(name, s.cutoff, why, s.delay, s.friction_steepness, 1.0 / r.h, r.t.size, s.cut)
+    filtering = (FILTERS[s.name].description, s.cutoff, why, s.delay, s.friction_steepness)
+    prior = problem.prior
+    known = [] if prior is None else zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
     result = Result(
         arm=arm.name,
-        simulated=any(loaded.log.simulated for loaded in logs),
-        log=problem.fitted.description,
+        simulated=any(loaded.log.simulated for loaded, _, _ in logs),
+        log=problem.first.loaded.description,
         more_logs=tuple(log.loaded.description for log in problem.logs[1:]),
         validation_logs=tuple(loaded.description for loaded, _ in problem.validation),
-        preparation=preparation,
+        preparation=Preparation(*filtering, 1.0 / r.h, r.t.size, s.cut),
         excitation=excitation,
         methods=methods,
         recommended=recommended,
@@ -203,17 +204,10 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         setup=tuple(log.faults for log in problem.logs),
         hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),
-        prior=_prior_rows(problem.prior),
+        prior={name: {"value": mean, "sd": sd} for name, mean, sd in known if np.isfinite(sd)},
     )
-    pairs = (*((log.loaded, log.regression) for log in problem.logs), *problem.validation)
-    return result, Curves(tuple(_signals(one.name, r, methods, betas) for one, r in pairs), problem.cutoff)
-
-
-def _prior_rows(prior: Prior | None) -> dict[str, dict[str, float]]:
-    if prior is None:
-        return {}
-    rows = zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
-    return {name: {"value": mean, "sd": sd} for name, mean, sd in rows if np.isfinite(sd)}
+    signals = tuple(_signals(loaded.name, regression, methods, betas) for loaded, regression, _ in logs)
+    return result, Curves(signals, problem.first.cutoff)
 
 
 def add_self_test(

@@ -66,7 +66,8 @@ _REACH = 12.0
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
-    titles, methods = ordered_titles(result), drawn_methods(result)
+    titles = ordered_titles(result)
+    methods = list(titles)[:MOST_METHODS]
     logs = list(zip((*result.fitted_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():
         figures = {"parameters": _png(draw_parameters(result))}
@@ -77,11 +78,6 @@ def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
             figures[f"overlay-{place}"] = _png(draw_overlay(signals, methods, titles, simulated))
             figures[f"spectra-{place}"] = _png(draw_spectra(signals, methods[:1], titles, simulated))
     return figures
-
-
-def drawn_methods(result: Result) -> list[str]:
-    """Choose the methods whose curves are drawn: the recommended one and the first others, `MOST_METHODS` in all."""
-    return list(ordered_titles(result))[:MOST_METHODS]
 
 
 def _png(figure: Figure) -> bytes:

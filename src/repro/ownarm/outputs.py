@@ -19,7 +19,7 @@ from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.ownarm import tables, text
-from repro.ownarm.figures import drawn_methods, figures_of
+from repro.ownarm.figures import MOST_METHODS, figures_of, ordered_titles
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
 from repro.pipeline.provenance import write_provenance
@@ -172,7 +172,7 @@ def render_page(
         blocks=tables.blocks(result),
         pictures={name: _picture(content) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),
-        drawn=[method.title for key in drawn_methods(result) for method in result.methods if method.method == key],
+        drawn=list(ordered_titles(result).values())[:MOST_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
         allowed=text.ALLOWED,
         files=[(name, quote(name), FILES.get(name, "")) for name in files],

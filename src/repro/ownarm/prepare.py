@@ -37,13 +37,7 @@ from repro.identification.filtering import (
 )
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.solve import solve
-from repro.identification.uncertainty import (
-    Perturbation,
-    attach_prior,
-    perturbations,
-    project_out,
-    unmodelled_effects,
-)
+from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
@@ -129,22 +123,12 @@ class IdentificationProblem:
     @property
     def doubt(self) -> str:
         """Why no interval is claimed; empty if it is from one of the logs."""
-        return self.logs[0].doubt if all(log.doubt for log in self.logs) else ""
+        return self.first.doubt if all(log.doubt for log in self.logs) else ""
 
     @property
-    def fitted(self) -> LoadedLog:
-        """The first log to fit."""
-        return self.logs[0].loaded
-
-    @property
-    def settings(self) -> FilterSettings:
-        """Filters of the first log."""
-        return self.logs[0].settings
-
-    @property
-    def cutoff(self) -> Cutoff:
-        """How the cut-off of the first log was chosen."""
-        return self.logs[0].cutoff
+    def first(self) -> PreparedLog:
+        """The first log to fit, whose filters are those of the validation logs."""
+        return self.logs[0]
 
 
 def load_log(source: Source, arm: Arm) -> LoadedLog:

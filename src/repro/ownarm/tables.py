@@ -83,8 +83,7 @@ Block = tuple[str, list[tuple[MethodResult, tuple[Cell, ...]]]]
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
     """Give the scores of one method on each log, unseen logs first."""
-    order = {"validation": 0, "half": 1, "log": 1, "fit": 2}
-    ordered = sorted(method.scores, key=lambda item: order[item[0]])
+    ordered = sorted(method.scores, key=lambda item: -list(_HEADINGS).index(item[0]))
     return [(_HEADINGS[part].format(score.log), _texts(score)) for part, score in ordered]
 
 
@@ -168,13 +167,9 @@ def rounded(parameter: Parameter) -> Rounded:
         shown, spread, low, high = ("" if value is None else significant(value) for value in values)
         return Rounded(shown, spread, low, high, "")
     largest = max(abs(estimate), error or 0.0)
-    power = _power(largest) if largest > 0.0 else 0
-    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
-    scale = 10.0**power if scaled else 1.0
-    last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)  # power of the last digit shown
-    decimals = min(max(0, (power if scaled else 0) - last), 12)
-    shown, spread, low, high = (_fixed(None if value is None else value / scale, decimals) for value in values)
-    return Rounded(shown, "0" if error == 0.0 else spread, low, high, _times_power(power) if scaled else "")
+    last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)
+    (shown, spread, low, high), times = _print(values, _power(largest) if largest > 0.0 else 0, last)
+    return Rounded(shown, "0" if error == 0.0 else spread, low, high, times)
 
 
 def significant(value: float, digits: int = 3) -> str:
@@ -182,9 +177,8 @@ def significant(value: float, digits: int = 3) -> str:
     if value == 0.0 or not math.isfinite(value):
         return f"{value + 0.0:g}"  # no negative zero
     power = _power(float(f"{value:.{digits - 1}e}"))
-    if _LOWEST_POWER <= power <= _HIGHEST_POWER:
-        return _fixed(value, max(0, digits - 1 - power))
-    return _fixed(value / 10.0**power, digits - 1) + _times_power(power)
+    (text,), times = _print([value], power, power - digits + 1)
+    return text + times
 
 
 def percent(fraction: float) -> str:
@@ -196,10 +190,12 @@ def _power(value: float) -> int:
     return math.floor(math.log10(abs(value)))
 
 
-def _times_power(power: int) -> str:
-    return f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}"
+def _print(values: Sequence[float | None], power: int, last: int) -> tuple[list[str], str]:
+    """Print numbers (None is empty) to the digit of a power of ten, over `power` if that is far from 1, and that power.
 
-
-def _fixed(value: float | None, decimals: int) -> str:
-    """Write with this many decimals; empty for None, and never a negative zero."""
-    return "" if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+    No number is a negative zero.
+    """
+    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
+    scale, decimals = 10.0**power if scaled else 1.0, min(max(0, (power if scaled else 0) - last), 12)
+    texts = ["" if value is None else f"{round(value / scale, decimals) + 0.0:.{decimals}f}" for value in values]
+    return texts, f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}" if scaled else ""
