@@ -106,25 +106,6 @@ def test_the_other_generator_draws_arms_that_links_can_give(config):
     assert correlation[0] > correlation[1] + 0.2
 
 
-@pytest.mark.parametrize("level", [0.5, 0.9])
-def test_the_range_of_the_guesses_is_their_middle_share(level):
-    found = np.broadcast_to(np.linspace(0.0, 1.0, 101)[:, np.newaxis], (40, 101, 9))
-    truth = np.repeat((np.arange(40.0) + 0.5)[:, np.newaxis] / 40, 9, axis=1)  # evenly over the estimates
-    shares = stage.coverage_shares("Eq. 1", found, truth, np.ones((1, 9)), np.ones(1), (level,))
-    assert set(shares["raw"]) == {level}
-
-
-def test_distributions_of_the_levels_rise_to_one_and_show_what_is_too_narrow(tables):
-    ranks = tables[0][1]
-    for _, rows in ranks.groupby(["arms", "parameter"]):
-        assert (rows.sort_values("level")[["raw", "calibrated"]].diff().iloc[1:] >= 0).all(axis=None)
-    assert (ranks.loc[ranks["level"] == 1.0, ["raw", "calibrated"]] == 1.0).all(axis=None)
-    half = ranks[(ranks["arms"] == "unmodelled") & np.isclose(ranks["level"], 0.5)]
-    assert half["raw"].mean() < 0.3  # too narrow a spread
-    assert half["calibrated"].mean() == pytest.approx(0.5, abs=0.12)
-    assert set(ranks["known"]) == {40}
-
-
 def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables, config):
     own = tables[0][2]
     assert list(own["parameter"]) == list(NAMES)

@@ -108,6 +108,5 @@ def test_images_are_read_in_the_arithmetic_asked_for(precision):
     config = of_network(full_config(), "published")
     said = configuration_digest(config)
     asked = {**config, "training": {**config["training"], "precision": precision}}
-    assert algorithm1_of("published", Path("data/networks/cnn.safetensors"), asked, said).network.dtype == getattr(
-        torch, precision
-    )
+    algorithm1 = algorithm1_of("published", Path("data/networks/cnn.safetensors"), asked, said)
+    assert algorithm1.network.dtype == getattr(torch, precision)

@@ -129,11 +129,3 @@ def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monk
     for estimate in arm["methods"].values():
         # The filter rounds the torque's steps, which biases least squares.
         np.testing.assert_allclose(estimate["beta"], ARMS[name], atol=0.02)
-
-
-def test_bounded_least_squares_keeps_a_parameter_at_zero():
-    """Without the friction of joint 2 the ordinary solution of b2 is below zero."""
-    methods = least_squares_of_arms(with_arms({"N1": ARMS["N1"] * (np.arange(9) != 6)}))["arms"]["N1"]["methods"]
-    assert methods["least-squares"]["beta"][6] < 0.0
-    assert methods["bounded"]["beta"][6] == 0.0
-    assert min(methods["bounded"]["beta"]) >= 0.0
