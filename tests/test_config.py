@@ -238,24 +238,12 @@ def test_a_contradiction_is_one_line_that_names_the_overlay(overlay, capsys, tex
     assert capsys.readouterr() == ("", f"{line[0]}\n")
 
 
-@pytest.mark.parametrize(
-    ("text", "place"),
-    [
-        ("training:\n  steps: 5\n  steps: 50\n", "line 3"),
-        ("training: {1: 2}\n", "line 1"),
-        ('training: {"\\e[2Jsteps": 5}\n', "line 1"),
-        ('training: {"\\ud800": 5}\n', "line 1"),
-        (f"arm:\n  back_emf_nm_s_per_rad: 1{'0' * 400}\n", "line 2: arm.back_emf_nm_s_per_rad"),
-        (f"a: &a [x, x]\nb: &b {[['*a'] * 9] * 9}\n".replace("'", "") + "training: {steps: &c [*c]}\n", "line 3"),
-    ],
-    ids=["key twice", "key that is no text", "escape code", "surrogate", "400 digits", "alias to itself"],
-)
-def test_what_yaml_would_accept_in_silence_is_refused(overlay, text, place):
+def test_what_yaml_would_accept_in_silence_is_refused(overlay):
     """Snakemake's loader has accepted the file before it is checked."""
-    file = overlay(text)
+    file = overlay("training:\n  steps: 5\n  steps: 50\n")
     with pytest.raises(InputError) as error:
         check_config(load(BASE), [BASE, file])
-    assert str(error.value).startswith(f"{file}: {place}: found ")
+    assert str(error.value).startswith(f"{file}: line 3: found ")
 
 
 def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.cnn import dataset
 from repro.cnn.dataset import DataSettings, SampledMotion, draw_samples, sample_motion
-from repro.cnn.image import ImageSettings, assemble
+from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings, Prior
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.dct import SignalSettings, image_regressor
@@ -90,16 +89,6 @@ def test_with_physical_labels_a_sample_is_the_arm_itself(seed):
 
 
 @given(seeds)
-def test_an_arm_stronger_by_a_factor_is_the_same_sample(seed):
-    with pytest.MonkeyPatch.context() as patch:
-        draw_arms, weak = dataset.sample_beta, draw(seed)
-        patch.setattr(dataset, "sample_beta", lambda rng, n, prior: 7.0 * draw_arms(rng, n, prior))
-        strong = draw(seed)
-    np.testing.assert_allclose(strong.residual, weak.residual, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(assemble(strong.u, strong.v), assemble(weak.u, weak.v), rtol=0, atol=1e-5)
-
-
-@given(seeds)
 def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
     same = SampledMotion(SAMPLED.model, SAMPLED.model)  # a torque that f rebuilds without error
     samples = draw(seed, motion=same, image=BARE, guess=EXACT)
@@ -121,14 +110,3 @@ def test_right_guess_is_only_near_alpha_on_the_published_trajectory():
     smooth = SampledMotion(sampled.torque * ([1.0] * 7 + [0.0] * 2), sampled.model * ([1.0] * 7 + [0.0] * 2))
     alpha, psi = alpha_psi(draw(0, 400, smooth, image=BARE, guess=EXACT))
     assert np.abs(psi - alpha).max() < 0.02
-
-
-def test_generator_alone_decides_and_samples_are_small():
-    first, again, other = draw(1), draw(1), draw(2)
-    for name in ("u", "v", "residual"):
-        array = getattr(first, name)
-        assert array.dtype == np.float32
-        np.testing.assert_array_equal(array, getattr(again, name))
-        assert not np.array_equal(array, getattr(other, name))
-    assert first.u.shape == first.v.shape == (8, 2, 2, 60)
-    assert first.residual.shape == (8, 9)

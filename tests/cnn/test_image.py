@@ -44,15 +44,6 @@ def test_published_image_is_blind_to_a_common_factor_and_one_divided_by_a_consta
     np.testing.assert_allclose(change, expected, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.slow
-@given(seeds, scales)
-def test_a_batch_is_its_images_one_by_one(seed, scale):
-    pairs = [signals(seed + k) for k in range(3)]
-    batch = build(np.stack([a for a, _ in pairs]), np.stack([p for _, p in pairs]), scale)
-    for found, (alpha, psi) in zip(batch, pairs, strict=True):
-        np.testing.assert_allclose(found, build(alpha, psi, scale), rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("scale", SCALES)
 def test_single_precision_stays_single_and_close(scale):
     alpha, psi = signals(0, 100)

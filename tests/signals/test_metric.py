@@ -49,13 +49,6 @@ def test_frequency_resolves_nearly_equal_signals(angle):
     assert distance == pytest.approx(angle, rel=1e-3, abs=1e-15)
 
 
-@given(seed=seeds, unit=st.floats(1e-3, 1e3))
-def test_the_energy_formula_has_no_unit(seed, unit):
-    x, noise = np.random.default_rng(seed).normal(size=(2, 60))
-    y = x + 0.2 * noise
-    np.testing.assert_allclose(metr2ev(unit * x, unit * y, ENERGY).total, metr2ev(x, y, ENERGY).total, rtol=1e-12)
-
-
 def test_the_default_formula_is_the_mean_square_in_the_unit_of_the_signal():
     """An error of 0.1 N m in a torque of any level; a hundred times as large, the same signals have similarity zero."""
     x = np.random.default_rng(2).normal(size=60)

@@ -115,7 +115,9 @@ def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], ro
     whole = sorted(folder.as_posix() for folder in folders)
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
     inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
-    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *inside}):
+    # Relative to the project's folder, if they are in there.
+    single = {(file.relative_to(root) if file.is_relative_to(root) else file).as_posix() for file in files}
+    for name in sorted({PUBLISHED_NAME, *single, *inside}):
         file = PUBLISHED_FILE if name == PUBLISHED_NAME else root / name
         try:
             lines.append(f"{_digest(file)}  {name}\n")
@@ -133,11 +135,6 @@ def _files_in(name: str, folder: Path, path: Path) -> set[str]:
     own = os.path.realpath(path)
     inside = (file for file in folder.rglob("*") if file.is_file() and os.path.realpath(file) != own)
     return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
-
-
-def _name(file: Path, root: Path) -> str:
-    """Name a file as the list does: relative to the project's folder if it is in there."""
-    return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
 
 
 def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:

@@ -313,7 +313,7 @@ def torque_bounds(published: Published | None = None) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
-def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
+def least_squares_torque() -> pd.DataFrame:
     """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
 
     The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
@@ -321,7 +321,7 @@ def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
     best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
     below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
     """
-    numbers = published or load_published()
+    numbers = load_published()
     bound = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
     t = _cells(numbers).query("case == 'ID' and method == 'least-squares'")
     low, estimate, high = (

@@ -117,16 +117,6 @@ def test_perfect_network_recovers_the_parameters(arm, strength):
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
 
 
-def test_selection_takes_the_most_similar_on_the_full_rate_signals():
-    prepared = make()
-    right = N1 / prepared.torque_scale
-    beta_m = np.stack([1.3 * right, right * ([1.2] + [1.0] * 8), right * 1.02, 0.5 * right])
-    chosen = select(beta_m, prepared, SearchSettings())
-    np.testing.assert_allclose(chosen.beta / chosen.beta[0], N1 / N1[0], rtol=1e-12)
-    one_by_one = [select(b[None], prepared, SearchSettings()).similarity for b in beta_m]
-    assert chosen.similarity == pytest.approx(max(one_by_one), rel=1e-12)
-
-
 # Lines 17 to 21 for many guesses.
 
 GUESSES = np.random.default_rng(0).uniform(1e-3, 3.0, (20, 9))
