@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -329,20 +330,18 @@ def identify(
     >>> figure = result.plot()
     """
     logs, others = _several("log", log), _several("validate", validate)
-    for name, value, kinds in (("arm", arm, (str, Path, Arm)), ("cache", cache, (str, Path))):
-        if value is not None and not isinstance(value, kinds):
-            raise InputError.at(name, repr(value)[:60], " or ".join(("a path", "an Arm")[: len(kinds) - 1]))
-    for name, switch in (("friction", friction), ("self_test", self_test)):
-        if not isinstance(switch, bool):
-            raise InputError.at(name, repr(switch)[:60], "True or False")
+    _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
+    _check_kind("cache", cache, (str, Path, NoneType), "a path")
+    _check_kind("friction", friction, bool, "True or False")
+    _check_kind("self_test", self_test, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
     options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)
-    if set(names) & set(NETWORKS) and with_plane(before, described) is not None:
-        given = "prior" if before is not None else f"{described.file}: plane"
-        raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
     if set(names) & set(NETWORKS):
+        if with_plane(before, described) is not None:
+            given = "prior" if before is not None else f"{described.file}: plane"
+            raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
         require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
     _check_distinct(logs, others)
@@ -384,12 +383,15 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
 
 def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
-    kinds = (str, Path, pd.DataFrame, Log)
     some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
     for one in some:
-        if not isinstance(one, kinds):
-            raise InputError.at(name, repr(one)[:60], "a path, a DataFrame, a Log, or a list of these")
+        _check_kind(name, one, (str, Path, pd.DataFrame, Log), "a path, a DataFrame, a Log, or a list of these")
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
+
+
+def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
+    if not isinstance(value, kind):
+        raise InputError.at(name, repr(value)[:60], expected)
 
 
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:

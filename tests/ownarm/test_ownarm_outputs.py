@@ -61,9 +61,7 @@ def test_the_json_holds_the_result_and_no_nan(tmp_path):
     result, curves = example()
     endless = replace(result.methods[0], fit=score(LOGS[0], np.inf, 0.2), whiteness=(np.nan, 0.5))
     result = replace(
-        result,
-        methods=(endless, *result.methods[1:]),
-        excitation=replace(result.excitation, condition=np.inf),
+        result, methods=(endless, *result.methods[1:]), excitation=replace(result.excitation, condition=np.inf)
     )
     write_result(tmp_path / "out", result, curves, ARM)
     found = json.loads((tmp_path / "out" / "parameters.json").read_text(), parse_constant=refuse_constant)

@@ -30,13 +30,7 @@ from repro.ownarm.figures import (
 )
 from repro.ownarm.outputs import render_page
 from repro.ownarm.result import Curves, Parameter
-from repro.ownarm.tables import (
-    PARAMETER_COLUMNS,
-    SCORE_COLUMNS,
-    parameters_table,
-    rounded,
-    scores_table,
-)
+from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, rounded, scores_table
 
 pytestmark = pytest.mark.slow
 TIMES = style.TIMES

@@ -111,11 +111,7 @@ def test_an_arm_in_a_horizontal_plane(tmp_path):
     best = np.array([p.estimate for p in result.best.parameters])
     inertial = [one.find("inertial") for one in model.findall(".//body") if one.find("inertial") is not None]
     (m1, lc1, j1), (m2, lc2, j2) = (
-        (
-            float(one.get("mass")),
-            -float(one.get("pos").split()[2]),
-            float(one.get("diaginertia").split()[1]),
-        )
+        (float(one.get("mass")), -float(one.get("pos").split()[2]), float(one.get("diaginertia").split()[1]))
         for one in inertial
     )
     links = Links(m1=m1, m2=m2, l1=0.3, lc1=lc1, lc2=lc2, j1=j1, j2=j2)

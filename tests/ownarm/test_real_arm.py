@@ -16,12 +16,7 @@ pytestmark = [pytest.mark.slow, needs_real_data]
 #: I1, I2, I3, g1, g2 that the arm's owners published.
 OWNERS = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090])
 #: Relative RMS torque error that ordinary least squares reached at 5 Hz, percent, joints 1 and 2.
-REACHED = {
-    "060143.csv": (11.5, 22.0),
-    "060329.csv": (11.4, 23.0),
-    "second half": (5.7, 12.0),
-    "first half": (5.6, 9.6),
-}
+REACHED = {"060143.csv": (11.5, 22.0), "060329.csv": (11.4, 23.0), "second half": (5.7, 12.0), "first half": (5.6, 9.6)}
 
 
 @pytest.fixture(scope="module")

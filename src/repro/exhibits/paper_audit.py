@@ -15,7 +15,6 @@ from repro.exhibits.declare import CLAIMS, METRIC, Inputs, figure, table
 from repro.exhibits.markup import (
     EMPTY,
     Column,
-    LongTable,
     Table,
     Text,
     digits,
@@ -231,7 +230,7 @@ def _verdict(verdict: str, found: float, printed: float, si: str) -> Text:
     return text + Text(" (", " (") + (formula(si) if "_" in si else unit(si)) + plain(")")
 
 
-def audit_layout(frame: pd.DataFrame) -> LongTable:
+def audit_layout(frame: pd.DataFrame) -> Table:
     """Findings of the audit of the paper."""
     blank = {"unit": "", "note": ""}
     table = frame.astype(dict.fromkeys(blank, object)).fillna(blank)
@@ -252,7 +251,7 @@ def audit_layout(frame: pd.DataFrame) -> LongTable:
         "come last, without their values and notes."
     )
     header = tuple(plain(name) for name in ("Place", "Finding", "Arithmetic", "Verdict"))
-    return LongTable(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
+    return Table(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
 
 
 @table("audit", "Audit of the paper", audit_layout, category=CLAIMS, target="audit")

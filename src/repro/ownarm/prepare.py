@@ -37,13 +37,7 @@ from repro.identification.filtering import (
 )
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.solve import solve
-from repro.identification.uncertainty import (
-    Perturbation,
-    attach_prior,
-    perturbations,
-    project_out,
-    unmodelled_effects,
-)
+from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe

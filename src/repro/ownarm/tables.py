@@ -83,8 +83,7 @@ Block = tuple[str, list[tuple[MethodResult, tuple[Cell, ...]]]]
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
     """Give the scores of one method on each log, unseen logs first."""
-    order = {"validation": 0, "half": 1, "log": 1, "fit": 2}
-    ordered = sorted(method.scores, key=lambda item: order[item[0]])
+    ordered = sorted(method.scores, key=lambda item: -list(_HEADINGS).index(item[0]))
     return [(_HEADINGS[part].format(score.log), _texts(score)) for part, score in ordered]
 
 
