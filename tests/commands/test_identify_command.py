@@ -183,8 +183,7 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures,
     found = {}
     for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
         assert identify(*common, *more, "-o", tmp_path / name) == 0
-        table = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"]
-        found[name] = table.apply(list).to_dict()
+        found[name] = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"].apply(list)
     assert len(runs) == 2
     assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
 

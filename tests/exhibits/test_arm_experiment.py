@@ -49,17 +49,6 @@ def curve(frame, panel, series):
     return rows["x"].to_numpy(), rows["y"].to_numpy()
 
 
-def test_every_seed_has_a_part_in_what_has_no_seed_of_its_own():
-    runs = every_seed(RUNS)
-    assert [run["seed"] for run in runs] == [1, 2, 3, 1, 2, 3]
-    for run in runs[3:]:
-        assert set(run["arms"]["ID"]["methods"]) == {"least-squares", "bounded", "consistent", "true"}
-        assert run["arms"] == RUNS[-1]["arms"]
-    assert runs[:3] == RUNS[:3]
-    assert [run["seed"] for run in every_seed(RUNS[-1:])] == [0]
-    assert RUNS[-1]["seed"] == 0  # as it was
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
     runs = every_seed(RUNS)[::order]

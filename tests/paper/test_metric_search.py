@@ -158,17 +158,6 @@ def test_the_chosen_motion_is_that_of_the_configuration():
     assert CHOSEN_MOTION in MOTIONS
 
 
-def made_scores(errors):
-    """Scores with log errors of chosen time candidates, shape (candidates, motions, arms); 100 for all others."""
-    motions = tuple(RandomMotion(3770, float(k)) for k in range(1, 1 + len(next(iter(errors.values())))))
-    names = [c.name for c in CANDIDATES]
-    log_error = np.full((len(motions), len(names), 4, 2), 100.0)
-    for name, of_motions in errors.items():
-        for m, of_arms in enumerate(of_motions):
-            log_error[m, names.index(name)] = np.array(of_arms)[:, None]
-    return Scores(motions, log_error, np.ones((len(motions), 4, 2)), load_published())
-
-
 def test_ranks_without_an_arm_use_the_other_three_and_choose_the_motion_again():
     errors = {
         # Good at the first motion but for N4; at the second motion good throughout.
@@ -176,7 +165,12 @@ def test_ranks_without_an_arm_use_the_other_three_and_choose_the_motion_again():
         "rms": [[1.0, 1.0, 1.0, 1.0], [50.0, 50.0, 50.0, 50.0]],
         "cosine": [[3.0, 0.5, 0.5, 0.5], [60.0, 60.0, 60.0, 60.0]],
     }
-    table = rank_candidates(made_scores(errors)).set_index("candidate")
+    motions = (RandomMotion(3770, 1.0), RandomMotion(3770, 2.0))
+    log_error = np.full((2, len(CANDIDATES), 4, 2), 100.0)  # of all other candidates
+    for name, of_motions in errors.items():
+        log_error[:, [c.name for c in CANDIDATES].index(name)] = np.array(of_motions)[..., None]
+    scores = Scores(motions, log_error, np.ones((2, 4, 2)), load_published())
+    table = rank_candidates(scores).set_index("candidate")
     # All arms: rms 1, cosine sqrt((9 + 0.75) / 4) = 1.56, energy 2 at the second motion.
     assert table.loc[["rms", "cosine", "energy"], "rank"].tolist() == [1, 2, 3]
     assert table.loc["energy", ["rms_log_error_best", "bandwidth"]].tolist() == pytest.approx([2.0, 2.0])

@@ -55,8 +55,10 @@ def tables(config, tmp_path_factory):
         signals = signal_settings(config)
         tau_mean = mean_training_torque(signals, data_settings(config), 1)
         algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
-        recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
-        made = stage.coverage(algorithm1, path, recording, tau_mean, config)
+        patch.setattr(stage, "algorithm1_of", lambda *_: algorithm1)
+        patch.setattr(stage, "read_mean_torque", lambda *_: tau_mean)
+        captures = [Path(config["experiment"]["captures"]) / "ID.bin"]
+        made = stage.check_coverage(captures, Path(), path, Path(), "", config)
     return made, path
 
 

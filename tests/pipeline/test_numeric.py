@@ -1,7 +1,5 @@
 """The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import torch
@@ -19,8 +17,8 @@ from repro.pipeline.identifications import (
     motion_of,
     score_estimates,
 )
-from repro.settings import NumericSettings
-from repro.signals.dct import SignalSettings, image_regressor
+from repro.settings import numeric_settings, signal_settings
+from repro.signals.dct import image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
@@ -28,8 +26,17 @@ ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
     "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
 }
-SIGNALS = SignalSettings()
-NUMERIC = NumericSettings(margin=40, validation_reading="index", validation_samples=3770, arms=ARMS)
+
+
+def with_arms(arms):
+    """The configuration with other numeric arms, and a short validation."""
+    config = full_config()
+    config["numeric"] |= {"arms": {name: beta.tolist() for name, beta in arms.items()}, "validation_samples": 3770}
+    return config
+
+
+CONFIG = with_arms(ARMS)
+SIGNALS = signal_settings(CONFIG)
 METRIC = MetricSettings()
 AWARE = ImageSettings("constant", 4.0)
 
@@ -43,7 +50,7 @@ def run_of(seed, estimates):
 @pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
 def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
     energy = MetricSettings("energy")
-    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], SIGNALS, NUMERIC, energy)
+    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], CONFIG, energy)
     np.testing.assert_allclose(scores["time"], (1 - (1 - factor) ** 2) ** 0.4, rtol=1e-9)
     np.testing.assert_allclose(scores["frequency"], 1.0, atol=1e-6)
     np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], rtol=1e-12)
@@ -51,10 +58,10 @@ def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
 
 def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     estimate = ARMS["N1"] * np.linspace(0.97, 1.03, 9)
-    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
+    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], CONFIG, METRIC)
     assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
     for row in scores.itertuples():
-        motion = motion_of(row.trajectory, SIGNALS, NUMERIC, row.seed)
+        motion = motion_of(row.trajectory, SIGNALS, numeric_settings(CONFIG), row.seed)
         tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (ARMS["N1"], estimate))
         expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1])
         assert row.time == pytest.approx(float(expected.time), rel=1e-12)
@@ -87,7 +94,7 @@ def identify(network, arms):
     search, refinement = SearchSettings(executions=4, inner_limit=3), RefinementSettings(restarts=5, keep=9, passes=2)
     algorithm1 = Algorithm1("tracked", network, AWARE, search, refinement)
     tau_mean = mean_training_torque(SIGNALS, DataSettings(), 1)
-    return identify_arms(algorithm1, SIGNALS, replace(NUMERIC, arms=arms), tau_mean, 1)["arms"]
+    return identify_arms(algorithm1, with_arms(arms), tau_mean, 1)["arms"]
 
 
 def test_a_perfect_network_finds_every_arm():
@@ -105,13 +112,7 @@ def test_a_perfect_network_finds_every_arm():
         assert arm["executions_over_threshold"] == 4
 
 
-def least_squares(arms):
-    config = full_config()
-    config["numeric"]["arms"] = {name: beta.tolist() for name, beta in arms.items()}
-    return least_squares_of_arms(config)["arms"]
-
-
-LEAST_SQUARES = least_squares(ARMS)
+LEAST_SQUARES = least_squares_of_arms(CONFIG)["arms"]
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -132,7 +133,7 @@ def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monk
 
 def test_bounded_least_squares_keeps_a_parameter_at_zero():
     """Without the friction of joint 2 the ordinary solution of b2 is below zero."""
-    methods = least_squares({"N1": ARMS["N1"] * (np.arange(9) != 6)})["N1"]["methods"]
+    methods = least_squares_of_arms(with_arms({"N1": ARMS["N1"] * (np.arange(9) != 6)}))["arms"]["N1"]["methods"]
     assert methods["least-squares"]["beta"][6] < 0.0
     assert methods["bounded"]["beta"][6] == 0.0
     assert min(methods["bounded"]["beta"]) >= 0.0

@@ -34,7 +34,7 @@ def original(tmp_path_factory):
     arms = {name: {"true": beta.tolist(), "methods": estimates[name]} for name, beta in NUMERIC.arms.items()}
     run = {"seed": 1, "variant": "published", "arms": arms}
     write_json(folder / "numeric-seed1.json", run)
-    write_csv(folder / "numeric.csv", score_estimates([run], SIGNALS, NUMERIC, metric_settings(CONFIG)))
+    write_csv(folder / "numeric.csv", score_estimates([run], CONFIG, metric_settings(CONFIG)))
     return folder
 
 

@@ -104,15 +104,6 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
     assert (decode(found.href), found.download) == (b"x\n1\n", "small.csv")
 
 
-def test_anchors_occur_once_and_links_inside_lead_to_them(page):
-    anchors = [element["id"] for element in page.elements if "id" in element]
-    assert len(anchors) == len(set(anchors))
-    inside = [item["href"][1:] for item in page.all("a") if item["href"].startswith("#")]
-    assert set(inside) <= set(anchors)
-    for row in claim_rows():
-        assert f"claim-{row['id']}" in inside
-
-
 def test_what_comes_from_a_file_is_escaped(text, page):
     assert "<script>alert" not in text
     assert len(page.all("script")) == 1

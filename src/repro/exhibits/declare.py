@@ -64,6 +64,9 @@ class Exhibit:
         return f"{self.numbers.__module__}:{self.numbers.__name__}"
 
 
+Declaration = Callable[[Numbers], Exhibit]
+
+
 def _declare(
     kind: Kind,
     which: int | str,
@@ -77,7 +80,7 @@ def _declare(
     optional: bool = False,
     label: str = "",
     target: str = "",
-) -> Callable[[Numbers], Exhibit]:
+) -> Declaration:
     """Declare the decorated function as the numbers of an exhibit, and its docstring as the caption.
 
     An exhibit of the paper is named by its number, an addition of ours by its own name.

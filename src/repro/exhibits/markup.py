@@ -156,6 +156,10 @@ def scientific(value: float, decimals: int) -> Text:
     )
 
 
+#: Gap between two columns of a long table, pt; points in an inch.
+_COLUMN_GAP, _POINTS = 9.0, 72.27
+
+
 @dataclass(frozen=True)
 class Table:
     """A laid-out table."""
@@ -165,9 +169,13 @@ class Table:
     header: Sequence[Text]  # column names
     # rows under a heading that spans all columns; a heading of None is left out
     blocks: Sequence[tuple[Text | None, Sequence[Sequence[Text]]]]
+    # width of each column as a share of what the gaps leave of the page, if the text is wrapped and goes on over pages
+    shares: Sequence[float] = ()
 
     def tex(self, label: str) -> str:
         """LaTeX environment of a page-wide table, referred to by `label`; needs the package booktabs."""
+        if self.shares:
+            return self._long_tex(label)
         lines = [
             r"\begin{table*}[t]",
             r"\centering\footnotesize",
@@ -184,6 +192,32 @@ class Table:
                 lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
             lines += map(tex_row, rows)
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
+
+    def _long_tex(self, label: str) -> str:
+        """LaTeX that goes on over pages, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
+        room = PAGE - (len(self.shares) - 1) * _COLUMN_GAP / _POINTS
+        columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
+        head = [r"\toprule", tex_row(self.header), r"\midrule"]
+        lines = [
+            r"\begingroup\footnotesize",
+            f"\\setlength{{\\tabcolsep}}{{{_COLUMN_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{PAGE}in}}",
+            f"\\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
+            f"\\caption{{{self.caption.tex}}}\\label{{{label}}}\\\\",
+            *head,
+            r"\endfirsthead",
+            *head,
+            r"\endhead",
+            r"\bottomrule",
+            r"\endfoot",
+        ]
+        for place, (heading, rows) in enumerate(self.blocks):
+            if place > 0:
+                lines.append(r"\midrule")
+            if heading is not None:
+                across = f"\\multicolumn{{{len(self.shares)}}}{{@{{}}l@{{}}}}"
+                lines.append(f"{across}{{\\textit{{{heading.tex}}}}} \\\\*[2pt]")  # the star keeps it with its rows
+            lines += [f"{tex_row(row)}[2pt]" for row in rows]
+        return "\n".join([*lines, r"\end{longtable}", r"\endgroup", ""])
 
     def md(self, title: str) -> str:
         """Markdown table under its title and caption; LaTeX numbers tables itself."""
@@ -235,40 +269,3 @@ def grid(caption: str, columns: Sequence[Column], blocks: Iterable[Block]) -> Ta
     laid_out = [(name, [[cell(row) for cell in cells] for row in rows.to_dict("records")]) for name, rows in blocks]
     header = [name if isinstance(name, Text) else plain(name) for name in names]
     return Table(plain(caption), "".join(sides), header, laid_out)
-
-
-#: Gap between two columns of a long table, pt; points in an inch.
-_COLUMN_GAP, _POINTS = 9.0, 72.27
-
-
-@dataclass(frozen=True)
-class LongTable(Table):
-    """A laid-out table whose text is wrapped and that goes on over pages."""
-
-    shares: Sequence[float] = ()  # width of each column as a share of what the gaps between them leave of the page
-
-    def tex(self, label: str) -> str:
-        """LaTeX of the table, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
-        room = PAGE - (len(self.shares) - 1) * _COLUMN_GAP / _POINTS
-        columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
-        head = [r"\toprule", tex_row(self.header), r"\midrule"]
-        lines = [
-            r"\begingroup\footnotesize",
-            f"\\setlength{{\\tabcolsep}}{{{_COLUMN_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{PAGE}in}}",
-            f"\\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
-            f"\\caption{{{self.caption.tex}}}\\label{{{label}}}\\\\",
-            *head,
-            r"\endfirsthead",
-            *head,
-            r"\endhead",
-            r"\bottomrule",
-            r"\endfoot",
-        ]
-        for place, (heading, rows) in enumerate(self.blocks):
-            if place > 0:
-                lines.append(r"\midrule")
-            if heading is not None:
-                across = f"\\multicolumn{{{len(self.shares)}}}{{@{{}}l@{{}}}}"
-                lines.append(f"{across}{{\\textit{{{heading.tex}}}}} \\\\*[2pt]")  # the star keeps it with its rows
-            lines += [f"{tex_row(row)}[2pt]" for row in rows]
-        return "\n".join([*lines, r"\end{longtable}", r"\endgroup", ""])

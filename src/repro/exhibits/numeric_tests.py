@@ -1,6 +1,6 @@
 """The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -20,9 +20,8 @@ from repro.exhibits.declare import (
     NUMERIC,
     SIGNALS,
     VALIDATION,
-    Exhibit,
+    Declaration,
     Inputs,
-    Numbers,
     Trained,
     figure,
     table,
@@ -183,7 +182,7 @@ def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
 _result_table = partial(table, inputs=("networks",), trained="claims")
 
 
-def _similarity_table(which: int, title: str, category: str, of_what: str) -> Callable[[Numbers], Exhibit]:
+def _similarity_table(which: int, title: str, category: str, of_what: str) -> Declaration:
     layout = partial(similarities, cases=_ALL, of_what=f"{of_what}, numeric tests")
     return _result_table(which, title, layout, category=category)
 
@@ -243,7 +242,7 @@ _of_runs = partial(figure, inputs=("published",), sections=_NUMERIC)
 
 def _torque_figure(
     which: int, title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
-) -> Callable[[Numbers], Exhibit]:
+) -> Declaration:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
     draw = partial(compare, titles=titles, spectra=spectra)

@@ -1,8 +1,8 @@
 """Findings of the audit. ``findings.csv`` has their texts, in the order of the table; `Check` computes a row of it.
 
 The columns ``found``, ``relation`` and ``printed`` contain a calculation as expressions on the row's published numbers,
-which the column ``numbers`` names (``name=id``). ``=`` compares to the last printed digit, ``==`` exactly; an empty
-``printed`` is the published number with the id of the row. Other calculations are functions of `repro.paper.audit`.
+which the column ``numbers`` names (``name=id``). ``=`` compares to the last digit of the published number with the id
+of the row, ``==`` exactly. Other calculations are functions of `repro.paper.audit`.
 
 Texts are templates. Their fields are the row's numbers, ``found``, ``printed``, names that a function passes, or
 expressions. The column ``verdict`` is the verdict of a check that fails, or of a row without a calculation. If the
@@ -134,14 +134,12 @@ class Check:
 
     def calculated(self) -> Finding:
         """Evaluate the expressions of the row; one without them is about words or symbols."""
+        sides = (self._row["found"], self._row["printed"])
+        found, printed = (float(evaluate(side, self._values)) if side else math.nan for side in sides)
         relation = self._row["relation"]
-        found, printed = (
-            float(evaluate(self._row[name], self._values)) if self._row[name] else None for name in ("found", "printed")
-        )
-        if found is not None and relation in ("=", "=="):  # to the last printed digit, or exactly
+        if relation in ("=", "=="):
             return self.equals(found, printed, 0.0 if relation == "==" else None)
-        found, printed = (math.nan if number is None else number for number in (found, printed))
-        return self.compares(found, printed, relation in RELATIONS and RELATIONS[relation](found, printed))
+        return self.compares(found, printed, relation != "" and RELATIONS[relation](found, printed))
 
 
 def read_checks(published: Published) -> list[Check]:

@@ -57,20 +57,13 @@ GRID = np.linspace(0.0, 1.0, 41)
 def check_coverage(
     captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Config
 ) -> list[pd.DataFrame]:
-    """Whether the intervals of the network of tracked motions cover: the tables of `coverage`."""
-    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
-    (recording,) = read_recordings(captures, config)
-    algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
-    return coverage(algorithm1, motions, recording, tau_mean, config)
-
-
-def coverage(
-    algorithm1: Algorithm1, tracked: Path, recording: Recording, tau_mean: Array, config: Config
-) -> list[pd.DataFrame]:
-    """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others.
+    """Calibrate the network of tracked motions on arms that training never saw, with torque beyond Eq. 1; test others.
 
     Shares of arms that intervals cover, distributions of the levels that reach the truth, and intervals of the arm.
     """
+    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
+    (recording,) = read_recordings(captures, config)
+    algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
     c = config["coverage"]
     levels = tuple(c["levels"])
 
@@ -90,13 +83,13 @@ def coverage(
     known = spread_of(estimates)
     factors, calibration = stretch_factors(known, truth, levels), normalised_errors(known, truth)
     together = joint_factors(factors, calibration, levels)
-    training = training_motion(config, tracked).torque
+    training = training_motion(config, motions).torque
     beyond = novelty_limit(training)
     shares, ranks = [], []
     for which, name, effects, draw in TESTED:
         arms, found, right = read(which, effects, draw)
-        motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
-        warned = float((distances(motions, training) > beyond).mean())
+        own_motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
+        warned = float((distances(own_motions, training) > beyond).mean())
         shares.append(coverage_shares(name, found, right, factors, together, levels).assign(warned=warned))
         ranks.append(_rank_shares(name, found, right, calibration))
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)

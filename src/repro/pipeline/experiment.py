@@ -200,7 +200,12 @@ def acquire(motion: str, out: Path, config: Config) -> None:
         stored = Path(e["captures"]) / f"{motion}.bin"
         capture = read_capture(stored)
         check_recorded(capture, program)
-        _check_set_up(capture, config)
+        metadata = capture.metadata
+        expected = "that of this configuration; record it again or set experiment.source: simulated"
+        if metadata.control != control_constants(config):
+            raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
+        if metadata.board is not None and metadata.board != board_from_config(config).identity:
+            raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)
         for there, here in zip(files_of(stored), files_of(out), strict=True):
             atomic_write(here, partial(shutil.copyfile, there))
 
@@ -217,12 +222,3 @@ def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config) ->
         data += board.tick()
         progress(len(data) // 8, metadata.samples)
     return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
-
-
-def _check_set_up(capture: Capture, config: Config) -> None:
-    """Refuse a stored capture of other gains, motors or, if it is simulated, another arm than configured."""
-    expected = "that of this configuration; record it again or set experiment.source: simulated"
-    if capture.metadata.control != control_constants(config):
-        raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
-    if capture.metadata.board is not None and capture.metadata.board != board_from_config(config).identity:
-        raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)

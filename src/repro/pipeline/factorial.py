@@ -80,10 +80,6 @@ class Scorers:
         return {"id": totals[0], "validation": float(np.mean(totals[1:]))}
 
 
-#: Methods without a network that every block is identified by, too.
-REFERENCES = ("ordinary", "bounded")
-
-
 def score_references(recordings: Path, config: Config) -> pd.DataFrame:
     """Least squares, bounded least squares and the true parameters on every block, for both units of omega."""
     rows = []
@@ -91,7 +87,8 @@ def score_references(recordings: Path, config: Config) -> pd.DataFrame:
         c = merged(config, {"signals": {"frequency_reading": omega}})
         for block in read_blocks(recordings, c):
             scorers, regression = Scorers(block, c), block.recordings["ID"].regression(signal_settings(c))
-            estimates = {name: METHODS[name].estimate(regression).beta for name in REFERENCES} | {"true": block.true}
+            estimates = {name: METHODS[name].estimate(regression).beta for name in ("ordinary", "bounded")}
+            estimates["true"] = block.true
             for (reader, beta), metric in product(estimates.items(), METRICS):
                 own = {"reader": reader, "omega": omega, "back_emf": block.back_emf, "metric": metric}
                 rows.append({**own, "block": block.block, "arm": block.arm, **scorers.row(metric, beta)})
@@ -113,12 +110,6 @@ OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
 RESPONSES = ("id", "validation", "error")
 #: Share of the distribution that an interval leaves out.
 OUTSIDE = 0.05
-
-
-def with_levels(scores: pd.DataFrame) -> pd.DataFrame:
-    """Scores with the two back-EMFs called low and high, and blocks as text."""
-    low = scores["back_emf"].min()
-    return scores.assign(back_emf=np.where(scores["back_emf"] == low, "low", "high"), block=scores["block"].astype(str))
 
 
 def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
@@ -160,7 +151,8 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
     plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its
     better one.
     """
-    leveled = with_levels(scores)
+    back_emf = np.where(scores["back_emf"] == scores["back_emf"].min(), "low", "high")
+    leveled = scores.assign(back_emf=back_emf, block=scores["block"].astype(str))
     cnn = leveled[leveled["reader"] == "cnn"]
     plain = leveled[leveled["reader"] == "plain"]
     of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])

@@ -1,7 +1,7 @@
 """Identifications of the numeric arms (Section V-B) and of recordings (V-C), their scores, and both read from files."""
 
 import logging
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,42 +89,36 @@ def motion_of(trajectory: str, signals: SignalSettings, numeric: NumericSettings
     return random_trajectory(rng, duration, signals.h, signals.c_f, numeric.validation_reading)
 
 
-def regressions(signals: SignalSettings, numeric: NumericSettings) -> dict[str, Regression]:
-    """Filtered torque and motion of every test arm on the identification trajectory, cut out of the recorded margin."""
+def _arms(config: Config) -> Iterator[tuple[str, Array, Regression]]:
+    """Every test arm, with its torque and motion on the identification trajectory, cut out of the recorded margin."""
+    signals, numeric = signal_settings(config), numeric_settings(config)
     samples, margin = sample_times(signals.duration, signals.h).size, numeric.margin
     recorded = identification_trajectory(signals.duration, signals.h, margin)
     y = regressor(recorded.q, recorded.dq, recorded.ddq)
-    return {
-        name: filtered(recorded.q, rebuild_torque(y, beta), signals, margin, margin + samples)
-        for name, beta in numeric.arms.items()
-    }
+    for name, beta in numeric.arms.items():
+        yield name, beta, filtered(recorded.q, rebuild_torque(y, beta), signals, margin, margin + samples)
 
 
-def identify_arms(
-    algorithm1: "Algorithm1", signals: SignalSettings, numeric: NumericSettings, tau_mean: Array, seed: int
-) -> dict[str, Any]:
+def identify_arms(algorithm1: "Algorithm1", config: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
     """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's controls.
 
     For each arm its true parameters, and for each method the estimate, its similarity and its cost in images. Mean
     torque of the training data of shape (2, N), N m.
     """
     progress = Progress(f"{algorithm1.variant} image, seed {seed}")
-    arms = {}
-    for index, (name, measured) in enumerate(regressions(signals, numeric).items()):
+    arms: dict[str, Any] = {}
+    for index, (name, beta, measured) in enumerate(_arms(config)):
         streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE, Stream.UNIFORM_SEARCH))
-        found, met = algorithm1.run(prepare(measured, tau_mean, signals), *streams)
-        arms[name] = _arm(numeric.arms[name], as_json(found), executions_over_threshold=met)
+        found, met = algorithm1.run(prepare(measured, tau_mean, signal_settings(config)), *streams)
+        arms[name] = _arm(beta, as_json(found), executions_over_threshold=met)
         _LOG.info("%s: %d of %d executions over the threshold", name, met, algorithm1.search.executions)
-        progress(index + 1, len(numeric.arms))
+        progress(index + 1, len(config["numeric"]["arms"]))
     return {"variant": algorithm1.variant, "seed": seed, "arms": arms}
 
 
 def least_squares_of_arms(config: Config) -> dict[str, Any]:
     """Identify every test arm by least squares on the signals of Algorithm 1."""
-    numeric = numeric_settings(config)
-    arms = {}
-    for name, regression in regressions(signal_settings(config), numeric).items():
-        arms[name] = _arm(numeric.arms[name], _least_squares(regression, NUMERIC_LEAST_SQUARES))
+    arms = {name: _arm(beta, _least_squares(r, NUMERIC_LEAST_SQUARES)) for name, beta, r in _arms(config)}
     return {"variant": "least-squares", "seed": 0, "arms": arms}
 
 
@@ -137,11 +131,9 @@ def _least_squares(regression: Regression, methods: Iterable[str]) -> dict[str, 
     return as_json({name: METHODS[BASELINES[name]].estimate(regression) for name in methods})
 
 
-def score_estimates(
-    runs: Sequence[Mapping[str, Any]], signals: SignalSettings, numeric: NumericSettings, metric: MetricSettings
-) -> pd.DataFrame:
+def score_estimates(runs: Sequence[Mapping[str, Any]], config: Config, metric: MetricSettings) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding, for every seed."""
-    frames = []
+    signals, numeric, frames = signal_settings(config), numeric_settings(config), []
     for run in runs:
         for trajectory in ("ID", "validation"):
             motion = motion_of(trajectory, signals, numeric, run["seed"])
@@ -154,8 +146,7 @@ def score_estimates(
 
 def score_numeric(identifications: Sequence[Path], config: Config) -> pd.DataFrame:
     """Similarity of every estimate of the numeric arms, on the identification and the validation trajectories."""
-    runs = read_identifications(identifications)
-    return score_estimates(runs, signal_settings(config), numeric_settings(config), metric_settings(config))
+    return score_estimates(read_identifications(identifications), config, metric_settings(config))
 
 
 # --- Recordings of the arm ----------------------------------------------------------------------------------------

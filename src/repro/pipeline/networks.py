@@ -41,7 +41,6 @@ from repro.settings import (
     data_settings,
     metric_settings,
     network_settings,
-    numeric_settings,
     of_network,
     refinement_settings,
     search_settings,
@@ -63,9 +62,8 @@ def train_network(
         take_stored(suffix, {"weights": weights, "history": history, "card": card}, config)
         return
     table, seconds = train_and_keep(name, weights, history, checkpoint, config, motions)
-    network, data, training = network_settings(config), data_settings(config), training_settings(config)
-    training = replace(training, precision=on_this_processor(training.precision))
-    write_text(card, model_card(weights, table, network, data, training, seconds, describe_motions(config)))
+    precision = on_this_processor(training_settings(config).precision)
+    write_text(card, model_card(weights, table, seconds, precision, describe_motions(config), config))
     Path(checkpoint).unlink(missing_ok=True)
 
 
@@ -104,10 +102,9 @@ def identify_numeric(
     suffix: str, weights: Path, mean_torque: Path, seeds: Sequence[int], trained_as: str, config: Config
 ) -> list[dict[str, Any]]:
     """All numeric arms for one network and every seed."""
-    signals, numeric = signal_settings(config), numeric_settings(config)
-    tau_mean = read_mean_torque(mean_torque, signals)
+    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
     algorithm1 = algorithm1_of(network_name(suffix), weights, config, trained_as)
-    return [identify_arms(algorithm1, signals, numeric, tau_mean, seed) for seed in seeds]
+    return [identify_arms(algorithm1, config, tau_mean, seed) for seed in seeds]
 
 
 def identify_experiment(
@@ -175,9 +172,8 @@ def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: C
     c = {**configuration_of(config, VARIANTS[reading]), "refinement": config["refinement"]}
     signals, metric, seeds = signal_settings(c), metric_settings(c), c["ablation"]["seeds"]
     tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
-    arms, algorithm1 = numeric_settings(c), algorithm1_of("published", weights, c, configuration_digest(c))
-    numeric = [identify_arms(algorithm1.literal, signals, arms, tau_mean, seed) for seed in seeds]
-    totals = score_estimates(numeric, signals, arms, metric)
+    algorithm1 = algorithm1_of("published", weights, c, configuration_digest(c))
+    totals = score_estimates([identify_arms(algorithm1.literal, c, tau_mean, seed) for seed in seeds], c, metric)
     cells = totals.groupby(["trajectory", "case", "joint"])["total"].median()
 
     refined, recordings, true = for_the_arm(algorithm1, c), read_recordings(captures, c), true_parameters(c)

@@ -294,11 +294,7 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
 def _blocks(config: Config) -> list[Specimen]:
     """Every specimen with both back-EMFs; the specimens have the arms in turn."""
     f = config["factorial"]
-    arms = {
-        "first": config["arm"]["parameters"],
-        "second": f["second_arm"],
-        CONFIRMATION: f["confirmation_arm"],
-    }
+    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
     labels = [(seed, ("first", "second")[k % 2], str(seed)) for k, seed in enumerate(f["specimens"])]
     labels.append((f["confirmation_specimen"], CONFIRMATION, CONFIRMATION))
     return [

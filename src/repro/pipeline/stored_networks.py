@@ -10,12 +10,11 @@ from typing import Any
 
 import pandas as pd
 
-from repro.cnn.architecture import NetworkSettings, TrainingSettings
-from repro.cnn.dataset import DataSettings
+from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 from repro.files import atomic_write, read_tensors, write_text
 from repro.pipeline.job import Config
-from repro.settings import of_network
+from repro.settings import data_settings, network_settings, of_network, training_settings
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"
@@ -120,16 +119,11 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
 
 
 def model_card(
-    weights: Path,
-    history: pd.DataFrame,
-    network: NetworkSettings,
-    data: DataSettings,
-    training: TrainingSettings,
-    seconds_at: list[float],
-    motions: str,
+    weights: Path, history: pd.DataFrame, seconds_at: list[float], precision: str, motions: str, config: Config
 ) -> str:
     """What a user of the weights wants to know, as Markdown."""
-    layers, last = architecture(network), history.iloc[-1]
+    data, training = data_settings(config), training_settings(config)
+    layers, last = architecture(network_settings(config)), history.iloc[-1]
     below = history.index[history["test_loss"] <= 1e-3]
     reached = "not reached in this budget"
     if len(below):
@@ -150,7 +144,7 @@ Trained on torques computed by numeric substitution in Eq. 1; no measured data.
 
 - Parameters: {int(layers["parameters"].sum())}
 - Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, \
-{training.precision} arithmetic in layers 1 to 4
+{precision} arithmetic in layers 1 to 4
 - Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, \
 the rest uniform on {data.guess.low:g} to {data.guess.high:g}
 - Motions: {motions}

@@ -11,7 +11,7 @@ from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.experiment import Recording
 from repro.pipeline.identifications import CASE, score_estimates, score_runs
 from repro.pipeline.job import Config
-from repro.settings import numeric_settings, signal_settings
+from repro.settings import signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 
@@ -118,14 +118,13 @@ def both_metrics(
     Columns `BOTH_METRICS`: totals of N1 to N4 on both motions, of the arm on ID (each joint) and over T1 to T4, and
     the frequency factor of the arm, which both formulas share.
     """
-    signals, settings = signal_settings(config), numeric_settings(config)
-    rows = []
+    signals, rows = signal_settings(config), []
     for formula in TIME_FORMULAS:
         metric = MetricSettings(formula, config["metric"]["exponent"])
         cell = ["method", "case", "joint"]
         of_arm = score_runs(arm, recordings, signals, metric)
         of_arm = of_arm.groupby(cell)[["frequency", "total"]].median().reset_index()
-        of_numbers = score_estimates(numeric, signals, settings, metric)
+        of_numbers = score_estimates(numeric, config, metric)
         of_numbers = of_numbers.groupby(["trajectory", *cell])["total"].median().reset_index()
         means = of_numbers.groupby(["method", "trajectory"])["total"].mean()
         for method, own in of_arm.groupby("method"):
