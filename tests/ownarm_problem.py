@@ -75,5 +75,10 @@ def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     return (problem, *assemble(problem, found, arm))
 
 
+def solved(problem, methods=("ordinary",), arm=ARM):
+    """Result and curves of some methods of least squares."""
+    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent), arm)
+
+
 def tree(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -17,13 +17,7 @@ from experiment_example import (
     short_config,
 )
 
-from repro.exhibits.arm_experiment import (
-    HIGHEST,
-    shown_estimates,
-    stability_table,
-    tip_paths,
-    torque_curves,
-)
+from repro.exhibits.arm_experiment import HIGHEST, shown_estimates, stability_table, tip_paths, torque_curves
 from repro.exhibits.panels import long_table
 from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import program_settings, read_recording, true_parameters

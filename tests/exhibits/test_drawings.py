@@ -11,7 +11,6 @@ import matplotlib as mpl
 import pandas as pd
 import pytest
 from exhibit_examples import (
-    EXHIBITS,
     FIGURES,
     FRAMES,
     LAYOUTS,
@@ -30,9 +29,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 from pytest_regressions.image_regression import ImageRegressionFixture
 
-from repro.errors import InputError
 from repro.exhibits import style
-from repro.exhibits.declare import draw, lay_out
 
 pytestmark = pytest.mark.slow
 
@@ -102,15 +99,6 @@ def test_axis_labels_carry_a_unit(figure: Figure) -> None:
         labels += [word for word in (part.get_supxlabel(), part.get_supylabel()) if word and "Not shown" not in word]
     assert all(re.search(r"\([^()]+\)$", label) for label in labels)
     assert len(labels) >= 2 or figure.get_label() in WITHOUT_AXES
-
-
-def test_missing_files(tmp_path: Path) -> None:
-    nowhere = tmp_path / "nowhere.csv"
-    with pytest.raises(InputError, match="nowhere"):
-        draw(EXHIBITS["figure", "fig06"], nowhere, tmp_path / "a.pdf", tmp_path / "a.png")
-    with pytest.raises(InputError, match="nowhere"):
-        lay_out(EXHIBITS["table", "table02"], nowhere, tmp_path / "a.tex", tmp_path / "a.md")
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", list(LAYOUTS))

@@ -3,14 +3,12 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-import pytest
-from exhibit_examples import FRAMES, TABLES, laid_out, made, refused
+from exhibit_examples import TABLES, laid_out, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.exhibits import markup, variants
+from repro.exhibits import markup
 
 
 @given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
@@ -62,19 +60,3 @@ def test_formulas_within_sentences(tmp_path: Path) -> None:
     assert r"$I_{3}$ $-$ $\lambda _{R1}^{\max}$ $\geq$ $-$2 $\times$ 10$^{-3}$ m$^{2}$ \& 5 \%," in tex
     assert r", $g_{f}$ $\rightarrow$ exp(x) &" in tex
     assert "| I₃ - λ\\_R1^max ≥ -2 \N{MULTIPLICATION SIGN} 10⁻³ m² & 5 %, g\\_f → exp(x) |" in md
-
-
-@pytest.mark.slow
-def test_marks_and_written_numbers_are_the_values_given() -> None:
-    frame = FRAMES["ablation"]()
-    figure = made("ablation", frame)
-    marked = {line.get_label(): line.get_xdata() for axes in figure.axes for line in axes.lines}
-    written = {float(text.get_text()) for axes in figure.axes for text in axes.texts}
-    far = frame["value"] < 0.8
-    shown = {quantity: label for panel in variants._PANELS.values() for quantity, (label, _) in panel.items()}
-    for quantity, label in shown.items():
-        rows = frame[(frame["quantity"] == quantity) & ~far]
-        np.testing.assert_allclose(marked[label], 100.0 * rows["value"])
-    assert written == {round(100.0 * value, 2) for value in frame["value"][far]}
-    assert len(written) == 3
-    assert all(axes.get_xlim()[0] > 80.0 for axes in figure.axes)

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from exhibit_examples import FRAMES, RIVALS, candidates_frame, made
+from exhibit_examples import FRAMES, RIVALS, made
 from matplotlib.colors import to_rgb
 
 from repro.exhibits import style
@@ -32,13 +32,6 @@ def test_spectrum_says_what_it_leaves_out() -> None:
     largest = frame["y"].abs().groupby(frame["panel"]).max()
     assert (beyond["y"].abs() < 0.05 * beyond["panel"].map(largest)).all()
     assert made("fig17", FRAMES["fig17"]()).get_supxlabel() == ""
-
-
-def test_a_chosen_candidate_is_shown_whatever_its_rank() -> None:
-    panels = made("metric_search", candidates_frame()).axes
-    names = [[tick.get_text() for tick in axes.get_yticklabels()] for axes in panels]
-    assert [len(shown) for shown in names] == [12, 13]
-    assert names[1][-1] == "frequency candidate 17"
 
 
 def test_methods_are_told_apart() -> None:

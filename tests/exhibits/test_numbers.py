@@ -118,17 +118,6 @@ def test_subsampling_shows_the_torque_its_spectrum_and_what_the_first_bands_keep
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.sqrt(np.mean(x**2))
 
 
-def test_trajectory_is_eq_10_and_its_derivatives():
-    frame = numeric_tests.motion_curves(identification_trajectory())
-    for joint in ("joint1", "joint2"):
-        t, q = curve(frame, "position", joint)
-        expected = {"joint1": np.sin(t) + 0.1 * np.cos(2.5 * t + 3), "joint2": -np.cos(t) - 0.1 * np.sin(2.5 * t + 3)}
-        np.testing.assert_allclose(q, expected[joint], atol=1e-12)
-        velocity, acceleration = curve(frame, "velocity", joint)[1], curve(frame, "acceleration", joint)[1]
-        np.testing.assert_allclose(velocity[1:-1], (q[2:] - q[:-2]) / (2 * H), atol=1e-5)
-        np.testing.assert_allclose(acceleration[1:-1], (velocity[2:] - velocity[:-2]) / (2 * H), atol=1e-4)
-
-
 def test_example_images_of_right_guesses_are_symmetric_and_those_of_wrong_ones_are_not():
     frame = network_training.example_pixels(SIGNALS, DataSettings(), seed=1)
     assert len(frame) == 2 * 9 * 100 * 100

@@ -63,12 +63,6 @@ def test_power_is_halved_at_the_stated_frequency(name, rate, cutoff):
 
 
 @every_filter
-@pytest.mark.parametrize("frequency", [0.4, 2.0, 5.0])
-def test_a_sine_is_not_delayed(name, frequency):
-    assert abs(np.angle(response(name, frequency, 5.0))) < 1e-9
-
-
-@every_filter
 @settings(max_examples=20)
 @given(seeds)
 def test_derivatives_of_slow_sines_are_the_analytic_ones(name, seed):

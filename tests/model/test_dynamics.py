@@ -171,15 +171,6 @@ def test_batches_equal_one_at_a_time():
     np.testing.assert_array_equal(shared[1, 2], regressor(q[0, 0], dq[1, 2], ddq[1, 2]))
 
 
-def test_state_functions_broadcast_states_against_parameter_sets():
-    q, dq, tau = np.random.default_rng(3).uniform(-2.0, 2.0, (3, 6, 2))
-    betas = np.stack([N1, N4])[:, None, :]
-    inertia, acceleration = mass_matrix(q, betas), forward_dynamics(q, dq, tau, betas)
-    assert (inertia.shape, acceleration.shape) == ((2, 6, 2, 2), (2, 6, 2))
-    np.testing.assert_allclose(inertia[1, 4], mass_matrix(q[4], N4), rtol=1e-14)
-    np.testing.assert_allclose(acceleration[1, 4], forward_dynamics(q[4], dq[4], tau[4], N4), rtol=1e-12)
-
-
 GOOD = np.zeros((2, 5))
 BETA = np.ones(9)
 
@@ -266,14 +257,6 @@ def test_a_nearly_straight_arm_keeps_its_digits(q1, tiny):
     tip = forward_kinematics(column(q1, tiny), ARM)[1]
     back = inverse_kinematics(tip, ARM)
     np.testing.assert_allclose(forward_kinematics(back, ARM)[1], tip, rtol=0, atol=1e-15)
-
-
-def test_batches_of_paths():
-    q = np.random.default_rng(1).uniform(0.2, 1.5, (3, 4, 2, 7))
-    elbow, tip = forward_kinematics(q, ARM)
-    assert elbow.shape == tip.shape == q.shape
-    np.testing.assert_allclose(inverse_kinematics(tip, ARM), q, rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(tip[2, 1], forward_kinematics(q[2, 1], ARM)[1])
 
 
 @pytest.mark.parametrize("radius", [0.3151, 0.0149, 0.0, 10.0])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, loaded, silent
+from ownarm_problem import ARM, loaded, silent, solved
 from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
@@ -13,7 +13,7 @@ from repro.identification.least_squares import METHODS
 from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import add_self_test, assemble, fit_all
+from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.selftest import self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
@@ -133,8 +133,7 @@ def test_rounded_time_stamps_are_no_jitter():
 
 def test_the_recommended_method_with_intervals_is_outcome():
     problem = problem_of(recorded())
-    found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent)
-    result, _ = assemble(problem, found, ARM)
+    result, _ = solved(problem, OPTIONS.methods)
     assert result.selftest is None
     (best,) = (m for m in result.methods if m.method == result.recommended)
     test = add_self_test(result, problem, ARM, OPTIONS, silent).selftest

@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from log_example import BETA, motion
-from ownarm_problem import ARM, loaded, silent
+from ownarm_problem import ARM, loaded, silent, solved
 from regression_example import log_from
 
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
-from repro.ownarm.evaluate import add_runs, assemble, fit_all
+from repro.ownarm.evaluate import add_runs
 from repro.ownarm.outputs import write_result
 from repro.ownarm.prepare import Options, make_problem
 
@@ -26,9 +26,7 @@ def noisy_log(name, seed, beta=BETA, delay=0.0, zero=0.0, noise=0.02):
 
 def result_of(*logs):
     problem = make_problem(logs, (), ARM, OPTIONS)
-    methods = [METHODS[name] for name in OPTIONS.methods]
-    found = fit_all(problem, methods, 1, silent)
-    return problem, *assemble(problem, found, ARM)
+    return problem, *solved(problem, OPTIONS.methods)
 
 
 @pytest.fixture(scope="module")

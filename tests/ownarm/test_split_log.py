@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA, columns, motion, recording, text
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, solved
 
 from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.least_squares import METHODS
 from repro.logs.log import Log, uniform
-from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.figures import draw_overlay
 from repro.ownarm.prepare import Options, load_log, make_problem
 
@@ -33,8 +31,7 @@ def whole(tmp_path_factory):
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     log = load_log(path, ARM)
     problem = make_problem((log,), (), ARM, OPTIONS)
-    found = fit_all(problem, [METHODS["ordinary"]], 1, silent)
-    return problem, *assemble(problem, found, ARM)
+    return problem, *solved(problem)
 
 
 def test_one_delay_one_zero_and_the_parameters_of_all_pieces(whole):

@@ -11,8 +11,6 @@ from repro.model.dynamics import inverse_dynamics, regressor
 from repro.signals.metric import PUBLISHED_METRIC, TIME_FORMULAS, MetricSettings, TorqueScorer, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
-ENERGY = MetricSettings("energy")
-
 
 def literal(x, y, exponent=0.4, formula="mean-square"):
     """Time and frequency similarity of two single signals, in the order of Algorithm 2."""
@@ -68,16 +66,6 @@ def test_opposite_and_orthogonal_signals_score_zero():
 def test_a_zero_rebuilt_signal_scores_zero():
     score = metr2ev(np.array([1.0, -2.0, 0.5]), np.zeros(3))
     assert score.time == score.frequency == score.total == 0.0
-
-
-def test_batches_equal_one_at_a_time():
-    rng = np.random.default_rng(3)
-    x = rng.normal(size=(2, 30))
-    y = x + 0.3 * rng.normal(size=(5, 4, 2, 30))
-    score = metr2ev(x, y)
-    assert score.time.shape == score.frequency.shape == score.total.shape == (5, 4, 2)
-    one = metr2ev(x[1], y[3, 2, 1])
-    np.testing.assert_allclose([score.time[3, 2, 1], score.frequency[3, 2, 1]], [one.time, one.frequency], rtol=1e-13)
 
 
 MOTION = identification_trajectory()

@@ -43,6 +43,7 @@ from repro.signals.dct import SignalSettings, spectrum
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
 _table = partial(table, category=EXPERIMENT)
+_of_runs = partial(_table, inputs=("arm",))
 _figure = partial(figure, category=EXPERIMENT, sections=ARM)
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
@@ -50,7 +51,11 @@ SHOWN = ("algorithm1+refinement", "least-squares")
 SHOWN_ON_ID = ("algorithm1", *SHOWN)
 #: Highest frequency drawn, Hz; the filter leaves nothing above.
 HIGHEST = 40.0
-_TABLE_10 = "on the identification motion and the validation motions, simulated experiment"
+_TABLE_10 = partial(
+    similarities,
+    cases=PROGRAMS,
+    of_what="on the identification motion and the validation motions, simulated experiment",
+)
 Runs = Sequence[Mapping[str, Any]]
 
 
@@ -131,7 +136,7 @@ def parameter_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "lr" + "r" * len(methods), header, [(None, rows)])
 
 
-@_table(9, "Parameters of the arm", parameter_layout, inputs=("arm",), trained="claims")
+@_of_runs(9, "Parameters of the arm", parameter_layout, trained="claims")
 def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True parameters of the simulated arm and the parameters identified by each method, median seed (the paper's Table
     9 is an image).
@@ -141,13 +146,7 @@ def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     return table[table["method"] != "true"].reset_index(drop=True)
 
 
-@_table(
-    10,
-    f"Similarity on the identification run and on {SPAN}",
-    lambda frame: similarities(frame, PROGRAMS, _TABLE_10),
-    inputs=("arm",),
-    trained="claims",
-)
+@_of_runs(10, f"Similarity on the identification run and on {SPAN}", _TABLE_10, trained="claims")
 def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the torques measured in the simulated experiment and rebuilt from the parameters of each method, on
     the identification trajectory and on the validation motions: the median of the seeds and the spread over the seeds
@@ -194,9 +193,7 @@ def stability_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, by_method(frame))
 
 
-@_table(
-    "stability", "Conditions of the appendix", stability_layout, target="stability", inputs=("arm",), sections=("arm",)
-)
+@_of_runs("stability", "Conditions of the appendix", stability_layout, target="stability", sections=("arm",))
 def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
@@ -268,6 +265,7 @@ def _motions(inputs: Inputs, config: Config) -> Iterator[Curve]:
 _IDENTIFICATION = {"torque1": "Joint 1", "torque2": "Joint 2"}
 _VALIDATION = {f"{case} torque{j}": f"{case}, joint {j}" for case in VALIDATION for j in (1, 2)}
 _compare = partial(compare, legend_title=style.SIMULATED)
+_spectra = partial(_compare, spectra=True)
 _draw_motions = partial(
     draw_motion, width=style.PAGE, height=4.3, cases=tuple(VALIDATION), legend_title=style.SIMULATED
 )
@@ -310,10 +308,7 @@ def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_figure(
-    20,
-    "Spectra of the identification run's torques",
-    partial(_compare, titles=_IDENTIFICATION, spectra=True),
-    inputs=("ID", "arm"),
+    20, "Spectra of the identification run's torques", partial(_spectra, titles=_IDENTIFICATION), inputs=("ID", "arm")
 )
 def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 19, simulated experiment (Fig. 20)."""
@@ -343,7 +338,7 @@ def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
 @_figure(
     24,
     f"Spectra of the torques of {SPAN}",
-    partial(_compare, titles=_VALIDATION, spectra=True, by_row=True),
+    partial(_spectra, titles=_VALIDATION, by_row=True),
     inputs=("validation", "arm"),
 )
 def fig24(inputs: Inputs, config: Config) -> pd.DataFrame:

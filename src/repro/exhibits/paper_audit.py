@@ -127,6 +127,12 @@ def metric_motions(inputs: Inputs, _: Config) -> pd.DataFrame:
     return read_csv(inputs["motions"][0], ("samples", "bandwidth", "bounds_satisfied", "chosen"))
 
 
+_CANDIDATE_MARKS: dict[str, dict[str, Any]] = {
+    "Candidate": {"marker": "o", "ms": 4.0, "mfc": "white"},
+    "Chosen": {"marker": "D", "ms": 5.0, "mfc": style.INK},
+}
+
+
 def draw_candidates(frame: pd.DataFrame) -> Figure:
     """Best candidate formulas of each factor of the similarity metric."""
     factors = list(dict.fromkeys(frame["factor"]))
@@ -137,22 +143,11 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
     figure = style.new_figure(style.PAGE, 0.8 + 0.165 * max(len(rows) for rows in shown))
     panels = figure.subplots(1, len(factors), squeeze=False)[0]
     for axes, factor, rows in zip(panels, factors, shown, strict=True):
-        place = range(len(rows))
+        place = np.arange(len(rows))
         axes.hlines(place, 0.0, rows["rms_log_error"], color="0.80", lw=0.6)
-        for mark, chosen in (("Candidate", False), ("Chosen", True)):
-            fill, marker, size = (style.INK, "D", 5.0) if chosen else ("white", "o", 4.0)
-            here = (rows["chosen"] == chosen).to_numpy()
-            axes.plot(
-                rows["rms_log_error"][here],
-                [y for y, wanted in zip(place, here, strict=True) if wanted],
-                ls="none",
-                marker=marker,
-                ms=size,
-                mfc=fill,
-                mec=style.INK,
-                mew=0.8,
-                label=mark,
-            )
+        for label, look in _CANDIDATE_MARKS.items():
+            here = (rows["chosen"] == (label == "Chosen")).to_numpy()
+            axes.plot(rows["rms_log_error"][here], place[here], ls="none", mec=style.INK, mew=0.8, label=label, **look)
         axes.set_title(f"{factor[:1].upper()}{factor[1:]} factor")
         axes.set_yticks(place, labels=rows["candidate"], parse_math=False)
         axes.set_ylim(len(rows) - 0.5, -0.5)

@@ -8,7 +8,6 @@ finds independent columns, and the others are their combinations.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from repro.identification.regression import Regression, without_known
@@ -56,20 +55,17 @@ def excitation(regression: Regression) -> Identifiability:
     projection = np.zeros(len(NAMES))
     projection[moved] = np.sum(right[:rank] ** 2, axis=0)
     covariance = np.asarray(np.linalg.inv(a.T @ a + MIN_SINGULAR_RATIO**2 * np.eye(len(NAMES))), dtype=np.float64)
-    correlation = tuple(_correlation(covariance, 5 + j, 7 + j, moved) for j in range(2))
+    first, second = (
+        float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j])) if {i, j} <= {*moved} else 0.0
+        for i, j in ((5, 7), (6, 8))
+    )
     return Identifiability(
         rank + int(known.sum()),
         condition,
-        (correlation[0], correlation[1]),
+        (first, second),
         tuple(((projection > 1.0 - MIN_COEFFICIENT) | known).tolist()),
         (*_combinations(a[:, moved], scale, moved, rank), *(name for name, k in zip(NAMES, known, strict=True) if k)),
     )
-
-
-def _correlation(covariance: Array, i: int, j: int, moved: NDArray[np.intp]) -> float:
-    if i not in moved or j not in moved:
-        return 0.0
-    return float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j]))
 
 
 def _combinations(

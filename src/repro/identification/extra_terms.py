@@ -239,18 +239,19 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     return x, np.maximum(spread, jackknife)
 
 
-def with_columns(a: Array, subset: Sequence[int]) -> Array:
-    """Select the nine columns and some of those behind them."""
-    return a[..., [*range(N_NINE), *(N_NINE + k for k in subset)]]
+def _nine_and(subset: Sequence[int]) -> list[int]:
+    """Numbers of the nine columns and of some of those behind them."""
+    return [*range(N_NINE), *(N_NINE + k for k in subset)]
 
 
 def best_subset(a: Array, b: Array, candidates: Sequence[int], others: Array = NO_ROWS) -> list[int]:
     """Choose the columns behind the nine that predict blocks best, each worth `MIN_ERROR_REDUCTION` of the error."""
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
-    columns = [[*range(N_NINE), *(N_NINE + k for k in subset)] for subset in subsets]
-    penalty = [(1.0 - MIN_ERROR_REDUCTION) ** -len(subset) for subset in subsets]
-    error = [_block_error(blocks, each, others) * factor for each, factor in zip(columns, penalty, strict=True)]
+    error = [
+        _block_error(blocks, _nine_and(subset), others) * (1.0 - MIN_ERROR_REDUCTION) ** -len(subset)
+        for subset in subsets
+    ]
     return list(subsets[int(np.argmin(error))])
 
 
@@ -262,9 +263,9 @@ def detection_limits(
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains; that must be
     `MIN_ERROR_REDUCTION` of the error with it.
     """
-    error, limits = cross_validation_error(with_columns(a, chosen), b, others), []
+    error, limits = cross_validation_error(a[..., _nine_and(chosen)], b, others), []
     for k in candidates:
-        columns = with_columns(a, [*chosen, k])
+        columns = a[..., _nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
         flat = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
@@ -283,8 +284,8 @@ def find_friction(log: Log, settings: FilterSettings, subtract: bool) -> tuple[F
 
     def evaluated(k: int, chosen: Sequence[int]) -> FrictionTerm:
         others = [other for other in chosen if other != k]
-        columns = with_columns(a, [k, *others])
-        error = max(cross_validation_error(with_columns(a, others), b), np.finfo(np.float64).tiny)
+        columns = a[..., _nine_and([k, *others])]
+        error = max(cross_validation_error(a[..., _nine_and(others)], b), np.finfo(np.float64).tiny)
         gain = 1.0 - cross_validation_error(columns, b) / error
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return FrictionTerm(FRICTION_TERMS[k], value, standard_error, gain, k in chosen)

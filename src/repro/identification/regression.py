@@ -12,6 +12,7 @@ torque is subtracted, and its column is set to zero.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -104,12 +105,9 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
         return parts[0]
     factors = weights or [1.0] * len(parts)
     begins = np.cumsum([0.0, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])
-    pairs = list(zip(parts, factors, strict=True))
-    halves = [part.even_odd * factor for part, factor in pairs if part.even_odd is not None]
-    signals: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in SIGNALS
-    }
-    signals |= {name: np.concatenate([getattr(p, name) * f for p, f in pairs], axis=1) for name in ("y", "tau")}
+    scaled = [p.change(partial(np.multiply, f), tau=p.tau * f) for p, f in zip(parts, factors, strict=True)]
+    halves = [part.even_odd for part in scaled if part.even_odd is not None]
+    signals: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in scaled], axis=1) for name in SIGNALS}
     return replace(
         parts[0],
         t=np.concatenate([part.t - part.t[0] + begin for part, begin in zip(parts, begins, strict=True)]),

@@ -6,6 +6,7 @@ import math
 import re
 import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, islice
@@ -54,7 +55,6 @@ class Table:
     file: str  # for messages
     header: tuple[str, ...]
     blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
-    size: int  # lines of the file
     notes: tuple[str, ...] = ()  # how it was read, where not as usual
 
     def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
@@ -105,18 +105,15 @@ class _Column:
 
     def add(self, cells: list[tuple[int, str]]) -> None:
         """Append the cells of some lines."""
-        text = "".join(cell for _, cell in cells)
+        text, values = "".join(cell for _, cell in cells), np.array([math.nan])
         if "_" not in text and text.isascii():  # the usual case: numbers alone
-            try:
+            with suppress(ValueError):
                 values = np.array([float(cell) for _, cell in cells])
-            except ValueError:
-                pass
-            else:
-                if np.isfinite(values).all():
-                    self.point = self.point or "." in text
-                    self.values.append(values)
-                    return
-        self.values.append(np.array([self._read(line, cell.strip()) for line, cell in cells]))
+        if np.isfinite(values).all():
+            self.point = self.point or "." in text
+        else:
+            values = np.array([self._read(line, cell.strip()) for line, cell in cells])
+        self.values.append(values)
 
     def _read(self, line: int, cell: str) -> float:
         place = (line, self.name, cell)
@@ -151,7 +148,7 @@ def read_table(path: Path) -> Table:
     names, blocks = _names(str(path), cells), partial(_blocks, path, begin, separator, len(cells))
     next(blocks())  # rows of another length are a clearer error than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
-    return Table(str(path), names, blocks, size, notes)
+    return Table(str(path), names, blocks, notes)
 
 
 def _names(file: str, header: Sequence[object]) -> tuple[str, ...]:
@@ -169,7 +166,7 @@ def table_of(frame: pd.DataFrame, file: str) -> Table:
     rows = [(number, list(cells)) for number, cells in enumerate(zip(*columns, strict=True), 1)]
     if not rows:
         raise InputError.at(file, "no rows", _EXPECTED)
-    return Table(file, names, lambda: [rows], len(rows))
+    return Table(file, names, lambda: [rows])
 
 
 def _cell(value: object) -> str:
@@ -391,4 +388,4 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
         rows.append(row)
     header = tuple(dict.fromkeys(name for row in rows for name in row))
     cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
-    return Table(str(path), header, lambda: [cells], len(cells), tuple(notes))
+    return Table(str(path), header, lambda: [cells], tuple(notes))

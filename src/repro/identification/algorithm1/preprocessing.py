@@ -51,13 +51,6 @@ def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array
     return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.omega_unit)
 
 
-def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: SignalSettings) -> Regression:
-    """Make a regression of a motion and its torque (2, N), both filtered already; every sample counts."""
-    t: Array = settings.h * np.arange(tau.shape[-1], dtype=np.float64)
-    moving = np.ones(tau.shape, dtype=np.bool_)
-    return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
-
-
 def filtered(
     q: ArrayLike, tau: ArrayLike, settings: SignalSettings, begin: int = 0, end: int | None = None
 ) -> Regression:
@@ -68,8 +61,9 @@ def filtered(
     if not 0 <= begin < end - m <= n - m:
         raise ValueError(f"begin, end: {begin} to {end} must lie in 0 to {n} and hold over {m} samples.")
     tau = dct2low(tau, settings.h, settings.c_f, settings.omega_unit)  # line 3
-    position, velocity, acceleration = (x[:, begin:end] for x in derivatives(q, settings))
-    return regression_of((position, velocity, acceleration), tau[:, begin:end], settings)  # line 4
+    q, dq, ddq, tau = (x[:, begin:end] for x in (*derivatives(q, settings), tau))  # line 4
+    time: Array = settings.h * np.arange(end - begin, dtype=np.float64)
+    return Regression(time, regressor(q, dq, ddq), tau, q, dq, ddq, np.ones(tau.shape, dtype=np.bool_), settings.h)
 
 
 def prepare(

@@ -162,19 +162,16 @@ class Algorithm1:
         if not self.refinement.passes:
             return results, met
         starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
-        moves = self._moves(refine_rng)
+        moves = [refine_rng, *refine_rng.spawn(self.refinement.starts - 1)]
         # The control runs first, so that the number of images is its own.
         for method, feedback in (("local-search", None), ("refinement", estimator)):
             chosen = self._refined(feedback, starts, signals, moves)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, estimator.images)
         if uniform_rng is not None and not suffix:
             guesses = uniform_guesses(self.search, uniform_rng)
-            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, self._moves(uniform_rng)), 0)
+            moves = [uniform_rng, *uniform_rng.spawn(self.refinement.starts - 1)]
+            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, moves), 0)
         return results, met
-
-    def _moves(self, rng: np.random.Generator) -> list[np.random.Generator]:
-        """Sources of the moves of each run of a refinement."""
-        return [rng, *rng.spawn(self.refinement.starts - 1)]
 
     def _refined(
         self,
