@@ -19,7 +19,7 @@ NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
     *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "least_squares", "messages", "metric"),
-    *("monte_carlo", "networks", "programs", "reference"),
+    *("networks", "programs", "reference", "simulated_arms"),
 )
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")

@@ -17,7 +17,7 @@ from repro.cnn.network import load_network
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, search, select
 from repro.model.dynamics import rebuild_torque, regressor
-from repro.pipeline.numeric import mean_training_torque
+from repro.pipeline.identifications import mean_training_torque
 from repro.settings import data_settings, network_settings, numeric_settings, search_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory
 

@@ -27,11 +27,10 @@ from repro.logs.armfile import Arm
 from repro.ownarm.evaluate import assemble, fit_all, resolve
 from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.pipeline.experiment import control_constants, program_from_config, read_recordings, true_parameters
-from repro.pipeline.experiment_runs import identify_recording
+from repro.pipeline.identifications import identify_recording, mean_training_torque
 from repro.pipeline.networks import algorithm1_of, for_the_arm
-from repro.pipeline.numeric import mean_training_torque
+from repro.pipeline.simulated_arms import training_motion
 from repro.pipeline.stored_networks import configuration_digest, stored_files
-from repro.pipeline.tracked import training_motion
 from repro.settings import data_settings, network_settings, of_network, signal_settings, training_settings
 
 CONFIG = load_config(Path("config/config.yaml"))
@@ -60,8 +59,10 @@ def log(seconds: int) -> None:
     """All methods of least squares on a log, from opening it to the answer."""
     with tempfile.TemporaryDirectory() as folder:
         options = Options(LEAST_SQUARES, Path(folder))
-        problem = make_problem(load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()), (), Arm(), options)
-        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), Arm())
+        problem = make_problem(
+            (load_log(made_up(Path(folder) / "log.csv", float(seconds)), Arm()),), (), Arm(), options
+        )
+        assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), Arm())
 
 
 def training(steps: int) -> None:

@@ -63,8 +63,8 @@ def main() -> None:
             seconds = []
             for _ in range(args.rounds + 1):
                 began = time.perf_counter()
-                problem = make_problem(load_log(log, arm), (), arm, options)
-                assemble(problem, fit_all(problem, resolve(options, silent), 1, silent, silent), arm)
+                problem = make_problem((load_log(log, arm),), (), arm, options)
+                assemble(problem, fit_all(problem, resolve(options, silent), 1, silent), arm)
                 seconds.append(time.perf_counter() - began)
             title = names[0] if len(names) == 1 else f"all {len(names)} methods"
             print(f"{title}: {statistics.median(seconds[1:]):.2f} s, the first time {seconds[0]:.2f} s")

@@ -136,7 +136,7 @@ def rows_of(generator: str, kind: str, count: int) -> Iterator[dict[str, object]
     """One row for each arm, method and parameter."""
     options = Options(METHOD_NAMES, Path("unused"))
     for k, (beta, log) in enumerate(GENERATORS[generator](kind, count)):
-        problem = make_problem(LoadedLog(log, Description(log.name, ())), (), Arm(), options)
+        problem = make_problem((LoadedLog(log, Description(log.name, ())),), (), Arm(), options)
         for name in METHOD_NAMES:
             found = evaluate(fit(METHODS[name], problem, 1, False, lambda *_: None), problem, (None,))
             for p, true in zip(found.parameters, beta, strict=True):

@@ -50,7 +50,7 @@ def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[st
 
 def found(logs: list[LoadedLog]) -> tuple[dict[str, float], dict[str, float]]:
     """Faults of the first log with its delay, and what it can hardly tell them from."""
-    first = make_problem(logs[0], (), Arm(), OPTIONS, tuple(logs[1:])).logs[0]
+    first = make_problem(logs, (), Arm(), OPTIONS).logs[0]
     named = {fault.name: fault.value for fault in first.faults} | {"delay": first.settings.delay}
     return named, {name: x for fault in first.faults for name, x in fault.instead.items()}
 

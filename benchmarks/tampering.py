@@ -14,6 +14,7 @@ from pathlib import Path
 
 from repro.config import load_config
 from repro.errors import InputError
+from repro.paper import ledger
 from repro.paper.ledger import PUBLISHED_NAME, verify_ledger
 
 FOLDERS = ("docs/reference", "data/captures", "data/networks")
@@ -104,7 +105,7 @@ def problems_of(root: Path) -> list[str]:
     """What the verification of a copy reports."""
     try:
         config = load_config(root / "config/config.yaml")
-        return verify_ledger(root / FOLDERS[0], config, root, root / PUBLISHED_NAME)[1]
+        return verify_ledger(root / FOLDERS[0], config, root)[1]
     except InputError as error:
         return [str(error)]
 
@@ -119,6 +120,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder).resolve()
         copy_kept(root)
+        ledger.PUBLISHED_FILE = root / PUBLISHED_NAME
         for name in ("config", "workflow/schemas"):
             shutil.copytree(name, root / name)
         for _ in range(arguments.edits):

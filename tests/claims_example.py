@@ -101,7 +101,7 @@ def write_results(folder):
 
 
 def make_project(root):
-    """Write a project with results and their ledger; return its results folder and its published numbers."""
+    """Write a project with results and their ledger, and a copy of the published numbers."""
     (root / "config").mkdir()
     shutil.copy(CONFIG, root / "config")
     shutil.copytree(ROOT / "workflow/schemas", root / "workflow/schemas")
@@ -111,10 +111,8 @@ def make_project(root):
     (captures / "ID.json").write_text('{"motion": "ID"}', encoding="utf-8")
     sums = (f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(captures.iterdir()))
     (captures / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
-    published = root / "published.csv"
-    shutil.copy(PUBLISHED_FILE, published)
+    shutil.copy(PUBLISHED_FILE, root / "published.csv")
     results = root / "results"
     files = [path.relative_to(root) for path in write_results(results)]
     config = load_config(root / "config" / "config.yaml")
-    write_ledger(results, config, files, root, published)
-    return results, published
+    write_ledger(results, config, files, root)

@@ -17,14 +17,14 @@ from matplotlib.transforms import Bbox
 
 from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
-from repro.exhibits import catalogue, make, style
+from repro.exhibits import catalogue, declare, style
 from repro.exhibits.many_arms import COVERAGE, RANKS
 from repro.exhibits.schematics import words
 from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
 from repro.pipeline.interpretations import VARIANTS, ablation_figure
-from repro.pipeline.model_card import architecture
+from repro.pipeline.stored_networks import architecture
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 #: Methods with a network of our training, of the paper's, and of the paper's ranges, too.
@@ -301,13 +301,13 @@ def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
     pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
-    make.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
+    declare.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
     return pdf.read_bytes(), png.read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
     tex, md = folder / f"{name}.tex", folder / f"{name}.md"
-    make.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
+    declare.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
     return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
 
 

@@ -1,13 +1,17 @@
 """A short experiment without a simulation: recordings of an arm that follows its program perfectly."""
 
 import copy
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 import yaml
 
+from repro.config import merged
+from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
@@ -23,9 +27,22 @@ MEDIAN = 2
 LEAST_SQUARES = 1.1
 
 
+def refused(call, *arguments):
+    """The one line that a call with wrong input ends in."""
+    with pytest.raises(InputError) as error:
+        call(*arguments)
+    assert re.fullmatch(r"[^\n]+: found [^\n]+, expected [^\n]+", str(error.value)), str(error.value)
+    return str(error.value)
+
+
 def full_config():
     """The configuration of the repository."""
     return yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+
+
+def changed(config, **sections):
+    """A copy with some values of some sections replaced."""
+    return merged(config, sections)
 
 
 def short_config():

@@ -41,7 +41,7 @@ def similarity(cell, reader, scale=1.0):
 
 
 def factorial_scores(training_seeds=(1, 3), search_seeds=(1, 2), search_noise=0.001):
-    """Rows as `repro.pipeline.factorial_networks.score_cell` writes them; searches differ, and their mean does not."""
+    """Rows as `repro.pipeline.networks.score_cell` writes them; searches differ, and their mean does not."""
     rows = []
     for reader in ("cnn", "plain"):
         factors = {name: levels for name, levels in LEVELS.items() if (reader, name) != ("plain", "image_motion")}

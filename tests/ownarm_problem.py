@@ -62,7 +62,7 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
 
 def prepared_from_file(folder, arm=ARM, options=None, **log):
     options = options or Options(("ordinary",), folder)
-    return make_problem(load_log(write_log(folder / "log.csv", **log), arm), (), arm, options)
+    return make_problem((load_log(write_log(folder / "log.csv", **log), arm),), (), arm, options)
 
 
 def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
@@ -70,9 +70,14 @@ def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
     options = Options(methods, folder / "cache")
     fitted = load_log(write_log(folder / "log.csv", **log), arm)
     validation = (load_log(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
-    problem = make_problem(fitted, validation, arm, options)
-    found = fit_all(problem, resolve(options, silent), options.seed, silent, silent)
+    problem = make_problem((fitted,), validation, arm, options)
+    found = fit_all(problem, resolve(options, silent), options.seed, silent)
     return (problem, *assemble(problem, found, arm))
+
+
+def solved(problem, methods=("ordinary",), arm=ARM):
+    """Result and curves of some methods of least squares."""
+    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent), arm)
 
 
 def tree(folder):

@@ -15,9 +15,6 @@ from repro.pipeline.experiment import check_recorded, program_from_config
 
 from experiment_example import CAPTURES, MOTIONS, full_config  # isort: skip
 
-#: Kernels of OpenBLAS that are not the contract's; each x86-64-v2 processor can run the first.
-OTHER_KERNELS = ("Nehalem", "SkylakeX")
-
 
 def test_what_the_user_has_set_stays(monkeypatch):
     monkeypatch.delitem(sys.modules, "numpy")

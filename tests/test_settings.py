@@ -7,14 +7,13 @@ import pytest
 import yaml
 
 from repro import settings
-from repro.cnn.architecture import NetworkSettings, PaperSchedule, TrainingSettings
+from repro.cnn.architecture import PaperSchedule, TrainingSettings
 from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.experiment import program_settings
-from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import TrajectorySettings
 
@@ -22,12 +21,8 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parent.parent
 
-#: A value of its own for every key, so that no two can be mixed up and no default can stand in.
+#: A value of its own for every key that is passed on by its place, and of the networks' changes.
 CONFIG = yaml.safe_load("""
-signals: {sampling_period_s: 0.004, filter_coefficient: 3.0e-4, frequency_reading: hertz, image_samples: 100,
-          duration_s: 7.5, normalise_motion: true}
-metric: {time_formula: energy, exponent: 0.7}
-network: {hidden: [31, 17], sigmoid_gain: 1.25}
 data: {motions: ideal, unmodelled: {stribeck: 0.41, ripple: 0.09, noise: 0.02, delay_s: 0.001},
        prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
        near_low: 0.004, near_high: 0.6}
@@ -35,50 +30,15 @@ image: {scale: channel-max, constant: 5.5}
 training:
   {recipe: streamed, steps: 101, batch: 7, learning_rate: 0.003, warmup: 11, seed: 9, test_samples: 13, log_every: 19,
    checkpoint_every: 23, precision: float32,
-   paper: {images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6,
-           gradient_gain: 50.0}}
+   paper: {images: 500, train_share: 0.7, learning_rate: 0.05, learning_rate_slope: 1.0e-6, gradient_gain: 50.0}}
 networks:
   tracked: {image: {scale: constant}}
   paper-recipe: {training: {recipe: paper, steps: 202, batch: 3}}
-algorithm1: {executions: 29, inner_limit: 37, guess_low: 0.012, guess_high: 2.75, threshold_numeric: 0.81,
-             feasibility: positive-definite, image_motion: desired}
-refinement: {restarts: 41, keep: 7, passes: 5, read_passes: 3, reach: 1.3, jitter: 2.0e-3}
-numeric:
-  seeds: [4, 8]
-  margin_samples: 43
-  validation_frequency_reading: rad_per_s
-  validation_samples: 4711
-  arms:
-    N1: [1, 2, 3, 4, 5, 6, 7, 8, 9]
-    N2: [2, 3, 4, 5, 6, 7, 8, 9, 10]
 """)
+NETWORKS = {"published": "channel-max", "tracked": "constant", "paper-recipe": "channel-max"}
 
 
-def sections(*names):
-    return {name: CONFIG[name] for name in names}
-
-
-def test_signals():
-    expected = SignalSettings(h=0.004, c_f=3e-4, omega_unit="hertz", samples=100, duration=7.5, normalise_motion=True)
-    assert settings.signal_settings(sections("signals")) == expected
-
-
-def test_metric():
-    assert settings.metric_settings(sections("metric")) == MetricSettings("energy", 0.7)
-
-
-def test_network_takes_its_input_size_from_the_signals():
-    expected = NetworkSettings(image_size=100, hidden=(31, 17), sigmoid_gain=1.25)
-    assert settings.network_settings(sections("signals", "network")) == expected
-
-
-NETWORKS = ("published", "tracked", "paper-recipe")
-
-
-SCALES = ("channel-max", "constant", "channel-max")
-
-
-@pytest.mark.parametrize(("network", "scale"), [*zip(NETWORKS, SCALES, strict=True)])
+@pytest.mark.parametrize(("network", "scale"), NETWORKS.items())
 def test_data_of_a_network(network, scale):
     guess = GuessSettings(low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6)
     found = settings.data_settings(settings.of_network(CONFIG, network))
@@ -107,32 +67,11 @@ def test_training_of_a_network(network):
     assert settings.training_settings(settings.of_network(CONFIG, network)) == expected
 
 
-def test_search_scores_with_the_metric_of_the_configuration():
-    expected = SearchSettings(
-        executions=29,
-        inner_limit=37,
-        threshold=0.81,
-        low=0.012,
-        high=2.75,
-        feasibility="positive-definite",
-        metric=MetricSettings("energy", 0.7),
-        image_motion="desired",
-    )
-    assert settings.search_settings(sections("algorithm1", "metric")) == expected
-
-
-def test_refinement():
-    assert settings.refinement_settings(sections("refinement")) == RefinementSettings(
-        restarts=41, keep=7, passes=5, read_passes=3, reach=1.3, jitter=2e-3
-    )
-
-
-def test_numeric_experiment():
-    numeric = settings.numeric_settings(sections("numeric"))
-    assert (numeric.margin, numeric.validation_reading, numeric.validation_samples) == (43, "rad_per_s", 4711)
-    assert list(numeric.arms) == ["N1", "N2"]
-    np.testing.assert_array_equal(numeric.arms["N2"], np.arange(2.0, 11.0))
-    assert numeric.arms["N1"].dtype == np.float64  # whole numbers in the file
+def test_test_arms_are_of_floats():
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+    config["numeric"]["arms"]["N2"] = [1, 2, 3, 4, 5, 6, 7, 8, 9]
+    arms = settings.numeric_settings(config).arms
+    assert list(arms) == ["N1", "N2", "N3", "N4"] and arms["N2"].dtype == np.float64
 
 
 def test_defaults_agree_with_the_default_configuration():

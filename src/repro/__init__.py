@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from repro.cnn.network import load_network
     from repro.errors import InputError
     from repro.fpga.capture import read_capture
-    from repro.identification.algorithm1.published import algorithm1
-    from repro.identification.algorithm1.search import SearchSettings
+    from repro.identification.algorithm1.search import SearchSettings, algorithm1
     from repro.identification.exciting_motion import excite
     from repro.logs.armfile import Arm, read_arm
     from repro.logs.load import read_log
@@ -36,7 +35,7 @@ _PUBLIC = {
     "Log": ("repro.logs.log", "Log"),
     "SearchSettings": ("repro.identification.algorithm1.search", "SearchSettings"),
     "SignalSettings": ("repro.signals.dct", "SignalSettings"),
-    "algorithm1": ("repro.identification.algorithm1.published", "algorithm1"),
+    "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
     "differentiate": ("repro.signals.dct", "dct2dev"),
     "excite": ("repro.identification.exciting_motion", "excite"),
     "identify": ("repro.api", "identify"),

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from repro.errors import InputError, require
 from repro.files import check_folder
-from repro.identification.filtering import FILTERS
 from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.identification.scores import integrate
 from repro.logs.armfile import Arm, read_arm
@@ -22,9 +22,16 @@ from repro.logs.load import Source
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
-from repro.ownarm.evaluate import Fit, add_runs, add_self_test, assemble, fit_all, resolve
-from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, load_log, make_problem
-from repro.ownarm.prior import read_prior, with_plane
+from repro.ownarm.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
+from repro.ownarm.prepare import (
+    IdentificationProblem,
+    LoadedLog,
+    Options,
+    load_log,
+    make_problem,
+    read_prior,
+    with_plane,
+)
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
@@ -323,28 +330,25 @@ def identify(
     >>> figure = result.plot()
     """
     logs, others = _several("log", log), _several("validate", validate)
-    for name, value, kinds in (("arm", arm, (str, Path, Arm)), ("cache", cache, (str, Path))):
-        if value is not None and not isinstance(value, kinds):
-            raise InputError.at(name, repr(value)[:60], " or ".join(("a path", "an Arm")[: len(kinds) - 1]))
-    for name, switch in (("friction", friction), ("self_test", self_test)):
-        if not isinstance(switch, bool):
-            raise InputError.at(name, repr(switch)[:60], "True or False")
+    _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
+    _check_kind("cache", cache, (str, Path, NoneType), "a path")
+    _check_kind("friction", friction, bool, "True or False")
+    _check_kind("self_test", self_test, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
     options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)
-    _check_options(options)
-    if set(names) & set(NETWORKS) and with_plane(before, described) is not None:
-        given = "prior" if before is not None else f"{described.file}: plane"
-        raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
     if set(names) & set(NETWORKS):
+        if with_plane(before, described) is not None:
+            given = "prior" if before is not None else f"{described.file}: plane"
+            raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
         require("torch", "cnn", "method Algorithm 1")
         _check_cache(options.cache)
     _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]
     for k, each in enumerate(loaded):
         _report_log(each, briefly=k > 0)
-    problem = make_problem(loaded[0], tuple(loaded[len(logs) :]), described, options, tuple(loaded[1 : len(logs)]))
+    problem = make_problem(loaded[: len(logs)], loaded[len(logs) :], described, options)
     for prepared in problem.logs:
         s = prepared.settings
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
@@ -360,17 +364,17 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
     """Run the methods, those that take seconds first."""
     bars: dict[str, Progress] = {}
 
-    def progress(what: str, done: int, total: int, note: str) -> None:
+    def progress(what: str, done: int, total: int, note: str = "") -> None:
         bars.setdefault(what, Progress(what))(done, total, note)
 
     methods = resolve(options, progress)
     quick = [m for m in methods if m.name not in NETWORKS]
-    fits = fit_all(problem, quick, options.seed, progress, _report_fit)
+    fits = fit_all(problem, quick, options.seed, progress)
     if fits and len(quick) < len(methods):
         _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
-    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress, _report_fit)
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
     if not fits:
-        raise InputError.at(problem.fitted.name, "no solution by any method", "a log that shows more, see above")
+        raise InputError.at(problem.first.loaded.name, "no solution by any method", "a log that shows more, see above")
     result, curves = assemble(problem, fits, arm)
     if len(problem.logs) > 1:
         result = add_runs(result, problem, methods, options.seed, progress)
@@ -379,28 +383,15 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
 
 def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
-    kinds = (str, Path, pd.DataFrame, Log)
     some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
     for one in some:
-        if not isinstance(one, kinds):
-            raise InputError.at(name, repr(one)[:60], "a path, a DataFrame, a Log, or a list of these")
+        _check_kind(name, one, (str, Path, pd.DataFrame, Log), "a path, a DataFrame, a Log, or a list of these")
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
 
 
-def _check_options(options: Options) -> None:
-    """Refuse what the command line refuses, too."""
-    if not isinstance(options.filter, str) or options.filter not in FILTERS:
-        raise InputError.at("filter", repr(options.filter), f"one of {', '.join(FILTERS)}")
-    limits: tuple[tuple[str, object, type | tuple[type, ...], float, float], ...] = (
-        ("cutoff", 1.0 if options.cutoff is None else options.cutoff, (int, float, np.number), 0.1, 1000.0),
-        ("seed", options.seed, (int, np.integer), 0, 2**32 - 1),
-        ("steps", options.steps, (int, np.integer), 1, 10**7),
-    )
-    for name, value, kind, low, high in limits:
-        number = isinstance(value, kind) and not isinstance(value, bool)
-        if not (number and low <= value <= high):  # type: ignore[operator]
-            whole = "whole " * (name != "cutoff")
-            raise InputError.at(name, repr(value)[:60], f"a {whole}number from {low:g} to {high:.10g}")
+def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
+    if not isinstance(value, kind):
+        raise InputError.at(name, repr(value)[:60], expected)
 
 
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:
@@ -452,7 +443,3 @@ def _report_log(loaded: LoadedLog, briefly: bool) -> None:
         _LOG.info("  note: %s", note)
     for warning in d.warnings:
         _LOG.warning("  WARNING: %s", warning)
-
-
-def _report_fit(fit: Fit) -> None:
-    _LOG.info("%s", "; ".join((f"{fit.method.title}: done", *fit.estimate.notes)))

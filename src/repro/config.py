@@ -10,11 +10,10 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from repro.config_model import Configuration
-from repro.documents import read_yaml
+from repro.documents import Place, read_yaml, spelled
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.parameters import is_positive_definite
-from repro.schema import Place, spelled
 from repro.signals.programs import MEMORY_SAMPLES
 
 _ABSENT = object()

@@ -126,11 +126,7 @@ def _move(steps: Iterable[tuple[Path, Path]], out: Path) -> None:
 
 def write_text(path: Path | str, text: str) -> None:
     """Write UTF-8 text with Unix line ends."""
-
-    def fill(temporary: Path) -> None:
-        temporary.write_bytes(text.encode())
-
-    atomic_write(path, fill)
+    atomic_write(path, lambda temporary: temporary.write_bytes(text.encode()))
 
 
 def write_json(path: Path | str, content: object) -> None:
@@ -155,17 +151,24 @@ LARGEST_TABLE = 2**26
 
 def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
     """Read a CSV table and check that it has these columns."""
+    text = _table_text(path)
     try:
-        check_size(path, LARGEST_TABLE, "a CSV table")
-        frame = pd.read_csv(path)
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+        frame = pd.read_csv(io.StringIO(text))
     except (ValueError, pd.errors.ParserError) as error:
-        raise InputError.at(
-            str(path), f"text that is not a table ({' '.join(str(error).split())})", "a CSV table"
-        ) from error
+        found = f"text that is not a table ({' '.join(str(error).split())})"
+        raise InputError.at(str(path), found, "a CSV table") from error
     _check_header(str(path), [str(name) for name in frame.columns], columns)
     return frame
+
+
+def _table_text(path: Path) -> str:
+    try:
+        check_size(path, LARGEST_TABLE, "a CSV table")
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+    except UnicodeDecodeError as error:
+        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
 
 
 def _check_header(place: str, header: Sequence[str], columns: tuple[str, ...]) -> None:
@@ -180,14 +183,7 @@ def _check_header(place: str, header: Sequence[str], columns: tuple[str, ...]) -
 
 def read_rows(path: Path, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
     """Read the rows of a CSV table as text, so that numbers keep their digits, and check that it has these columns."""
-    try:
-        check_size(path, LARGEST_TABLE, "a CSV table")
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
-    except UnicodeDecodeError as error:
-        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
-    return parse_rows(text, str(path), columns)
+    return parse_rows(_table_text(path), str(path), columns)
 
 
 def parse_rows(text: str, place: str, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:

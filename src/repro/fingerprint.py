@@ -1,52 +1,47 @@
 """A fingerprint of how this host computes: hashes of some twenty small results tell hosts apart by last bits."""
 
 import hashlib
+import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import scipy.fft
 import scipy.linalg
-from numpy.typing import NDArray
-
-Probe = Callable[[], object]
 
 
-def _probes() -> dict[str, Probe]:
+def fingerprint() -> dict[str, str]:
+    """First sixteen digits of the SHA-256 of each result's bytes, by its name."""
     rng = np.random.default_rng(2026)
     x = rng.uniform(-3.0, 3.0, 4099)
     a, b = rng.normal(size=(257, 9)), rng.normal(size=257)
     square = a.T @ a
     wide = rng.normal(size=(130, 131))
-    return {
-        "generator": lambda: rng.bit_generator.state["state"]["state"].to_bytes(16, "big"),
-        "libm sin exp log": lambda: np.array([f(abs(v)) for v in x[:500] for f in (math.sin, math.exp, math.log)]),
-        "exp": lambda: np.exp(x),
-        "log": lambda: np.log(np.abs(x)),
-        "sin": lambda: np.sin(x),
-        "tanh": lambda: np.tanh(20.0 * x),
-        "arctan2": lambda: np.arctan2(x[:-1], x[1:]),
-        "power": lambda: np.abs(x) ** 0.4,
-        "exp single": lambda: np.exp(x.astype(np.float32)),
-        "sqrt": lambda: np.sqrt(np.abs(x)),
-        "sum": x.sum,
-        "einsum": lambda: np.einsum("ni,nj->ij", a, a),
-        "dot": lambda: x @ x,
-        "matmul": lambda: wide @ wide.T,
-        "matmul single": lambda: wide.astype(np.float32) @ wide.T.astype(np.float32),
-        "solve": lambda: np.linalg.solve(square, a[0]),
-        "lstsq": lambda: np.linalg.lstsq(a, b)[0],
-        "svd": lambda: np.linalg.svd(a, compute_uv=False),
-        "eigh": lambda: np.linalg.eigvalsh(square),
-        "scipy lstsq": lambda: scipy.linalg.lstsq(a, b)[0],
-        "scipy cholesky": lambda: scipy.linalg.cholesky(square),
-        "dct": lambda: scipy.fft.dct(x, norm="ortho"),
+    results: dict[str, object] = {
+        "generator": rng.bit_generator.state["state"]["state"].to_bytes(16, "big"),
+        "libm sin exp log": np.array([f(abs(v)) for v in x[:500] for f in (math.sin, math.exp, math.log)]),
+        "exp": np.exp(x),
+        "log": np.log(np.abs(x)),
+        "sin": np.sin(x),
+        "tanh": np.tanh(20.0 * x),
+        "arctan2": np.arctan2(x[:-1], x[1:]),
+        "power": np.abs(x) ** 0.4,
+        "exp single": np.exp(x.astype(np.float32)),
+        "sqrt": np.sqrt(np.abs(x)),
+        "sum": x.sum(),
+        "einsum": np.einsum("ni,nj->ij", a, a),
+        "dot": x @ x,
+        "matmul": wide @ wide.T,
+        "matmul single": wide.astype(np.float32) @ wide.T.astype(np.float32),
+        "solve": np.linalg.solve(square, a[0]),
+        "lstsq": np.linalg.lstsq(a, b)[0],
+        "svd": np.linalg.svd(a, compute_uv=False),
+        "eigh": np.linalg.eigvalsh(square),
+        "scipy lstsq": scipy.linalg.lstsq(a, b)[0],
+        "scipy cholesky": scipy.linalg.cholesky(square),
+        "dct": scipy.fft.dct(x, norm="ortho"),
     }
-
-
-def fingerprint() -> dict[str, str]:
-    """First sixteen digits of the SHA-256 of each probe's bytes, by its name."""
-    return {name: _digest(probe()) for name, probe in _probes().items()}
+    return {name: _digest(result) for name, result in results.items()}
 
 
 def _digest(result: object) -> str:
@@ -62,19 +57,16 @@ def network_fingerprint() -> dict[str, str]:
     x, kernel = torch.randn(8, 4, 33, 35, generator=generator), torch.randn(6, 4, 5, 5, generator=generator)
     rows = x.flatten(1)
 
-    def conv_gradient() -> NDArray[np.float32]:
-        weight = kernel.clone().requires_grad_()
-        torch.nn.functional.conv2d(x, weight).square().sum().backward()  # type: ignore[no-untyped-call]
-        assert weight.grad is not None  # just computed
-        return weight.grad.numpy()
-
+    weight = kernel.clone().requires_grad_()
+    torch.nn.functional.conv2d(x, weight).square().sum().backward()  # type: ignore[no-untyped-call]
+    assert weight.grad is not None  # just computed
     half = rows.bfloat16()
     return {
         "torch randn": _digest(x.numpy()),
         "torch sigmoid": _digest(torch.sigmoid(x).numpy()),
         "torch matmul": _digest((rows @ rows.mT).numpy()),
         "torch matmul bfloat16": _digest((half @ half.mT).float().numpy()),
-        "torch conv gradient": _digest(conv_gradient()),
+        "torch conv gradient": _digest(weight.grad.numpy()),
     }
 
 
@@ -99,8 +91,6 @@ def compare_hosts(recorded: Mapping[str, str] | None) -> str:
 
 def main() -> None:
     """Print the whole fingerprint as JSON: run in a process of its own, which the contract holds."""
-    import json  # noqa: PLC0415
-
     print(json.dumps(fingerprint() | network_fingerprint()))
 
 

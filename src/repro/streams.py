@@ -25,7 +25,6 @@ class Stream(IntEnum):
     OWN_REFINE = 15
     OWN_BOOTSTRAP = 16
     TRACKED_ARMS = 17
-    WHY = 18
     SPREAD_ARMS = 19
     COVERAGE_ARMS = 20
     COVERAGE_GUESSES = 21

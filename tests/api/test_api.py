@@ -20,7 +20,7 @@ from repro.config import load_config
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.model.dynamics import forward_dynamics
 from repro.pipeline.experiment import read_recording
-from repro.pipeline.experiment_runs import identify_recording
+from repro.pipeline.identifications import identify_recording
 from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
@@ -135,16 +135,9 @@ def test_a_turned_arm_is_read_by_its_conventions():
 
 @pytest.mark.parametrize(
     ("change", "place"),
-    [
-        ({"q": np.zeros((3, 400))}, "log: q"),
-        ({"tau": np.full((2, 400), np.nan)}, "log: tau"),
-        ({"dq": np.zeros((2, 399))}, "log: dq"),
-        ({"t": np.zeros(400)}, r"log: t\[1\]"),
-        ({"t": np.arange(400.0) / 1e6}, "log: time"),
-        ({"tau": np.zeros((2, 400))}, "log: torque of joint 1"),
-    ],
+    [({"t": np.arange(400.0) / 1e6}, "log: time"), ({"tau": np.zeros((2, 400))}, "log: torque of joint 1")],
 )
-def test_wrong_arrays_are_refused_by_their_field(change, place):
+def test_arrays_that_are_no_recording_are_refused(change, place):
     t = np.arange(400) / 100
     arrays = {"t": t, "q": np.stack([np.sin(t), np.cos(2 * t)]), "tau": np.stack([np.cos(t), np.sin(3 * t)])} | change
     with pytest.raises(repro.InputError, match=f"^{place}: found "):
@@ -236,8 +229,9 @@ def test_tables_and_drawing_of_a_result(result):
     assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
     assert isinstance(result.plot(1), Figure)
     assert "simulated" in result._repr_html_()
-    with pytest.raises(repro.InputError, match=r"^method"):
-        result.of("robust")
+    for call, place in ((lambda: result.of("robust"), "method"), (lambda: result.plot(7), "log: found 7")):
+        with pytest.raises(repro.InputError, match=f"^{place}"):
+            call()
 
 
 def test_simulation_agrees_with_an_independent_integrator(result):
@@ -286,11 +280,6 @@ def test_lists_are_as_good_as_arrays(result):
     assert np.array_equal(repro.regressor(q, q, q), repro.regressor(*(np.array(q),) * 3))
     with pytest.raises(ValueError, match="finite"):
         result.simulate(t, tau, [0, np.nan], [0, 0])
-
-
-def test_a_log_that_is_not_there_is_not_plotted(result):
-    with pytest.raises(repro.InputError, match=r"^log: found 7"):
-        result.plot(7)
 
 
 def test_algorithm1_gives_the_numbers_of_the_workflow():

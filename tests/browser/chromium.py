@@ -23,13 +23,7 @@ def find_chromium():
 
 
 class Chromium:
-    """One browser with one page.
-
-    Attributes
-    ----------
-    events : list of dict
-        Everything the page reported: requests, console messages, exceptions.
-    """
+    """One browser with one page; `events` is what the page reported: requests, console messages, exceptions."""
 
     def __init__(self, seconds=120.0):
         self._profile = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
@@ -44,9 +38,7 @@ class Chromium:
             [find_chromium(), *OPTIONS, f"--user-data-dir={self._profile.name}"],
             preexec_fn=lambda: [os.dup2(fd, wanted) for fd, wanted in zip(theirs, (3, 4), strict=True)],  # noqa: PLW1509
             pass_fds=(3, 4),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+            **dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL),
         )
         for fd in theirs:
             os.close(fd)

@@ -11,9 +11,10 @@ from chromium import Chromium
 from ownarm_example import example_curves, example_result
 from report_example import make_example
 
+from repro.files import write_text
 from repro.ownarm.figures import figures_of
-from repro.ownarm.page import FILES, render_page
-from repro.report.page import write_report
+from repro.ownarm.outputs import FILES, render_page
+from repro.report.page import build_report
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def reproduction(tmp_path_factory):
     if "REPORT_PAGE" in os.environ:
         return Path(os.environ["REPORT_PAGE"]).resolve()
     inputs = make_example(tmp_path_factory.mktemp("project"))
-    write_report(inputs)
+    write_text(inputs.page, build_report(inputs))
     return inputs.page
 
 

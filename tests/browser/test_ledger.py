@@ -1,5 +1,7 @@
 """The ledger of the reproduction's report in a real browser; without Chromium these tests are skipped and say so."""
 
+import itertools
+
 import pytest
 from chromium import find_chromium
 
@@ -29,6 +31,12 @@ def data(page, name):
     return page.evaluate(f"{rows}.map(row => row.dataset[{name!r}])")
 
 
+def enter(page, selector, value):
+    """Type or choose a value."""
+    event = "dispatchEvent(new Event('input', {bubbles: true}))"
+    page.evaluate(f"(box => {{ box.value = {value!r}; box.{event}; }})(document.querySelector('{selector}'))")
+
+
 def numbers(texts):
     return [float(text) for text in texts if text != NOTHING]
 
@@ -36,10 +44,7 @@ def numbers(texts):
 def test_the_ledger_is_searched_and_filtered(page):
     everything = len(column(page, 0))
     word = data(page, "place")[-1]
-    page.evaluate(
-        f"(box => {{ box.value = {word.upper()!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})"
-        "(document.getElementById('search'))"
-    )
+    enter(page, "#search", word.upper())
     assert 0 < len(column(page, 0)) < everything
     assert page.evaluate("document.getElementById('shown').textContent").startswith(f"{len(column(page, 0))} of ")
     page.evaluate("document.querySelector('#filters [type=reset]').click()")
@@ -47,11 +52,9 @@ def test_the_ledger_is_searched_and_filtered(page):
     assert len(column(page, 0)) == everything
     for field in ("verdict", "place", "basis"):
         wanted = data(page, field)[-1]
-        choose = "(box => {{ box.value = {!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})"
-        box = f"(document.querySelector('[data-filter={field}]'))"
-        page.evaluate(choose.format(wanted) + box)
+        enter(page, f"[data-filter={field}]", wanted)
         assert set(data(page, field)) == {wanted}
-        page.evaluate(choose.format("") + box)
+        enter(page, f"[data-filter={field}]", "")
     page.evaluate("document.getElementById('asserted').click()")
     assert 0 < len(column(page, 0)) < everything
     assert all("asserted" in text for text in column(page, 0))
@@ -60,18 +63,12 @@ def test_the_ledger_is_searched_and_filtered(page):
 def test_the_ledger_is_sorted_by_the_buttons_in_its_header(page):
     press = "document.querySelectorAll('#ledger thead th button')[{}].click()"
     state = "[...document.querySelectorAll('#ledger thead th')].map(head => head.getAttribute('aria-sort'))"
-    for place in (2, 3, 4, 5):
+    for place, (order, falling) in itertools.product((2, 3, 4, 5), (("ascending", False), ("descending", True))):
         page.evaluate(press.format(place))
-        rising = column(page, place)
-        assert numbers(rising) == sorted(numbers(rising))
-        assert NOTHING not in rising[: len(numbers(rising))]
-        assert [name for name in page.evaluate(state) if name] == ["ascending"]
-        assert page.evaluate(state)[place] == "ascending"
-        page.evaluate(press.format(place))
-        falling = column(page, place)
-        assert numbers(falling) == sorted(numbers(falling), reverse=True)
-        assert NOTHING not in falling[: len(numbers(falling))]
-        assert page.evaluate(state)[place] == "descending"
+        texts = column(page, place)
+        assert numbers(texts) == sorted(numbers(texts), reverse=falling)
+        assert NOTHING not in texts[: len(numbers(texts))]
+        assert {at: name for at, name in enumerate(page.evaluate(state)) if name} == {place: order}
     page.evaluate(press.format(1))
     assert column(page, 1) == sorted(column(page, 1))
 
@@ -79,10 +76,7 @@ def test_the_ledger_is_sorted_by_the_buttons_in_its_header(page):
 def test_a_link_to_a_hidden_row_shows_it(page):
     claim = page.evaluate("document.querySelector('#ledger tbody tr:last-child').id")
     hidden = f"document.getElementById({claim!r}).hidden"
-    page.evaluate(
-        "(box => { box.value = 'zzz'; box.dispatchEvent(new Event('input', {bubbles: true})); })"
-        "(document.getElementById('search'))"
-    )
+    enter(page, "#search", "zzz")
     assert page.evaluate(hidden)
     page.evaluate(f"location.hash = '#' + {claim!r}")
     page.evaluate("new Promise(done => setTimeout(done, 200))")

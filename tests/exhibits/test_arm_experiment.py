@@ -17,18 +17,12 @@ from experiment_example import (
     short_config,
 )
 
-from repro.exhibits.arm_experiment import (
-    HIGHEST,
-    identification_curves,
-    shown_estimates,
-    stability_table,
-    tip_paths,
-    validation_curves,
-)
+from repro.exhibits.arm_experiment import HIGHEST, shown_estimates, stability_table, tip_paths, torque_curves
+from repro.exhibits.panels import long_table
 from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import program_settings, read_recording, true_parameters
-from repro.pipeline.experiment_runs import every_seed, least_squares_of, score_runs
-from repro.settings import metric_settings, signal_settings
+from repro.pipeline.identifications import every_seed, least_squares_of
+from repro.settings import signal_settings
 
 CONFIG = short_config()
 TRUE = true_parameters(CONFIG)
@@ -49,17 +43,6 @@ def curve(frame, panel, series):
     return rows["x"].to_numpy(), rows["y"].to_numpy()
 
 
-def test_every_seed_has_a_part_in_what_has_no_seed_of_its_own():
-    runs = every_seed(RUNS)
-    assert [run["seed"] for run in runs] == [1, 2, 3, 1, 2, 3]
-    for run in runs[3:]:
-        assert set(run["arms"]["ID"]["methods"]) == {"least-squares", "bounded", "consistent", "true"}
-        assert run["arms"] == RUNS[-1]["arms"]
-    assert runs[:3] == RUNS[:3]
-    assert [run["seed"] for run in every_seed(RUNS[-1:])] == [0]
-    assert RUNS[-1]["seed"] == 0  # as it was
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
     runs = every_seed(RUNS)[::order]
@@ -77,11 +60,10 @@ def test_the_seed_that_stands_for_a_method_is_the_median_one_on_id(order):
 
 @pytest.mark.parametrize("motion", ["ID", "T4"])
 def test_spectra_are_those_of_the_curves_over_frequency_in_hertz(recordings, motion):
-    if motion == "ID":
-        draw, prefix = (lambda spectra: identification_curves(recordings["ID"], SIGNALS, ESTIMATES, spectra)), ""
-    else:
-        draw, prefix = (lambda spectra: validation_curves([recordings["T4"]], SIGNALS, ESTIMATES, spectra)), "T4 "
-    in_time, in_frequency = draw(False), draw(True)
+    prefix = "" if motion == "ID" else f"{motion} "
+    in_time, in_frequency = (
+        long_table(torque_curves([recordings[motion]], SIGNALS, ESTIMATES, spectra)) for spectra in (False, True)
+    )
     for joint in (1, 2):
         for series in ("measured", "least-squares"):
             _, tau = curve(in_time, f"{prefix}torque{joint}", series)
@@ -112,18 +94,6 @@ def test_conditions_that_do_not_hold_are_told():
     slack[5:7] = 1e-9
     table = stability_table({"true": slack}, ["true"]).set_index("quantity")
     assert not table["holds"]["Dissipation (Eq. 18)"]
-
-
-def test_scores_are_of_the_motion_and_the_truth_is_above_what_is_wrong(recordings):
-    runs = every_seed(RUNS)
-    table = score_runs(runs, [recordings["ID"], recordings["T4"]], SIGNALS, metric_settings(CONFIG))
-    assert len(table) == 3 * (3 + 4) * 2 * 2  # seeds, methods, motions, joints
-    total = table.groupby(["method", "case"])["total"].mean()
-    for case in ("ID", "T4"):
-        assert total["true", case] > total["least-squares", case]
-        assert total["true", case] > 0.9
-    seeded = table[table["method"] == "true"].groupby(["case", "joint"])["total"].nunique()
-    assert (seeded == 1).all()
 
 
 def test_the_field_s_methods_keep_what_they_promise(recordings):

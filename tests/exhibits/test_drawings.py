@@ -2,11 +2,8 @@
 
 import io
 import itertools
-import os
 import re
 import struct
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +11,6 @@ import matplotlib as mpl
 import pandas as pd
 import pytest
 from exhibit_examples import (
-    EXHIBITS,
     FIGURES,
     FRAMES,
     LAYOUTS,
@@ -33,9 +29,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 from pytest_regressions.image_regression import ImageRegressionFixture
 
-from repro.errors import InputError
 from repro.exhibits import style
-from repro.exhibits.make import draw, lay_out
 
 pytestmark = pytest.mark.slow
 
@@ -51,11 +45,6 @@ def figure(request: pytest.FixtureRequest) -> Iterator[Figure]:
         FigureCanvasAgg(made).draw()
         made.set_label(request.param)
         yield made
-
-
-def test_every_figure_has_an_example() -> None:
-    assert set(FRAMES) == set(FIGURES)
-    assert set(TABLES) == set(LAYOUTS)
 
 
 # Every fourth: they share one style, and CI compares all figures of two runs of the workflow.
@@ -87,33 +76,16 @@ def test_figure_files_are_whole_and_look_as_they_did(
     assert float(box[2]) / 72 == pytest.approx(height / 300, abs=0.01)
 
 
-def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
-    name = "fig12"
-    here = drawn(tmp_path, name, FRAMES[name]())
-    code = (
-        "import sys; from pathlib import Path; from repro.exhibits import make, numeric_tests;"
-        "make.draw(numeric_tests.fig12, *(Path(p) for p in sys.argv[1:]))"
-    )
-    paths = [str(tmp_path / file) for file in (f"{name}.csv", "other.pdf", "other.png")]
-    subprocess.run([sys.executable, "-c", code, *paths], check=True, env={**os.environ, "PYTHONHASHSEED": "7"})
-    assert here == tuple((tmp_path / f"other.{kind}").read_bytes() for kind in ("pdf", "png"))
-
-
 def test_nothing_is_clipped_small_or_overlapping(figure: Figure) -> None:
     assert figure.get_size_inches()[0] in (3.5, 7.16)
     whole = figure.get_tightbbox()
-    width, height = figure.get_size_inches()
-    assert whole.x0 > -0.01
-    assert whole.y0 > -0.01
-    assert whole.x1 < width + 0.01
-    assert whole.y1 < height + 0.01
+    assert min(whole.min) > -0.01
+    assert (whole.max < figure.get_size_inches() + 0.01).all()
     texts = shown_texts(figure)
     assert len(texts) > 4
     for text, box in texts:
         assert text.get_fontsize() >= 7.0, text.get_text()
-        assert box.x0 >= 0 <= box.y0, text.get_text()
-        assert box.x1 <= figure.bbox.x1, text.get_text()
-        assert box.y1 <= figure.bbox.y1, text.get_text()
+        assert (box.min >= 0).all() and (box.max <= figure.bbox.max).all(), text.get_text()
     for (one, box), (other, second) in itertools.combinations(texts, 2):
         common = Bbox.intersection(box, second)
         overlap = common is not None and min(common.width, common.height) > 1.0
@@ -129,17 +101,6 @@ def test_axis_labels_carry_a_unit(figure: Figure) -> None:
     assert len(labels) >= 2 or figure.get_label() in WITHOUT_AXES
 
 
-def test_missing_files(tmp_path: Path) -> None:
-    nowhere = tmp_path / "nowhere.csv"
-    with pytest.raises(InputError, match="nowhere"):
-        draw(EXHIBITS["figure", "fig06"], nowhere, tmp_path / "a.pdf", tmp_path / "a.png")
-    with pytest.raises(InputError, match="nowhere"):
-        lay_out(EXHIBITS["table", "table02"], nowhere, tmp_path / "a.tex", tmp_path / "a.md")
-    assert not list(tmp_path.iterdir())
-    with pytest.raises(ValueError, match="width"):
-        style.new_figure(5.0, 2.0)
-
-
 @pytest.mark.parametrize("name", list(LAYOUTS))
 def test_tables_are_well_formed(name: str, tmp_path: Path) -> None:
     tex, md = laid_out(tmp_path, name, TABLES[name]())
@@ -147,15 +108,9 @@ def test_tables_are_well_formed(name: str, tmp_path: Path) -> None:
     bare = re.sub(r"\\.", "", tex)
     assert bare.count("{") == bare.count("}")
     assert bare.count("$") % 2 == 0
-    environment = "longtable" if name in LONG else "table*"
-    for part in (
-        rf"\begin{{{environment}}}",
-        r"\caption{",
-        rf"\label{{tab:{name}}}",
-        r"\bottomrule",
-        rf"\end{{{environment}}}",
-    ):
-        assert tex.count(part) == 1
+    kind = "longtable" if name in LONG else "table*"
+    parts = (rf"\begin{{{kind}}}", r"\caption{", rf"\label{{tab:{name}}}", r"\bottomrule", rf"\end{{{kind}}}")
+    assert [tex.count(part) for part in parts] == [1] * 5
     assert tex.count(r"\toprule") == (2 if name in LONG else 1)  # again on every further page
     if name in LONG:
         columns = re.findall(r">\{\\raggedright\\arraybackslash\}p\{[\d.]+in\}", tex)

@@ -1,17 +1,14 @@
 """Text and tables in LaTeX and Markdown: escaped, balanced, and a message that names what is wrong."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-import pytest
-from exhibit_examples import FRAMES, TABLES, laid_out, made, refused
+from exhibit_examples import TABLES, laid_out, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.exhibits import markup, variants
+from repro.exhibits import markup
 
 
 @given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
@@ -47,24 +44,9 @@ def test_markup_of_formulas_and_units() -> None:
     assert markup.number(-0.12345, 4).md == "-0.1235"
 
 
-@pytest.mark.parametrize(
-    ("name", "spoil", "words"),
-    [
-        ("table04", lambda f: f[:-1], "0 rows"),
-        ("table04", lambda f: pd.concat([f, f[:1]]), "2 rows"),
-        ("table06", lambda f: f.assign(seeds=range(len(f))), "one number of seeds"),
-        ("table06", lambda f: f.assign(seeds=f["method"].map({"algorithm1": 3}).fillna(5)), "3, 5"),
-        ("table06", lambda f: f.assign(seeds=f["case"].map({"N3": 1}).fillna(5)), "1, 5"),
-        ("table07", lambda f: f[f["case"] != "N4"], "case N4"),
-        ("table08", lambda f: pd.concat([f, f]), "2 rows"),
-        ("table09", lambda f: f[1:], "0 rows"),
-        ("verdict", lambda f: f.drop(index=4), "0 rows"),
-    ],
-)
-def test_tables_name_what_is_wrong(
-    name: str, spoil: Callable[[pd.DataFrame], pd.DataFrame], words: str, tmp_path: Path
-) -> None:
-    assert words in refused(laid_out, tmp_path, name, spoil(TABLES[name]()))
+def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
+    frame = TABLES["table07"]()
+    assert "N4" in refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"])
 
 
 def one_finding(**fields: object) -> pd.DataFrame:
@@ -78,19 +60,3 @@ def test_formulas_within_sentences(tmp_path: Path) -> None:
     assert r"$I_{3}$ $-$ $\lambda _{R1}^{\max}$ $\geq$ $-$2 $\times$ 10$^{-3}$ m$^{2}$ \& 5 \%," in tex
     assert r", $g_{f}$ $\rightarrow$ exp(x) &" in tex
     assert "| I₃ - λ\\_R1^max ≥ -2 \N{MULTIPLICATION SIGN} 10⁻³ m² & 5 %, g\\_f → exp(x) |" in md
-
-
-@pytest.mark.slow
-def test_marks_and_written_numbers_are_the_values_given() -> None:
-    frame = FRAMES["ablation"]()
-    figure = made("ablation", frame)
-    marked = {line.get_label(): line.get_xdata() for axes in figure.axes for line in axes.lines}
-    written = {float(text.get_text()) for axes in figure.axes for text in axes.texts}
-    far = frame["value"] < 0.8
-    shown = {quantity: label for panel in variants._PANELS.values() for quantity, (label, _) in panel.items()}
-    for quantity, label in shown.items():
-        rows = frame[(frame["quantity"] == quantity) & ~far]
-        np.testing.assert_allclose(marked[label], 100.0 * rows["value"])
-    assert written == {round(100.0 * value, 2) for value in frame["value"][far]}
-    assert len(written) == 3
-    assert all(axes.get_xlim()[0] > 80.0 for axes in figure.axes)

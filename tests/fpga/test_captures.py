@@ -23,7 +23,7 @@ from repro.pipeline.experiment import (
     read_recording,
     true_parameters,
 )
-from repro.pipeline.experiment_runs import tracking
+from repro.pipeline.identifications import tracking
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
 
@@ -61,8 +61,8 @@ def test_a_capture_is_of_this_configuration_and_its_every_torque_follows_from_it
     levels = {name: list(level) if isinstance(level, tuple) else level for name, level in asdict(levels).items()}
     arm = {**stated, **levels, "ripple_phase": phase.tolist(), "seed": CONFIG["experiment"]["seed"]}
     assert capture.metadata.board["arm"] == arm
-    check = verify_control(capture)
-    assert check.agree == check.checked == len(capture.index) == program.q.shape[1]
+    checked, differing = verify_control(capture)
+    assert differing.size == 0 and checked == len(capture.index) == program.q.shape[1]
 
 
 def test_the_identification_trajectory_is_tracked_as_in_table_8():

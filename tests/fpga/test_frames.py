@@ -6,11 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.fpga.frames import (
-    encode,
-    split_words,
-    valid_words,
-)
+from repro.fpga.frames import encode, split_words, valid_words
 
 # Built by hand: identifier, two int16, two 11-bit torques, two zero bits.
 GOLDEN = {

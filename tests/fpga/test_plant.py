@@ -123,11 +123,3 @@ def test_torque_within_the_dead_band_does_nothing() -> None:
     plain = Plant(ARM, H)
     plain.advance(np.array([[100], [-50]], np.int32), TABLE_8.torque_per_count)
     assert (lazy.state == plain.state).all()
-
-
-def test_the_loop_follows_and_the_encoder_rounds() -> None:
-    program = identification_reference()
-    position, pwm = simulate(Plant(ARM, H), TABLE_8, program.q)
-    error = position[0] * RADIANS_PER_COUNT - program.q
-    assert np.abs(error).max() < 0.05
-    assert np.abs(pwm).max() <= 1023

@@ -10,13 +10,12 @@ import serial
 from fake_board import CONTROL, IDENTITY, PlayedBoard, frames_of, served
 
 from repro.errors import InputError
-from repro.fpga.board import Board
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
-from repro.fpga.server import BoardServer, PtyEndpoint, SocketEndpoint
+from repro.fpga.server import Board, BoardServer, PtyEndpoint, SocketEndpoint
 
 pytestmark = pytest.mark.slow
 
@@ -33,27 +32,21 @@ def opened(port):
     return serial.serial_for_url(port, timeout=5.0)
 
 
-def until(holds):
+def until(found):
     """Wait for what another thread brings about."""
     deadline = time.monotonic() + 10.0
-    while not holds():
+    while not (result := found()):
         assert time.monotonic() < deadline
         time.sleep(0.005)
+    return result
 
 
-def opened_again(endpoint):
-    """Open what may be a new terminal in a moment."""
-    lines = []
-
-    def tried():
-        try:
-            lines.append(opened(endpoint.port))
-        except OSError:
-            return False
-        return True
-
-    until(tried)
-    return lines[0]
+def try_to_open(endpoint):
+    """Open what may be a new terminal in a moment, or not at all."""
+    try:
+        return opened(endpoint.port)
+    except OSError:
+        return None
 
 
 @pytest.mark.parametrize("effects", [Unmodelled(), Unmodelled(stribeck=(0.3, 0.5), ripple=(0.05, 0.02))])
@@ -162,7 +155,7 @@ def test_a_cable_pulled_out_and_in_again(endpoint):
     board = PlayedBoard(FRAMES)
     with served(board, endpoint, real_time=False, injector=injector):
         for _ in range(2):
-            line = opened_again(endpoint)
+            line = until(lambda: try_to_open(endpoint))
             line.write(encode_start(200))
             line.timeout = 0
             data = b""
@@ -187,9 +180,7 @@ def test_a_stall_delays_and_loses_nothing(endpoint):
         line.write(encode_start(200))
         assert line.read(1600) == FRAMES
         taken = time.monotonic() - began
-    stalls = injectors[0].counts()["stall"]
-    assert stalls >= 1
-    assert taken >= 0.05 * stalls
+    assert taken >= 0.05 * injectors[0].counts["stall"] > 0
 
 
 def test_once_ends_when_the_first_host_has_its_motion(endpoint):
@@ -197,12 +188,4 @@ def test_once_ends_when_the_first_host_has_its_motion(endpoint):
         with opened(port) as line:
             line.write(encode_start(200))
             assert line.read(1600) == FRAMES
-
-        def gone():
-            try:
-                opened(port).close()
-            except OSError:
-                return True
-            return False
-
-        until(gone)
+        until(lambda: (line := try_to_open(endpoint)) is None or line.close())

@@ -1,4 +1,4 @@
-"""Preparation against logs that Eq. 1 made, and the least-squares solver against NumPy's and SciPy's."""
+"""Zero-phase filters and preparation against logs that Eq. 1 made, and least squares against NumPy and SciPy."""
 
 from dataclasses import replace
 
@@ -17,18 +17,18 @@ from repro.identification.filtering import (
     FilterSettings,
     choose_cutoff,
     choose_steepness,
+    dct_pair,
     estimate_delay,
+    filter_coefficient,
     prepare,
-    smooth_motion,
 )
 from repro.identification.regression import drop_standstill
 from repro.identification.solve import reduced_problem, solve
 from repro.model.dynamics import regressor
+from repro.signals.dct import dct2low
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
-#: Axis of the samples.
-SIGNALS = {"t": 0, "y": 1, "tau": 1, "even_odd": 2, "q": 1, "dq": 1, "ddq": 1, "mask": 1}
 
 every_filter = pytest.mark.parametrize("name", sorted(FILTERS))
 
@@ -36,6 +36,97 @@ every_filter = pytest.mark.parametrize("name", sorted(FILTERS))
 def rounded(log, step):
     """The log as an encoder of this resolution records it."""
     return log if step == 0.0 else replace(log, q=step * np.round(log.q / step))
+
+
+# Filters against sines, polynomials and the cosine series written out.
+H = 1.0 / 200.0
+T = H * np.arange(4000)
+#: Away from the edges.
+MIDDLE = slice(1000, 3000)
+
+
+def response(name, frequency, cutoff, h=H, order=0):
+    """Gain of a filter at a frequency, complex, by least squares in the middle of a long sine."""
+    t = h * np.arange(round(20.0 / h))
+    middle = slice(t.size // 4, 3 * t.size // 4)
+    turn = 2 * np.pi * frequency * t
+    filtered = FILTERS[name].apply(np.sin(turn), h, cutoff, order)
+    waves = np.stack([np.sin(turn), np.cos(turn)], axis=-1)
+    (sine, cosine), *_ = np.linalg.lstsq(waves[middle], filtered[middle])
+    return sine + 1j * cosine
+
+
+@every_filter
+@pytest.mark.parametrize(("rate", "cutoff"), [(100, 2.0), (100, 5.0), (200, 1.0), (200, 5.0), (200, 10.0), (1000, 5.0)])
+def test_power_is_halved_at_the_stated_frequency(name, rate, cutoff):
+    assert abs(response(name, cutoff, cutoff, 1.0 / rate)) == pytest.approx(np.sqrt(0.5), rel=0.03)
+
+
+@every_filter
+@settings(max_examples=20)
+@given(seeds)
+def test_derivatives_of_slow_sines_are_the_analytic_ones(name, seed):
+    rng = np.random.default_rng(seed)
+    omega = 2 * np.pi * rng.uniform(0.05, 0.5, (2, 4, 1))
+    amplitude, phase = rng.normal(size=(2, 4, 1)), omega * T + rng.uniform(0, 2 * np.pi, (2, 4, 1))
+    exact = (
+        (amplitude * np.sin(phase)).sum(1),
+        (amplitude * omega * np.cos(phase)).sum(1),
+        (-amplitude * omega**2 * np.sin(phase)).sum(1),
+    )
+    for order, expected in enumerate(exact):
+        found = FILTERS[name].apply(exact[0], H, 15.0, order)
+        assert found.shape == exact[0].shape
+        error = np.abs(found - expected)[:, MIDDLE]
+        assert error.max() < 2e-3 * np.abs(expected).max()
+
+
+@every_filter
+@settings(max_examples=20)
+@given(seeds, st.floats(-5.0, 5.0), st.sampled_from([0, 1, 2]))
+def test_filters_are_linear(name, seed, factor, order):
+    x, other = np.random.default_rng(seed).normal(size=(2, 3, 300))
+    apply = FILTERS[name].apply
+    together, apart = apply(x + factor * other, H, 5.0, order), apply(x, H, 5.0, order)
+    expected = apart + factor * apply(other, H, 5.0, order)
+    np.testing.assert_allclose(together, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+@given(seeds, st.integers(2, 200), st.floats(0.5, 20.0))
+def test_the_pair_s_low_pass_is_the_paper_s(seed, n, cutoff):
+    x = np.random.default_rng(seed).normal(size=(2, n))
+    np.testing.assert_allclose(dct_pair(x, H, cutoff), dct2low(x, H, filter_coefficient(cutoff)), rtol=0, atol=1e-12)
+
+
+def cosine_series(x, h, cutoff):
+    """The filtered signal as a function of any time, real or complex, one term after the other."""
+    n = x.size
+    i = np.arange(n)
+    bands = np.array([np.sum(x * np.cos(np.pi * k * (2 * i + 1) / (2 * n))) * (2 - (k == 0)) / n for k in range(n)])
+    omega = np.pi * np.arange(n) / (n * h)
+    # Half power at the cut-off: exp(-c omega^2) = 2^(-1/2).
+    gain = 2.0 ** (-0.5 * (omega / (2 * np.pi * cutoff)) ** 2)
+    return lambda t: np.sum(gain * bands * np.cos(omega * (t[:, np.newaxis] + h / 2)), axis=-1)
+
+
+@pytest.mark.parametrize(("n", "cutoff"), [(2, 30.0), (31, 3.0), (31, 30.0), (120, 3.0), (121, 50.0)])
+def test_the_pair_s_derivatives_are_those_of_the_cosine_series(n, cutoff):
+    x = np.random.default_rng(n).normal(size=n)
+    series, t, step = cosine_series(x, H, cutoff), H * np.arange(n), 1e-4 * H
+    smooth, slope, curvature = (dct_pair(x, H, cutoff, order) for order in (0, 1, 2))
+    np.testing.assert_allclose(smooth, series(t + 0j).real, rtol=0, atol=1e-12)
+
+    def derivative(at):
+        # A complex step subtracts nothing and so loses no digits.
+        return series(at + 1e-20j).imag / 1e-20
+
+    def close(found, expected):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+
+    close(slope, derivative(t))
+    close(curvature, (derivative(t + step) - derivative(t - step)) / (2 * step))
+    # Between the samples too, it is a derivative: differences of the series agree.
+    close(slope, ((series(t + step + 0j) - series(t - step + 0j)) / (2 * step)).real)
 
 
 # Preparation.
@@ -49,17 +140,6 @@ def test_a_clean_log_gives_the_arm_back(name, cutoff):
     beta = solve(found.y, found.tau)
     np.testing.assert_allclose(beta[:5], BETA[:5], rtol=0.004)
     np.testing.assert_allclose(beta[5:], BETA[5:], rtol=0.008)
-
-
-@every_filter
-def test_smoothed_motion_is_the_motion(name):
-    found = prepare(LOG, FilterSettings(name=name, cutoff=8.0))
-    for ours, exact in zip((found.q, found.dq, found.ddq), log_example.motion(found.t), strict=True):
-        assert np.abs(ours - exact).max() < 0.01 * np.abs(exact).max()
-    whole = smooth_motion(LOG.q, 1.0 / 200.0, FilterSettings(name=name, cutoff=8.0))
-    for ours, part in zip((found.q, found.dq, found.ddq), whole, strict=True):
-        kept = part[:, np.searchsorted(LOG.t, found.t)]
-        np.testing.assert_allclose(ours, kept, rtol=0, atol=1e-9 * np.abs(part).max())
 
 
 @pytest.mark.parametrize("cut", [0.1, 0.3, 2.0])
@@ -87,31 +167,7 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
         prepare(short, FilterSettings())
 
 
-@pytest.mark.slow
-@given(st.lists(st.integers(0, 100), min_size=1, max_size=30))
-@settings(max_examples=20)
-def test_take_gives_the_samples_asked_for_in_their_order(rows):
-    found = prepare(LOG, FilterSettings())
-    taken = found.take(np.array(rows))
-    for field, axis in SIGNALS.items():
-        for place, row in enumerate(rows):
-            ours = np.take(getattr(taken, field), place, axis)
-            np.testing.assert_array_equal(ours, np.take(getattr(found, field), row, axis))
-        assert getattr(taken, field).shape[axis] == len(rows)
-    assert taken.h == found.h
-
-
 # Delay.
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [100.0, 300.0, 1000.0])
-@pytest.mark.parametrize("late", [-7.3, 4.1])
-def test_delay_is_found_at_any_rate_and_in_noise(rate, late):
-    log = log_from(broadband, rate=rate, delay=1e-3 * late)
-    noise = 0.05 * log.tau.std() * np.random.default_rng(2).normal(size=log.tau.shape)
-    noisy = rounded(replace(log, tau=log.tau + noise), 1e-4)
-    assert 1e3 * estimate_delay(noisy, FilterSettings(cutoff=6.0))[0] == pytest.approx(late, abs=0.3)
 
 
 @pytest.mark.slow

@@ -1,21 +1,28 @@
-"""Regressions: several logs as one, samples of standstill, and the correlation of residuals."""
+"""Regressions: several logs as one, standstill, the correlation of residuals, and a Gaussian prior."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from log_example import BETA, motion
-from regression_example import CUTOFF, H, beta_of, noisy_problem, regression_of
+from ownarm_problem import noisy
+from regression_example import H, beta_of, noisy_problem, regression_of
+from scipy.optimize import lsq_linear
 from strategies import seeds
 
+from repro.identification.excitation import excitation
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import (
     STANDSTILL_SPEED,
+    Prior,
     drop_standstill,
     joined,
     residual_autocorrelation,
 )
 from repro.identification.solve import solve
+from repro.identification.uncertainty import Perturbation, attach_prior, bootstrap
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 
@@ -106,9 +113,122 @@ def test_whiteness_of_a_residual_made_by_hand():
     assert residual_autocorrelation(regression_of(zero, np.array([[2.0] * 4, [0.0] * 4]), H), BETA, 1 / H) == (0.0, 0.0)
 
 
-def test_the_lag_is_a_period_of_the_cutoff():
-    n = 5000
-    t = H * np.arange(n)
-    at_cutoff, at_half = np.sin(2 * np.pi * CUTOFF * t), np.sin(np.pi * CUTOFF * t)
-    found = residual_autocorrelation(regression_of(np.zeros((2, n, 9)), np.stack([at_cutoff, at_half])), BETA, CUTOFF)
-    assert found == pytest.approx((1.0, -1.0), abs=0.01)
+# A Gaussian prior, against Bayesian linear regression in closed form and a simulated arm with known truth.
+
+
+SIZE = 0.05
+NOTHING = np.full(9, np.inf)
+
+
+def prior_of(**entries):
+    names = ("I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2")
+    mean, sd = np.zeros(9), NOTHING.copy()
+    for name, (value, spread) in entries.items():
+        mean[names.index(name)], sd[names.index(name)] = value, spread
+    return Prior(mean, sd)
+
+
+def posterior(regression, prior, variance):
+    """Mean and covariance of Bayesian linear regression with white noise of this variance in each row."""
+    rows, tau = regression.y.reshape(-1, 9), regression.tau.reshape(-1)
+    before = np.diag(np.where(np.isfinite(prior.sd), 1.0 / prior.sd**2, 0.0))
+    covariance = np.linalg.inv(rows.T @ rows / variance + before)
+    return covariance @ (rows.T @ tau / variance + before @ prior.mean), covariance
+
+
+PRIOR = prior_of(
+    I1=(BETA[0] + 4e-4, 4e-4), g1=(BETA[3] - 4e-3, 4e-3), b1=(BETA[5] + 1e-3, 1e-3), k2=(BETA[8] - 2e-3, 3e-3)
+)
+
+
+@pytest.mark.parametrize("name", ["ordinary", "bounded", "consistent"])
+def test_the_estimate_is_the_mean_of_the_posterior(name):
+    r = noisy(BETA, size=SIZE)
+    r = replace(r, prior=replace(PRIOR, variance=SIZE**2))
+    expected, _ = posterior(r, PRIOR, SIZE**2)
+    alone, _ = posterior(r, prior_of(), SIZE**2)
+    assert (expected > 0.0).all()
+    assert METHODS[name].estimate(r).beta == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    assert np.abs(expected - alone).max() > 5e-4
+
+
+@pytest.mark.parametrize("name", ["weighted", "robust", "instrumental"])
+def test_methods_that_weight_rows_are_between_the_log_and_the_prior(name):
+    r = noisy(BETA, size=SIZE)
+    r = replace(r, even_odd=np.stack([r.y, r.y]))
+    found = METHODS[name].estimate(replace(r, prior=replace(PRIOR, variance=SIZE**2))).beta
+    expected, covariance = posterior(r, PRIOR, SIZE**2)
+    assert np.abs(found - expected).max() < 0.6 * np.sqrt(covariance.diagonal()).max()
+    strong = METHODS[name].estimate(replace(r, prior=Prior(PRIOR.mean, 1e-4 * PRIOR.sd, SIZE**2))).beta
+    assert strong[[0, 3, 5, 8]] == pytest.approx(PRIOR.mean[[0, 3, 5, 8]], rel=1e-3)
+
+
+def test_bounds_apply_next_to_a_prior():
+    r, prior = noisy(BETA, size=SIZE), prior_of(b1=(0.0, 1e-3), b2=(-0.5, 1e-3))
+    r = replace(r, prior=replace(prior, variance=SIZE**2))
+    rows = np.vstack([r.y.reshape(-1, 9) / SIZE, np.diag([0.0] * 5 + [1e3, 1e3, 0.0, 0.0])])
+    right = np.concatenate([r.tau.reshape(-1) / SIZE, prior.mean * 1e3])
+    expected = lsq_linear(rows, right, (0.0, np.inf), tol=1e-14).x
+    found = METHODS["bounded"].estimate(r).beta
+    assert found == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    assert found[6] == 0.0
+
+
+def test_known_parameters_count_as_determined():
+    still = replace(noisy(BETA, size=SIZE), y=np.zeros_like(noisy(BETA, size=SIZE).y))
+    assert excitation(replace(still, prior=Prior(BETA, np.zeros(9)))).rank == 9
+    assert excitation(replace(still, prior=Prior(BETA, np.r_[np.zeros(4), np.full(5, np.inf)]))).rank == 4
+
+
+@pytest.mark.parametrize("name", [name for name in METHODS if name != "instrumental"])
+def test_a_known_parameter_is_kept_and_the_others_are_fitted_to_the_rest(name):
+    r, prior = noisy(BETA, size=SIZE), prior_of(I1=(1.05 * BETA[0], 0.0), k1=(0.5 * BETA[7], 0.0))
+    kept = [0, 7]
+    free = [k for k in range(9) if k not in kept]
+    found = METHODS[name].estimate(replace(r, prior=prior)).beta
+    assert found[kept] == pytest.approx(prior.mean[kept], abs=0)
+    if name in ("ordinary", "bounded", "consistent"):
+        rest = r.tau.reshape(-1) - r.y.reshape(-1, 9)[:, kept] @ prior.mean[kept]
+        expected = np.linalg.lstsq(r.y.reshape(-1, 9)[:, free], rest, rcond=None)[0]
+        assert (expected > 0.0).all()
+        assert found[free] == pytest.approx(expected, rel=1e-6)
+    assert METHODS[name].repeat(replace(r, prior=prior), METHODS[name].estimate(replace(r, prior=prior))) == (
+        pytest.approx(found, rel=1e-9)
+    )
+
+
+def test_standard_errors_are_those_of_the_posterior():
+    method, found = METHODS["ordinary"], []
+    for seed in range(7):
+        r = noisy(BETA, seed=seed, size=SIZE)
+        attached, others = attach_prior(PRIOR, r, {})
+        assert attached.prior.variance == pytest.approx(SIZE**2, rel=0.1)
+        assert attached.prior.correlated == pytest.approx(1.0, abs=0.3)
+        spread = bootstrap(method, attached, method.estimate(attached), others, np.random.default_rng(seed))
+        found.append(spread.standard_error)
+    _, covariance = posterior(r, PRIOR, SIZE**2)
+    assert np.median(found, axis=0) == pytest.approx(np.sqrt(covariance.diagonal()), rel=0.2)
+
+
+def test_the_log_counts_by_its_whole_variance():
+    # Two analyses 0.2 apart in g1: the log alone has this standard uncertainty, many times its sampling error.
+    r, prior = noisy(BETA, size=SIZE), prior_of(g1=(BETA[3] + 0.3, 0.1))
+    apart = Perturbation(tuple(replace(r, tau=r.tau + step * r.y[..., 3]) for step in (-0.2, 0.2)))
+    attached, others = attach_prior(prior, r, {"delay": apart})
+    method = METHODS["ordinary"]
+    estimate = method.estimate(attached)
+    weight = 0.1**2 / (0.1**2 + 0.2**2)
+    assert estimate.beta[3] == pytest.approx(weight * BETA[3] + (1.0 - weight) * prior.mean[3], abs=0.02)
+    spread = bootstrap(method, attached, estimate, others, np.random.default_rng(1))
+    assert spread.standard_error[3] == pytest.approx(0.1 * 0.2 / np.hypot(0.1, 0.2), rel=0.1)
+
+
+def test_what_the_motion_does_not_excite_comes_from_the_prior():
+    r = noisy(BETA, size=SIZE)
+    blind = replace(r, y=r.y * np.array([1, 1, 1, 0, 1, 1, 1, 1, 1]), tau=r.tau - BETA[3] * r.y[..., 3])
+    assert (excitation(blind).rank, excitation(blind).determined[3]) == (8, False)
+    for sd in (0.2, 0.0):
+        seen, _ = attach_prior(prior_of(g1=(3.0, sd)), blind, {})
+        assert (excitation(seen).rank, excitation(seen).determined[3]) == (9, True)
+        for name in ("ordinary", "consistent", "weighted"):
+            assert METHODS[name].estimate(seen).beta[3] == pytest.approx(3.0)

@@ -124,7 +124,7 @@ def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
     rng, content = np.random.default_rng(seed), bytearray(arm.read_bytes())
     for place in rng.integers(0, len(content), 20):
         content[place] = int(rng.integers(256))
-    damaged = arm.with_name("damaged.mcap")
+    damaged = arm.with_name(f"damaged{arm.suffix}")
     damaged.write_bytes(content)
     try:
         assert np.isfinite(read_log(damaged, Arm()).q).all()
@@ -132,7 +132,8 @@ def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
         assert "\n" not in str(error)
 
 
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory):
+@pytest.fixture(scope="module", params=["MCAP", "SQLITE3"])
+def arm(request, tmp_path_factory):
     """The file of a good bag."""
-    return write(tmp_path_factory.mktemp("bags") / "arm", {"/joint_states": states()}) / "arm.mcap"
+    folder = write(tmp_path_factory.mktemp("bags") / "arm", {"/joint_states": states()}, request.param)
+    return next(path for path in folder.iterdir() if path.suffix != ".yaml")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from fake_board import CONTROL, frames_of, metadata, motion
 from log_example import assert_same, columns, recording, text
-from realdata import NAMES, log_file, needs_real_data
 
 from repro.fpga.capture import to_table, write_capture
 from repro.logs.armfile import Arm
@@ -178,22 +177,3 @@ def test_a_decoded_capture_is_the_same_log(tmp_path, read):
     assert log.simulated == whole.simulated
     assert read(table.assign(simulated=1).to_csv(index=False), name="T4.csv").simulated
     assert not read(table.assign(simulated=0).to_csv(index=False), name="T4.csv").simulated
-
-
-@pytest.mark.slow
-@needs_real_data
-@pytest.mark.parametrize(
-    ("name", "rate", "seconds"), list(zip(NAMES, (300, 200, 200), (74.99, 9.986, 9.986), strict=True))
-)
-def test_the_real_arm(name, rate, seconds):
-    log = read_log(log_file(name), Arm())
-    even = uniform(log)
-    description = describe(log, Arm())
-    facts = dict(description.facts)
-    np.testing.assert_allclose(float(facts["rate"].split()[0]), rate, rtol=1e-3)
-    np.testing.assert_allclose(1 / np.diff(even.t), rate, rtol=1e-3)
-    assert facts["length"] == f"{seconds} s"
-    assert facts["gaps"] == "none"
-    assert facts["step of position 1"] == facts["step of position 2"] == "0.000381 rad"
-    assert description.warnings == ()
-    assert not log.simulated

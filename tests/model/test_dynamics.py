@@ -1,4 +1,4 @@
-"""Eq. 1 against pinocchio, MuJoCo and an ODE solver."""
+"""Eq. 1 against pinocchio, MuJoCo and an ODE solver, and the kinematics of both links."""
 
 from dataclasses import asdict
 
@@ -9,22 +9,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from literal import ARMS
-from scipy.integrate import solve_ivp
 from strategies import feasible_betas, links, seeds
 
 from repro.model.dynamics import (
     LAMBDA,
+    ArmGeometry,
     forward_dynamics,
+    forward_kinematics,
     inverse_dynamics,
+    inverse_kinematics,
     mass_matrix,
     rebuild_torque,
     regressor,
 )
-from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links, is_positive, is_positive_definite
+from repro.model.parameters import STANDARD_GRAVITY, inertial_from_links, is_positive, is_positive_definite
 
 N1, N4 = ARMS["N1"], ARMS["N4"]
-
-ARM = Links(m1=1.3, m2=0.7, l1=0.45, lc1=0.2, lc2=0.25, j1=0.03, j2=0.02)
 
 
 def frictionless(arm):
@@ -145,40 +145,6 @@ def test_forward_dynamics_inverts_inverse_dynamics(beta, seed, steepness):
     np.testing.assert_allclose(inverse_dynamics(q, dq, acceleration, beta, steepness), tau, rtol=0, atol=1e-10)
 
 
-def energy(arm, q, dq):
-    """Kinetic plus potential energy from the speed and height of each centre of mass."""
-    q12, w12 = q[0] + q[1], dq[0] + dq[1]
-    speed1 = arm.lc1 * dq[0] * np.array([np.cos(q[0]), np.sin(q[0])])
-    speed2 = arm.l1 * dq[0] * np.array([np.cos(q[0]), np.sin(q[0])]) + arm.lc2 * w12 * np.array(
-        [np.cos(q12), np.sin(q12)]
-    )
-    kinetic = 0.5 * (arm.m1 * np.sum(speed1**2, 0) + arm.m2 * np.sum(speed2**2, 0) + arm.j1 * dq[0] ** 2)
-    kinetic = kinetic + 0.5 * arm.j2 * w12**2
-    height1, height2 = -arm.lc1 * np.cos(q[0]), -arm.l1 * np.cos(q[0]) - arm.lc2 * np.cos(q12)
-    return kinetic + STANDARD_GRAVITY * (arm.m1 * height1 + arm.m2 * height2)
-
-
-@pytest.mark.slow
-def test_energy_grows_by_the_work_of_the_torque_less_that_of_friction():
-    viscous, coulomb = np.array([0.05, 0.02]), np.array([0.3, 0.1])
-    beta = np.concatenate([inertial_from_links(ARM), viscous, coulomb])
-
-    def rate(t, state):
-        q, dq = state[:2], state[2:4]
-        tau = np.array([4.0 * np.sin(3.0 * t), np.cos(5.0 * t)])
-        dissipated = viscous * dq + coulomb * np.tanh(20.0 * dq)
-        return np.concatenate([dq, forward_dynamics(q, dq, tau, beta), [dq @ tau, dq @ dissipated]])
-
-    start = np.array([0.5, -0.3, 0.0, 0.0, 0.0, 0.0])
-    run = solve_ivp(rate, (0.0, 4.0), start, method="DOP853", rtol=1e-11, atol=1e-11)
-    gain = energy(ARM, run.y[:2], run.y[2:4]) - energy(ARM, start[:2], start[2:4])
-    work, loss = run.y[4], run.y[5]
-    assert np.ptp(work) > 1.0
-    assert loss[-1] > 0.5
-    assert (np.diff(loss) >= -1e-12).all()
-    np.testing.assert_allclose(gain, work - loss, rtol=0, atol=1e-8)
-
-
 def test_friction_is_viscous_plus_coulomb_tanh_of_velocity():
     dq = np.array([[-3.0, -0.05, 0.0, 0.01, 2.0], [0.0, 0.1, -0.2, 4.0, -0.03]])
     q, still = np.full_like(dq, 0.7), np.zeros_like(dq)
@@ -203,15 +169,6 @@ def test_batches_equal_one_at_a_time():
     np.testing.assert_allclose(torque[3, 1], inverse_dynamics(q[2, 1], dq[2, 1], ddq[2, 1], betas[3, 1]), atol=1e-12)
     shared = regressor(q[0, 0], dq, ddq)  # one position against a batch of velocities
     np.testing.assert_array_equal(shared[1, 2], regressor(q[0, 0], dq[1, 2], ddq[1, 2]))
-
-
-def test_state_functions_broadcast_states_against_parameter_sets():
-    q, dq, tau = np.random.default_rng(3).uniform(-2.0, 2.0, (3, 6, 2))
-    betas = np.stack([N1, N4])[:, None, :]
-    inertia, acceleration = mass_matrix(q, betas), forward_dynamics(q, dq, tau, betas)
-    assert (inertia.shape, acceleration.shape) == ((2, 6, 2, 2), (2, 6, 2))
-    np.testing.assert_allclose(inertia[1, 4], mass_matrix(q[4], N4), rtol=1e-14)
-    np.testing.assert_allclose(acceleration[1, 4], forward_dynamics(q[4], dq[4], tau[4], N4), rtol=1e-12)
 
 
 GOOD = np.zeros((2, 5))
@@ -252,3 +209,58 @@ def test_bad_motion_is_refused(place, bad):
 def test_bad_beta_is_refused_everywhere(call, bad):
     with pytest.raises(ValueError, match=r"^beta: "):
         call(bad)
+
+
+# Kinematics.
+
+
+ARM = ArmGeometry(0.165, 0.150)
+lengths = st.floats(0.05, 2.0)
+angles = st.floats(-np.pi, np.pi)
+
+
+def column(*values):
+    return np.array(values, dtype=float)[:, None]
+
+
+def test_forward_kinematics_agrees_with_mujoco():
+    # Axis -y, so that a positive turn takes a link that hangs along -z towards +x.
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><body><joint axis="0 -1 0"/><geom type="sphere" size="0.01"/>
+        <body pos="0 0 -0.165"><joint axis="0 -1 0"/><geom type="sphere" size="0.01"/><site pos="0 0 -0.150"/></body>
+        </body></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (2, 20))
+    elbow, tip = forward_kinematics(q, ARM)
+    for k in range(q.shape[1]):
+        data.qpos[:] = q[:, k]
+        mujoco.mj_kinematics(model, data)
+        np.testing.assert_allclose(data.xpos[2][[0, 2]], elbow[:, k], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(data.site_xpos[0][[0, 2]], tip[:, k], rtol=0, atol=1e-14)
+
+
+@given(l1=lengths, l2=lengths, share=st.floats(0.0, 1.0), direction=angles)
+def test_the_tip_lands_on_the_point(l1, l2, share, direction):
+    arm = ArmGeometry(l1, l2)
+    r = abs(l1 - l2) + share * (l1 + l2 - abs(l1 - l2))  # to both edges of the workspace
+    p = r * column(np.cos(direction), np.sin(direction))
+    q = inverse_kinematics(p, arm)
+    np.testing.assert_allclose(forward_kinematics(q, arm)[1], p, rtol=0, atol=2e-12 * arm.reach)
+    assert -np.pi < q[0, 0] <= np.pi
+    assert q[1, 0] >= 0
+
+
+@given(q1=angles, tiny=st.floats(0.0, 1e-6))
+def test_a_nearly_straight_arm_keeps_its_digits(q1, tiny):
+    """The tip fixes q2 only to the root of the rounding there, but it comes back to the tip exactly."""
+    tip = forward_kinematics(column(q1, tiny), ARM)[1]
+    back = inverse_kinematics(tip, ARM)
+    np.testing.assert_allclose(forward_kinematics(back, ARM)[1], tip, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("radius", [0.3151, 0.0149, 0.0, 10.0])
+def test_points_out_of_reach_are_refused(radius):
+    path = np.array([[0.2, radius, 0.2], [0.0, 0.0, 0.1]])
+    with pytest.raises(ValueError, match="from joint 1, got one at"):
+        inverse_kinematics(path, ARM)

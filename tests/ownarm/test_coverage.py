@@ -8,8 +8,8 @@ from board_arms import badly_set_up, multisine, random_arms, recorded, unlike_eq
 from ownarm_problem import loaded
 
 from repro.config import load_config
-from repro.identification.bootstrap import bootstrap
 from repro.identification.least_squares import METHODS
+from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
 from repro.ownarm.prepare import Options, make_problem
 from repro.pipeline.experiment import program_from_config
@@ -30,7 +30,7 @@ def slow():
 def regressions(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
     options = Options(("ordinary",), Path("unused"))
-    problems = [make_problem(loaded(log), (), Arm(), options) for log in logs]
+    problems = [make_problem((loaded(log),), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
 

@@ -28,7 +28,7 @@ def test_the_method_of_the_guide_runs_as_printed(tmp_path, monkeypatch):
     file.write_text(outputs.METHODS_FILE.read_text(encoding="utf-8") + "\n" + source, encoding="utf-8")
     monkeypatch.setattr(outputs, "METHODS_FILE", file)
     problem = prepared_from_file(tmp_path)
-    result, curves = assemble(problem, fit_all(problem, [method], 1, silent, silent), ARM)
+    result, curves = assemble(problem, fit_all(problem, [method], 1, silent), ARM)
     outputs.write_result(tmp_path / "out", result, curves, ARM)
     (written,) = json.loads((tmp_path / "out/parameters.json").read_text())["methods"]
     assert written["method"] == "ridge"

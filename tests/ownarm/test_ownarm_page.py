@@ -25,19 +25,12 @@ from repro.ownarm.figures import (
     draw_overlay,
     draw_parameters,
     draw_spectra,
-    drawn_methods,
     figures_of,
     ordered_titles,
 )
-from repro.ownarm.page import render_page
+from repro.ownarm.outputs import render_page
 from repro.ownarm.result import Curves, Parameter
-from repro.ownarm.tables import (
-    PARAMETER_COLUMNS,
-    SCORE_COLUMNS,
-    parameters_table,
-    rounded,
-    scores_table,
-)
+from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, rounded, scores_table
 
 pytestmark = pytest.mark.slow
 TIMES = style.TIMES
@@ -145,14 +138,6 @@ def test_nothing_is_loaded_and_the_policy_allows_what_is_there(page, text, figur
     assert all(image["alt"] for image in page.all("img"))
 
 
-def test_the_same_result_gives_the_same_bytes(figures, text):
-    first = replace(example_curves(), signals=example_curves().signals[:1])
-    again = figures_of(example_result(validation_logs=()), first)
-    assert set(again) == {"parameters", "cutoff", "overlay-0", "spectra-0"}
-    assert all(figures[name] == content for name, content in again.items())
-    assert render_page(example_result(), example_curves(), figures) == text
-
-
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
     result, curves = example_result(), example_curves()
     wild = method("wild", "Wild", parameters=parameters(np.inf), fit=score(LOGS[0], np.inf, np.nan))
@@ -239,7 +224,8 @@ def drawn(make, *arguments, **options) -> Figure:
 
 def every_figure(simulated=False):
     result, curves = example_result(simulated=simulated), example_curves()
-    titles, methods = ordered_titles(result), drawn_methods(result)
+    titles = ordered_titles(result)
+    methods = list(titles)[:3]
     return {
         "overlay": drawn(draw_overlay, curves.signals[0], methods, titles, simulated),
         "spectra": drawn(draw_spectra, curves.signals[0], methods, titles, simulated),

@@ -89,8 +89,8 @@ def test_each_limit_passed_makes_its_own_warning(excitation, changes, settings, 
 def test_a_short_log_is_warned_of():
     problem = problem_of(exciting(50), delay=0.0)
     for seconds, short in ((14.9, True), (15.1, False)):
-        log = replace(problem.fitted.log, t=np.linspace(0.0, seconds, problem.fitted.log.t.size))
-        ready = replace(problem.logs[0], loaded=replace(problem.fitted, log=log))
+        log = replace(problem.first.loaded.log, t=np.linspace(0.0, seconds, problem.first.loaded.log.t.size))
+        ready = replace(problem.logs[0], loaded=replace(problem.first.loaded, log=log))
         lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
         assert any("short" in line for line in lines) == short
 
@@ -103,7 +103,7 @@ def test_a_joint_without_torque_is_named():
         still = regression.tau * np.where(np.arange(2) == joint - 1, 0.0, 1.0)[:, np.newaxis]
         ready = replace(problem.logs[0], regression=replace(regression, tau=still))
         (line,) = undriven(replace(problem, logs=(ready,)), GOOD)
-        assert line.startswith(f"joint {joint} has next to no torque in {problem.fitted.log.name}")
+        assert line.startswith(f"joint {joint} has next to no torque in {problem.first.loaded.log.name}")
 
 
 @pytest.mark.parametrize(("delay", "words"), [(0.0, None), (0.009, None), (-0.009, "before"), (-0.02, "end of")])

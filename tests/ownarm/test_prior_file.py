@@ -7,23 +7,17 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, prepared_from_file, silent, write_log
+from ownarm_problem import ARM, prepared_from_file, solved, write_log
 
 from repro.cli import main
 from repro.errors import InputError
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import NAMES, UNITS, Links, inertial_from_links
-from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options
-from repro.ownarm.prior import read_prior
+from repro.ownarm.prepare import Options, read_prior
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
 GOOD = {"value": 1.0, "sd": 0.1}
-
-
-def result_of(problem, arm=ARM, methods=("ordinary",)):
-    return assemble(problem, fit_all(problem, [METHODS[name] for name in methods], 1, silent, silent), arm)
 
 
 def test_a_prior_is_read_from_values_and_from_a_result():
@@ -73,7 +67,7 @@ def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
         {"I1": {"value": BETA[0], "sd": 1e-6}, "g1": {"value": BETA[3], "sd": 10.0}, "k1": {"value": 0.2, "sd": 0}}
     )
     problem = prepared_from_file(tmp_path, options=Options(("ordinary",), tmp_path, prior=prior))
-    result, _ = result_of(problem)
+    result, _ = solved(problem)
     i1, g1, k1, b1 = (result.best.parameters[k] for k in (0, 3, 7, 5))
     assert i1.prior_weight == pytest.approx(1.0, abs=0.1)
     assert "mostly from the prior" in i1.verdict
@@ -88,7 +82,7 @@ def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
 def test_a_prior_that_the_log_contradicts_is_named(tmp_path):
     prior = read_prior({"g1": {"value": 0.5 * BETA[3], "sd": 0.02}})
     options = Options(("ordinary",), tmp_path, prior=prior)
-    result, _ = result_of(prepared_from_file(tmp_path, options=options))
+    result, _ = solved(prepared_from_file(tmp_path, options=options))
     assert sum("contradicts the prior of g1" in line for line in result.warnings) == 1
 
 
@@ -96,7 +90,7 @@ def test_a_prior_that_the_log_contradicts_is_named(tmp_path):
 def test_an_arm_in_a_horizontal_plane(tmp_path):
     level = BETA * np.array([1, 1, 1, 0, 0, 1, 1, 1, 1])
     problem = prepared_from_file(tmp_path, LEVEL, beta=level)
-    result, curves = result_of(problem, LEVEL, tuple(METHODS))
+    result, curves = solved(problem, METHODS, LEVEL)
     assert result.excitation.rank == 9
     for method in result.methods:
         found = np.array([p.estimate for p in method.parameters])
@@ -112,11 +106,7 @@ def test_an_arm_in_a_horizontal_plane(tmp_path):
     best = np.array([p.estimate for p in result.best.parameters])
     inertial = [one.find("inertial") for one in model.findall(".//body") if one.find("inertial") is not None]
     (m1, lc1, j1), (m2, lc2, j2) = (
-        (
-            float(one.get("mass")),
-            -float(one.get("pos").split()[2]),
-            float(one.get("diaginertia").split()[1]),
-        )
+        (float(one.get("mass")), -float(one.get("pos").split()[2]), float(one.get("diaginertia").split()[1]))
         for one in inertial
     )
     links = Links(m1=m1, m2=m2, l1=0.3, lc1=lc1, lc2=lc2, j1=j1, j2=j2)

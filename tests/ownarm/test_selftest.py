@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, loaded, silent
+from ownarm_problem import ARM, loaded, silent, solved
 from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
@@ -13,7 +13,7 @@ from repro.identification.least_squares import METHODS
 from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import add_self_test, assemble, fit_all
+from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem
 from repro.ownarm.selftest import self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
@@ -44,7 +44,7 @@ def recorded(seed=0, stribeck=0.0, zero=0.0, jitter=0.0):
 
 
 def problem_of(*logs, options=OPTIONS):
-    return make_problem(logs[0], (), ARM, options, logs[1:])
+    return make_problem(logs, (), ARM, options)
 
 
 def outcome(*logs, seed=1, name="ordinary", draws=5):
@@ -83,7 +83,7 @@ def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
     """White noise of the torque through both filters leaves a share of its size that only the filters decide."""
     _, test = clean
     problem = problem_of(recorded())
-    log, settings = problem.fitted.log, problem.settings
+    log, settings = problem.first.loaded.log, problem.first.settings
     noise = replace(log, tau=NOISE * np.random.default_rng(9).normal(size=log.tau.shape))
     filtered = np.sqrt(np.mean(prepare(noise, settings).tau ** 2, axis=-1))
     torque = np.sqrt(np.mean(problem.regression.tau**2, axis=-1))
@@ -131,16 +131,9 @@ def test_rounded_time_stamps_are_no_jitter():
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
 
 
-def test_several_logs_are_made_each_with_its_own_noise():
-    _, test = outcome(recorded(0), recorded(1, zero=0.08), name="consistent", draws=2)
-    assert not test.model_wrong
-    assert sum(p.hold for p in test.parameters) >= 0.85 * sum(p.intervals for p in test.parameters)
-
-
 def test_the_recommended_method_with_intervals_is_outcome():
     problem = problem_of(recorded())
-    found = fit_all(problem, [METHODS[name] for name in OPTIONS.methods], 1, silent, silent)
-    result, _ = assemble(problem, found, ARM)
+    result, _ = solved(problem, OPTIONS.methods)
     assert result.selftest is None
     (best,) = (m for m in result.methods if m.method == result.recommended)
     test = add_self_test(result, problem, ARM, OPTIONS, silent).selftest

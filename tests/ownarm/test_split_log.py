@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA, columns, motion, recording, text
-from ownarm_problem import ARM, silent
+from ownarm_problem import ARM, solved
 
 from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.least_squares import METHODS
 from repro.logs.log import Log, uniform
-from repro.ownarm.evaluate import assemble, fit_all
 from repro.ownarm.figures import draw_overlay
 from repro.ownarm.prepare import Options, load_log, make_problem
 
@@ -32,17 +30,8 @@ def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("split") / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     log = load_log(path, ARM)
-    problem = make_problem(log, (), ARM, OPTIONS)
-    found = fit_all(problem, [METHODS["ordinary"]], 1, silent, silent)
-    return problem, *assemble(problem, found, ARM)
-
-
-def test_pieces_and_their_lengths_are_told(whole):
-    _, result, _ = whole
-    assert "200 rows with empty cells left out: lines 1802 to 2001" in result.log.notes
-    note = "3 gaps of up to 1.5 s: the log is used in 3 pieces of 8.995, 7.995, 8.495 s; 1 too short, left out"
-    assert note in result.log.notes
-    assert not result.more_logs
+    problem = make_problem((log,), (), ARM, OPTIONS)
+    return problem, *solved(problem)
 
 
 def test_one_delay_one_zero_and_the_parameters_of_all_pieces(whole):

@@ -13,14 +13,7 @@ from repro.identification.calibration import CalibrationError, correct_calibrati
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
-from repro.ownarm.text import (
-    COMBINED,
-    DIFFERENT_ERRORS,
-    NOT_EXCITED,
-    arm_lines,
-    calibration_warnings,
-    verdict,
-)
+from repro.ownarm.text import COMBINED, DIFFERENT_ERRORS, NOT_EXCITED, arm_lines, calibration_warnings, verdict
 
 ERRORS = (
     CalibrationError("zero1", 0.05, 0.002, 0.09, 0.05),

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from repro.paper.our_values import RESULT_SOURCES, evaluate, training_note, values_of
-from repro.paper.published import Published, load_published
+from repro.paper.our_values import RESULT_SOURCES, training_note, values_of
+from repro.paper.published import Published, evaluate, load_published
 
 CONFIG = {"training": {"recipe": "streamed", "paper": {"images": 40}}, "arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
 NUMBER = load_published()["section3/joints"]

@@ -10,10 +10,8 @@ import yaml
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config import check_config
-from repro.documents import read_json
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
-from repro.pipeline.ablation import run_variant, train_variant
 from repro.pipeline.experiment import read_recordings, true_parameters
 from repro.pipeline.interpretations import (
     HEADLINES,
@@ -23,6 +21,7 @@ from repro.pipeline.interpretations import (
     configuration_of,
     network_files,
 )
+from repro.pipeline.networks import run_variant, train_variant
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import of_network, signal_settings
 from repro.signals.metric import metr2ev
@@ -38,9 +37,7 @@ for name in ("paper-recipe", "paper-recipe-ranges"):
     TINY["networks"][name]["training"] |= {"steps": 3, "batch": 2}
 TINY["algorithm1"] |= {"executions": 5, "inner_limit": 2}
 TINY["refinement"] |= {"restarts": 20, "keep": 5, "passes": 2}
-CAPTURES = [
-    str(ROOT / f"data/captures/{name}.{ext}") for name in ("ID", "T1", "T2", "T3", "T4") for ext in ("bin", "json")
-]
+CAPTURES = [ROOT / f"data/captures/{name}.{ext}" for name in ("ID", "T1", "T2", "T3", "T4") for ext in ("bin", "json")]
 
 
 @pytest.mark.slow
@@ -62,7 +59,7 @@ def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     assert changed["training"]["steps"] == reading.longer * of_its_network["training"]["steps"]
 
 
-@pytest.mark.parametrize("name", [name for name, reading in VARIANTS.items() if not reading.trained])
+@pytest.mark.parametrize("name", [name for name, reading in VARIANTS.items() if reading.of])
 def test_a_reading_without_a_network_of_its_own_would_train_the_one_it_takes(name):
     own, taken = (configuration_of(CONFIG, VARIANTS[which]) for which in (name, VARIANTS[name].of))
     assert configuration_digest(own) == configuration_digest(taken)
@@ -77,20 +74,6 @@ def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name)
     assert configuration_digest(configuration_of(CONFIG, VARIANTS[name])) == configuration_digest(own)
 
 
-@pytest.mark.parametrize(
-    ("name", "files"),
-    [
-        ("desired", ("model/cnn.safetensors", "model/training.csv")),
-        ("tracked-measured", ("model/cnn-tracked-measured.safetensors", "model/training-tracked-measured.csv")),
-        ("recipe-paper", ("model/cnn-paper-recipe.safetensors", "model/training-paper-recipe.csv")),
-        ("recipe-ranges", ("model/cnn-paper-recipe-ranges.safetensors", "model/training-paper-recipe-ranges.csv")),
-        ("metric-energy", ("model/cnn.safetensors", "model/training.csv")),
-    ],
-)
-def test_a_reading_takes_the_network_that_is_trained_for_it(name, files):
-    assert network_files(name) == files
-
-
 def true_on_validation():
     """Mean total of the true parameters on T1 to T4."""
     true, signals = true_parameters(CONFIG), signal_settings(CONFIG)
@@ -101,14 +84,13 @@ def true_on_validation():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["label-physical", "recipe-paper", "recipe-ranges"])
 def test_a_reading_is_trained_and_scored(name, tmp_path):
-    weights, history, checkpoint = (str(tmp_path / part) for part in ("w.safetensors", "h.csv", "c.safetensors"))
-    train_variant(name, weights, history, "", checkpoint, TINY)
-    run_variant(name, weights, CAPTURES, str(tmp_path / "out.json"), TINY)
-    table, result = read_csv(Path(history), HISTORY_COLUMNS), read_json(tmp_path / "out.json")
+    weights, history, checkpoint = (tmp_path / part for part in ("w.safetensors", "h.csv", "c.safetensors"))
+    train_variant(name, weights, history, Path(), str(checkpoint), TINY)
+    table, result = read_csv(history, HISTORY_COLUMNS), run_variant(name, weights, CAPTURES, TINY)
     assert table["step"].iloc[-1] == 3
     assert all(0 <= result[key] <= 1 for key in (*HEADLINES, "id_lowest"))
     assert result["arm_true"] == pytest.approx(true_on_validation())  # of the stored captures, whatever the network
-    assert not Path(checkpoint).exists()
+    assert not checkpoint.exists()
 
 
 def test_the_table_has_each_readings_last_held_out_loss():

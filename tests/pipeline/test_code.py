@@ -1,8 +1,5 @@
 """Digests of the code that a job reaches: what changes them, and what does not."""
 
-import hashlib
-import json
-
 import pytest
 
 from repro.pipeline.code import CodeDigests
@@ -27,7 +24,6 @@ def idle():
 """,
     "middle": """
 import math
-from importlib import import_module
 from pack.deep import _helper as helper
 
 def twice(x):
@@ -37,13 +33,6 @@ def twice(x):
 def unused(x):
     return 4 * x
 
-def found(name):
-    return import_module(f"pack.plugins.{name}")
-
-def place(name):
-    return f"pack.plugins.{name}"
-
-TABLE = {("figure", "one"): twice, ("figure", "two"): unused}
 assert 1 < 2
 """,
     "low": "LOW = 1\nHIGH = 2\n",
@@ -51,22 +40,20 @@ assert 1 < 2
     "kinds": "class Kind:\n    size = 1\n",
     "effect": "import math\nmath.tau\n",
     "aside": "ASIDE = 1\n",
-    "plugins/__init__": "",
-    "plugins/first": "VALUE = 1\n",
 }
 
 
 @pytest.fixture
 def package(tmp_path):
     folder = tmp_path / "pack"
-    (folder / "plugins").mkdir(parents=True)
+    folder.mkdir()
     for name, text in FILES.items():
         (folder / f"{name}.py").write_text(text, encoding="utf-8")
     return folder
 
 
 def digest(package, *modules):
-    return CodeDigests(package.parent / "kept.json", package).of(*modules)
+    return CodeDigests(package).of(*modules)
 
 
 def change(package, name, old, new):
@@ -92,7 +79,6 @@ def change(package, name, old, new):
         pytest.param("kinds", "size = 1", "size = 2", False, id="annotation"),
         pytest.param("aside", "ASIDE = 1", "ASIDE = 2", False, id="import for types"),
         pytest.param("effect", "math.tau", "math.pi", True, id="module imported for its effect"),
-        pytest.param("plugins/first", "VALUE = 1", "VALUE = 2", False, id="module found by a name that is not used"),
         pytest.param("__init__", '"""Package."""', "STATE = []\nSTATE.append(1)", True, id="package"),
     ],
 )
@@ -108,43 +94,10 @@ def test_a_module_counts_whole(package):
     assert digest(package, "pack.top") != before
 
 
-def test_modules_found_by_name_count_with_who_finds_them(package):
-    before = digest(package, "pack.middle:found")
-    change(package, "plugins/first", "VALUE = 1", "VALUE = 2")
-    assert digest(package, "pack.middle:found") != before
-
-
-def test_a_text_that_begins_like_a_module_imports_nothing(package):
-    before = digest(package, "pack.middle:place")
-    change(package, "plugins/first", "VALUE = 1", "VALUE = 2")
-    assert digest(package, "pack.middle:place") == before
-
-
-@pytest.mark.parametrize(("entry", "changes"), [("one", False), ("two", True)])
-def test_an_entry_of_a_table_counts_alone(package, entry, changes):
-    name = f"pack.middle:TABLE[{('figure', entry)!r}]"
-    before = digest(package, name)
-    change(package, "middle", "4 * x", "5 * x")
-    assert (digest(package, name) != before) == changes
-
-
 def test_a_script_counts_with_what_it_imports(package, tmp_path):
     script = tmp_path / "script.py"
     script.write_text("from pack.low import LOW\n\nprint(LOW)\n", encoding="utf-8")
-    of = CodeDigests(tmp_path / "kept.json", package).of_script
-    alone, more = of(script), of(script, "pack.aside")
+    alone, more = (CodeDigests(package).of_script(script, *names) for names in ((), ("pack.aside",)))
     assert alone != more
     (package / "low.py").write_text("LOW = 3\n", encoding="utf-8")
-    assert CodeDigests(tmp_path / "kept.json", package).of_script(script) != alone
-
-
-def test_what_was_read_is_kept_and_changes_no_digest(package, tmp_path):
-    first = CodeDigests(tmp_path / "kept.json", package)
-    found = first.of("pack.top")
-    first.keep()
-    assert (tmp_path / "kept.json").is_file()
-    assert CodeDigests(tmp_path / "kept.json", package).of("pack.top") == found
-    other = {hashlib.sha256((package / "top.py").read_bytes()).hexdigest(): ["another version's", []]}
-    for text in ("{", json.dumps(other)):  # damaged, or written by another version: read anew
-        (tmp_path / "kept.json").write_text(text, encoding="utf-8")
-        assert CodeDigests(tmp_path / "kept.json", package).of("pack.top") == found
+    assert CodeDigests(package).of_script(script) != alone

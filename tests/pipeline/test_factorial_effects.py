@@ -99,26 +99,6 @@ def test_equal_or_single_values_are_their_own_interval(values):
     np.testing.assert_allclose(interval(values), 0.7, rtol=1e-15)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("of_blocks", "of_seeds", "rest", "seeds"),
-    [(1.0, 0.0, 0.3, 2), (1.0, 0.2, 0.2, 3), (1.0, 1.0, 0.0, 3), (0.3, 1.0, 0.1, 3)],
-    ids=["blocks", "mostly blocks", "both", "mostly seeds"],
-)
-def test_intervals_cover_the_mean_of_crossed_random_effects(of_blocks, of_seeds, rest, seeds):
-    """12 blocks crossed with 2 or 3 training seeds: about 95 % of the intervals contain the mean.
-
-    The residual is counted in the rows and in the columns, so that they may cover more.
-    """
-    rng, trials, inside = np.random.default_rng(7), 2000, 0
-    for _ in range(trials):
-        values = of_blocks * rng.normal(size=(12, 1)) + of_seeds * rng.normal(size=(1, seeds))
-        values = 0.4 + values + rest * rng.normal(size=(12, seeds))
-        _, low, high = interval(values)
-        inside += low <= 0.4 <= high
-    assert 0.925 < inside / trials < 0.99
-
-
 # --- Cells --------------------------------------------------------------------------------------------------------
 
 

@@ -66,18 +66,6 @@ def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
     assert log.read_text(encoding="utf-8").endswith("half done\n")
 
 
-@pytest.mark.parametrize("failure", [None, InputError(MESSAGE), RuntimeError("x")])
-def test_logging_is_left_as_it_was(log, failure):
-    before = list(logging.getLogger().handlers)
-    try:
-        with job(str(log)):
-            if failure:
-                raise failure
-    except SystemExit:
-        pass
-    assert logging.getLogger().handlers == before
-
-
 @pytest.mark.parametrize("threads", [1, 2])
 def test_threads_are_those_of_the_rule(log, threads):
     with job(str(log), threads):

@@ -9,15 +9,15 @@ from experiment_example import full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identification.algorithm1.conformal import distances, novelty_limit, spread_of
+from repro.identification.algorithm1.conformal import distances, novelty_limit
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.solve import solve
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline.experiment import read_recording
-from repro.pipeline.numeric import mean_training_torque
-from repro.pipeline.tracked import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
+from repro.pipeline.identifications import mean_training_torque
+from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -55,13 +55,15 @@ def tables(config, tmp_path_factory):
         signals = signal_settings(config)
         tau_mean = mean_training_torque(signals, data_settings(config), 1)
         algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(config), refinement_settings(config))
-        recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
-        made = stage.coverage(algorithm1, path, recording, tau_mean, config)
+        patch.setattr(stage, "algorithm1_of", lambda *_: algorithm1)
+        patch.setattr(stage, "read_mean_torque", lambda *_: tau_mean)
+        captures = [Path(config["experiment"]["captures"]) / "ID.bin"]
+        made = stage.check_coverage(captures, Path(), path, Path(), "", config)
     return made, path
 
 
 def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
-    table = tables[0]["coverage"]
+    table = tables[0][0]
     assert len(table) == 3 * (len(NAMES) + 1) * 2
     each = table[table["parameter"] != "all nine"]
     mean = each.groupby(["arms", "level"])[["raw", "calibrated"]].mean()
@@ -74,7 +76,7 @@ def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
 
 
 def test_all_nine_are_covered_at_once_by_intervals_stretched_for_it(tables):
-    together = tables[0]["coverage"].query("parameter == 'all nine'").set_index(["arms", "level"])
+    together = tables[0][0].query("parameter == 'all nine'").set_index(["arms", "level"])
     assert (together["factor"] > 1).all()
     for level, slack in ((0.5, 0.2), (0.9, 0.13)):
         assert together.loc[("unmodelled", level), "calibrated"] == pytest.approx(level, abs=slack)
@@ -104,27 +106,8 @@ def test_the_other_generator_draws_arms_that_links_can_give(config):
     assert correlation[0] > correlation[1] + 0.2
 
 
-@pytest.mark.parametrize("level", [0.5, 0.9])
-def test_the_range_of_the_guesses_is_their_middle_share(level):
-    found = np.broadcast_to(np.linspace(0.0, 1.0, 101)[:, np.newaxis], (40, 101, 9))
-    truth = np.repeat((np.arange(40.0) + 0.5)[:, np.newaxis] / 40, 9, axis=1)  # evenly over the estimates
-    rows = stage._coverage_rows("Eq. 1", found, truth, spread_of(found), np.ones((1, 9)), np.ones(1), (level,))
-    assert {row["raw"] for row in rows} == {level}
-
-
-def test_distributions_of_the_levels_rise_to_one_and_show_what_is_too_narrow(tables):
-    ranks = tables[0]["ranks"]
-    for _, rows in ranks.groupby(["arms", "parameter"]):
-        assert (rows.sort_values("level")[["raw", "calibrated"]].diff().iloc[1:] >= 0).all(axis=None)
-    assert (ranks.loc[ranks["level"] == 1.0, ["raw", "calibrated"]] == 1.0).all(axis=None)
-    half = ranks[(ranks["arms"] == "unmodelled") & np.isclose(ranks["level"], 0.5)]
-    assert half["raw"].mean() < 0.3  # too narrow a spread
-    assert half["calibrated"].mean() == pytest.approx(0.5, abs=0.12)
-    assert set(ranks["known"]) == {40}
-
-
 def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables, config):
-    own = tables[0]["intervals"]
+    own = tables[0][2]
     assert list(own["parameter"]) == list(NAMES)
     back_emf = config["arm"]["back_emf_nm_s_per_rad"] * np.isin(NAMES, ("b1", "b2"))
     np.testing.assert_allclose(own["true"], config["arm"]["parameters"] + back_emf, rtol=1e-12)
@@ -136,9 +119,9 @@ def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tab
     recording = read_recording(Path(config["experiment"]["captures"]) / "ID.bin", config)
     largest = np.abs(recording.regression(signal_settings(config)).tau).max()
     half = (own["high"] - own["low"]).to_numpy() / 2 / largest
-    known = tables[0]["coverage"].query("arms == 'unmodelled' and level == 0.9")["width"].dropna().to_numpy()
+    known = tables[0][0].query("arms == 'unmodelled' and level == 0.9")["width"].dropna().to_numpy()
     assert 0.7 < np.median(half / known) < 1.4
-    assert tables[0]["coverage"]["warned"].max() < 0.2
+    assert tables[0][0]["warned"].max() < 0.2
 
 
 def test_another_motion_is_unlike(tables, config):

@@ -1,13 +1,12 @@
 """Networks that come with the project: taken as they are, and refused if they are another configuration's."""
 
-import copy
 import hashlib
 import shutil
 from pathlib import Path
 
 import pytest
 import torch
-from experiment_example import full_config
+from experiment_example import changed, full_config
 
 from repro.errors import InputError
 from repro.pipeline.networks import algorithm1_of
@@ -22,7 +21,7 @@ NETWORKS = ("published", "tracked-measured", "tracked")
 def taken(folder, network="published", config=CONFIG):
     suffix = "" if network == "published" else f"-{network}"
     out = stored_files(folder, suffix)
-    take_stored(network, out, of_network(config, network))
+    take_stored(suffix, out, of_network(config, network))
     return out
 
 
@@ -52,20 +51,13 @@ def test_the_reference_was_made_with_these_networks():
     assert weights in (ROOT / "docs/reference/model/model-card.md").read_text()
 
 
-def other(**sections):
-    config = copy.deepcopy(CONFIG)
-    for section, values in sections.items():
-        config[section].update(values)
-    return config
-
-
 @pytest.mark.parametrize(
     "config",
     [
-        other(training={"seed": 2}),
-        other(signals={"filter_coefficient": 2e-4}),
-        other(data={"prior": "uniform"}),
-        other(image={"scale": "channel-max"}),
+        changed(CONFIG, training={"seed": 2}),
+        changed(CONFIG, signals={"filter_coefficient": 2e-4}),
+        changed(CONFIG, data={"prior": "uniform"}),
+        changed(CONFIG, image={"scale": "channel-max"}),
     ],
 )
 def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, config):
@@ -77,18 +69,18 @@ def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, con
 
 def test_stored_networks_of_another_configuration_are_refused_before_any_work():
     stored = {"training": {"source": "stored"}}
-    check_stored(other(**stored))
-    check_stored(other(network={"hidden": [80, 40]}))  # these are trained
+    check_stored(changed(CONFIG, **stored))
+    check_stored(changed(CONFIG, network={"hidden": [80, 40]}))  # these are trained
     with pytest.raises(InputError, match=r"cnn\.safetensors: found a network of another configuration"):
-        check_stored(other(**stored, network={"hidden": [80, 40]}))
+        check_stored(changed(CONFIG, **stored, network={"hidden": [80, 40]}))
 
 
 def test_what_does_not_decide_a_network_does_not_refuse_it():
-    same = other(training={"source": "stored", "networks": "elsewhere"}, image={"constant": 5.0})
+    same = changed(CONFIG, training={"source": "stored", "networks": "elsewhere"}, image={"constant": 5.0})
     assert digest(same, "published") == digest(CONFIG, "published")
-    divided = other(image={"scale": "constant", "constant": 5.0})
+    divided = changed(CONFIG, image={"scale": "constant", "constant": 5.0})
     assert digest(divided, "tracked") != digest(CONFIG, "tracked")
-    paper = other(training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
+    paper = changed(CONFIG, training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
     assert digest(paper, "published") == digest(CONFIG, "published")
     assert digest(paper, "paper-recipe") != digest(CONFIG, "paper-recipe")
 
@@ -107,7 +99,7 @@ def test_a_damaged_network_is_refused(tmp_path, fault):
         content[-1] ^= 1
         weights.write_bytes(content)
     with pytest.raises(InputError, match=r"cnn\.safetensors"):
-        taken(tmp_path / "out", config=other(training={"networks": str(folder)}))
+        taken(tmp_path / "out", config=changed(CONFIG, training={"networks": str(folder)}))
     assert not (tmp_path / "out").exists()
 
 
@@ -116,6 +108,5 @@ def test_images_are_read_in_the_arithmetic_asked_for(precision):
     config = of_network(full_config(), "published")
     said = configuration_digest(config)
     asked = {**config, "training": {**config["training"], "precision": precision}}
-    assert algorithm1_of("published", "data/networks/cnn.safetensors", asked, said).network.dtype == getattr(
-        torch, precision
-    )
+    algorithm1 = algorithm1_of("published", Path("data/networks/cnn.safetensors"), asked, said)
+    assert algorithm1.network.dtype == getattr(torch, precision)

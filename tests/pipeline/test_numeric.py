@@ -1,40 +1,42 @@
 """The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
 
-from dataclasses import replace
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 import torch
+from experiment_example import full_config
 
-from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
-from repro.cnn.network import FactoredCNN
-from repro.cnn.priors import sample_beta
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.numeric import (
-    MEAN_ARMS,
+from repro.pipeline.identifications import (
     identify_arms,
     least_squares_of_arms,
     mean_training_torque,
     motion_of,
     score_estimates,
 )
-from repro.settings import NumericSettings
-from repro.signals.dct import SignalSettings, image_regressor
+from repro.settings import numeric_settings, signal_settings
+from repro.signals.dct import image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
-from repro.streams import Stream, stream
 
 ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
     "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
 }
-SIGNALS = SignalSettings()
-NUMERIC = NumericSettings(margin=40, validation_reading="index", validation_samples=3770, arms=ARMS)
+
+
+def with_arms(arms):
+    """The configuration with other numeric arms, and a short validation."""
+    config = full_config()
+    config["numeric"] |= {"arms": {name: beta.tolist() for name, beta in arms.items()}, "validation_samples": 3770}
+    return config
+
+
+CONFIG = with_arms(ARMS)
+SIGNALS = signal_settings(CONFIG)
 METRIC = MetricSettings()
 AWARE = ImageSettings("constant", 4.0)
 
@@ -48,7 +50,7 @@ def run_of(seed, estimates):
 @pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
 def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
     energy = MetricSettings("energy")
-    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], SIGNALS, NUMERIC, energy)
+    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], CONFIG, energy)
     np.testing.assert_allclose(scores["time"], (1 - (1 - factor) ** 2) ** 0.4, rtol=1e-9)
     np.testing.assert_allclose(scores["frequency"], 1.0, atol=1e-6)
     np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], rtol=1e-12)
@@ -56,10 +58,10 @@ def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
 
 def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     estimate = ARMS["N1"] * np.linspace(0.97, 1.03, 9)
-    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], SIGNALS, NUMERIC, METRIC)
+    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], CONFIG, METRIC)
     assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
     for row in scores.itertuples():
-        motion = motion_of(row.trajectory, SIGNALS, NUMERIC, row.seed)
+        motion = motion_of(row.trajectory, SIGNALS, numeric_settings(CONFIG), row.seed)
         tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (ARMS["N1"], estimate))
         expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1])
         assert row.time == pytest.approx(float(expected.time), rel=1e-12)
@@ -68,17 +70,6 @@ def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     on_validation = scores[scores["trajectory"] == "validation"].groupby("joint")["total"].nunique()
     assert (on_id == 1).all()  # the same motion for every seed
     assert (on_validation == 2).all()
-
-
-def test_the_mean_training_torque_is_the_mean_of_the_training_torques():
-    data = DataSettings()
-    tau = mean_training_torque(SIGNALS, data, 1)
-    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    pick = slice(None, None, 377)
-    arms = sample_beta(stream(1, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior)
-    each = inverse_dynamics(motion.q[:, pick], motion.dq[:, pick], motion.ddq[:, pick], arms)
-    assert tau.shape == (2, 3770)
-    np.testing.assert_allclose(tau[:, pick], each.mean(0), rtol=1e-9, atol=1e-12)
 
 
 class PerfectNetwork:
@@ -99,37 +90,20 @@ class PerfectNetwork:
         return torch.from_numpy((right - guess).astype(np.float32))
 
 
-def experiment(**changes):
-    settings = {
-        "variant": "tracked",
-        "data": DataSettings(image=AWARE),
-        "search": SearchSettings(executions=4, inner_limit=3),
-        "refinement": RefinementSettings(restarts=5, keep=9, passes=2),
-        "numeric": NUMERIC,
-    }
-    return SimpleNamespace(**settings | changes)
+def identify(network, arms):
+    search, refinement = SearchSettings(executions=4, inner_limit=3), RefinementSettings(restarts=5, keep=9, passes=2)
+    algorithm1 = Algorithm1("tracked", network, AWARE, search, refinement)
+    tau_mean = mean_training_torque(SIGNALS, DataSettings(), 1)
+    return identify_arms(algorithm1, with_arms(arms), tau_mean, 1)["arms"]
 
 
-def identify(network, e, seed):
-    algorithm1 = Algorithm1(e.variant, network, e.data.image, e.search, e.refinement)
-    return identify_arms(algorithm1, SIGNALS, e.numeric, mean_training_torque(SIGNALS, DataSettings(), 1), seed)
-
-
-@pytest.fixture(scope="module")
-def perfect():
-    """Uses the model of the exact trajectory, so the filter's error remains."""
+def test_a_perfect_network_finds_every_arm():
+    """It uses the model of the exact trajectory, so the filter's error remains."""
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-    return PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
-
-
-@pytest.fixture(scope="module")
-def found(perfect):
-    return identify(perfect, experiment(), 1)
-
-
-def test_a_perfect_network_finds_every_arm(found):
+    network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
+    found = identify(network, ARMS)
     for name, beta in ARMS.items():
-        arm = found["arms"][name]
+        arm = found[name]
         np.testing.assert_array_equal(arm["true"], beta)
         for method in ("algorithm1+tracked", "algorithm1+refinement+tracked"):
             # What is left is the filter's: it rounds the torque's steps, and f of the image does not.
@@ -138,106 +112,20 @@ def test_a_perfect_network_finds_every_arm(found):
         assert arm["executions_over_threshold"] == 4
 
 
-def test_a_perfect_network_needs_one_image_for_each_execution(found):
-    for arm in found["arms"].values():
-        assert arm["methods"]["algorithm1+tracked"]["images"] == 4
-        # Refinement reads 5 fresh guesses, then the best 9 in each of 2 passes, all there are in the first.
-        assert arm["methods"]["algorithm1+refinement+tracked"]["images"] == 4 + 5 + 2 * 9
-
-
-@pytest.fixture(scope="module")
-def untrained():
-    torch.manual_seed(3)
-    return FactoredCNN(NetworkSettings(hidden=(4, 3))).requires_grad_(False)
-
-
-def test_the_same_seed_gives_the_same_result_and_another_another(untrained):
-    published = experiment(variant="published", data=DataSettings())
-    one, again, other = (identify(untrained, published, seed) for seed in (1, 1, 2))
-    assert one == again
-    assert [one["seed"], other["seed"]] == [1, 2]
-    assert one["arms"] != other["arms"]
-
-
-def test_without_passes_there_is_algorithm_1_alone(untrained):
-    literal = experiment(refinement=RefinementSettings(restarts=5, keep=9, passes=0), variant="tracked")
-    result = identify(untrained, literal, 1)
-    whole = identify(untrained, experiment(variant="tracked"), 1)
-    for name, arm in result["arms"].items():
-        assert list(arm["methods"]) == ["algorithm1+tracked"]
-        # The search is the same whether it is refined afterwards or not.
-        assert arm["methods"]["algorithm1+tracked"] == whole["arms"][name]["methods"]["algorithm1+tracked"]
-
-
-def test_refinement_never_ends_below_algorithm_1(untrained, found):
-    for result in (identify(untrained, experiment(), 1), found):
-        for arm in result["arms"].values():
-            literal, control, refined = arm["methods"].values()
-            assert refined["similarity"] >= literal["similarity"] - 1e-12
-            assert control["similarity"] >= literal["similarity"] - 1e-12
-            assert literal["images"] < control["images"] < refined["images"]
-
-
-def test_an_arm_whose_estimates_are_all_impossible_comes_out_as_zeros():
-    class Refused:
-        def __call__(self, u, v):
-            return torch.full((len(u), 9), -10.0)
-
-    literal = experiment(refinement=RefinementSettings(passes=0))
-    result = identify(Refused(), literal, 1)
-    for arm in result["arms"].values():
-        assert arm["executions_over_threshold"] == 0
-        for estimate in arm["methods"].values():
-            assert estimate["beta"] == [0.0] * 9
-            assert estimate["similarity"] == 0.0
-    scores = score_estimates([result], SIGNALS, NUMERIC, METRIC)
-    assert (scores["total"] == 0.0).all()
-
-
-def test_the_control_without_a_network_is_the_same_for_every_network():
-    """And has guesses of its own for every seed and arm."""
-    twins = {"N1": ARMS["N1"], "twin": ARMS["N1"]}
-    settings = experiment(
-        variant="published",
-        search=SearchSettings(executions=4, inner_limit=2500, threshold=0.0),  # met by the first guess
-        refinement=RefinementSettings(restarts=5, keep=100, passes=60),
-        numeric=replace(NUMERIC, arms=twins),
-    )
-
-    def control(residual, seed):
-        found = identify(lambda u, v: torch.full((len(u), 9), residual), settings, seed)["arms"]
-        return {name: arm["methods"]["differential-evolution"] for name, arm in found.items()}
-
-    first, second = control(0.0, 1), control(0.0, 2)
-    assert first == control(0.25, 1)
-    estimates = [estimate for by_arm in (first, second) for estimate in by_arm.values()]
-    assert all(estimate["images"] == 0 and estimate["similarity"] > 0.9 for estimate in estimates)
-    assert len({tuple(estimate["beta"]) for estimate in estimates}) == 4
-
-
-LEAST_SQUARES = least_squares_of_arms(SIGNALS, NUMERIC)
+LEAST_SQUARES = least_squares_of_arms(CONFIG)["arms"]
 
 
 @pytest.mark.parametrize("name", ARMS)
 def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monkeypatch):
-    arm = LEAST_SQUARES["arms"][name]
+    arm = LEAST_SQUARES[name]
     np.testing.assert_array_equal(arm["true"], ARMS[name])
     assert list(arm["methods"]) == ["least-squares", "bounded"]
     seen = []
     monkeypatch.setattr(Algorithm1, "run", lambda _, prepared, *__: (seen.append(prepared.regression) or {}, 0))
-    identify(None, experiment(numeric=replace(NUMERIC, arms={name: ARMS[name]})), 1)
+    identify(None, {name: ARMS[name]})
     (r,) = seen
     expected, *_ = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)
     np.testing.assert_allclose(arm["methods"]["least-squares"]["beta"], expected, rtol=1e-8)
     for estimate in arm["methods"].values():
         # The filter rounds the torque's steps, which biases least squares.
         np.testing.assert_allclose(estimate["beta"], ARMS[name], atol=0.02)
-
-
-def test_bounded_least_squares_keeps_a_parameter_at_zero():
-    """Without the friction of joint 2 the ordinary solution of b2 is below zero."""
-    frictionless = replace(NUMERIC, arms={"N1": ARMS["N1"] * (np.arange(9) != 6)})
-    methods = least_squares_of_arms(SIGNALS, frictionless)["arms"]["N1"]["methods"]
-    assert methods["least-squares"]["beta"][6] < 0.0
-    assert methods["bounded"]["beta"][6] == 0.0
-    assert min(methods["bounded"]["beta"]) >= 0.0

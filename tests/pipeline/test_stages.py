@@ -4,17 +4,14 @@ import json
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
-from experiment_example import full_config
+from experiment_example import full_config, refused
 
 from repro.cnn.network import FactoredCNN, save_network
-from repro.errors import InputError
 from repro.files import write_csv, write_json
-from repro.pipeline.experiment_runs import read_identifications, read_scores
+from repro.pipeline.identifications import read_identifications, read_mean_torque, read_scores, score_estimates
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.numeric import read_mean_torque, score_estimates
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest
 from repro.settings import metric_settings, network_settings, numeric_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory
@@ -37,7 +34,7 @@ def original(tmp_path_factory):
     arms = {name: {"true": beta.tolist(), "methods": estimates[name]} for name, beta in NUMERIC.arms.items()}
     run = {"seed": 1, "variant": "published", "arms": arms}
     write_json(folder / "numeric-seed1.json", run)
-    write_csv(folder / "numeric.csv", score_estimates([run], SIGNALS, NUMERIC, metric_settings(CONFIG)))
+    write_csv(folder / "numeric.csv", score_estimates([run], CONFIG, metric_settings(CONFIG)))
     return folder
 
 
@@ -45,17 +42,6 @@ def original(tmp_path_factory):
 def results(original, tmp_path):
     """A copy that a test may damage."""
     return Path(shutil.copytree(original, tmp_path / "results"))
-
-
-def refused(call, *arguments):
-    """Message of the one line that a call ends in."""
-    with pytest.raises(InputError) as error:
-        call(*arguments)
-    message = str(error.value)
-    assert len(message.splitlines()) == 1
-    assert ": found " in message
-    assert ", expected " in message
-    return message
 
 
 def load(folder, config=CONFIG):
@@ -96,26 +82,12 @@ def test_a_mean_torque_of_another_length_is_refused(results, rows):
     assert "3770" in message
 
 
-def test_weights_of_another_network_are_refused_by_the_layer_that_differs(results):
-    other = {**CONFIG, "network": {**CONFIG["network"], "hidden": [5, 3]}}
-    assert refused(load, results, other).startswith(f"{results / 'cnn.safetensors'}: fc4.")
-
-
 def test_weights_of_another_training_are_refused(results):
     other = {**CONFIG, "training": {**CONFIG["training"], "seed": 2}}
     message = refused(load, results, other)
     digests = (configuration_digest(config) for config in (CONFIG, other))
     path = results / "cnn.safetensors"
     assert message == "{}: header: found {}, expected {}, of the network asked for".format(path, *digests)
-
-
-def test_weights_that_are_not_finite_are_refused(results):
-    path = results / "cnn.safetensors"
-    data = path.read_bytes()
-    path.write_bytes(data[:-4] + np.float32(np.nan).tobytes())
-    message = refused(load, results)
-    assert message.startswith(str(path))
-    assert "finite" in message
 
 
 def edited(change):

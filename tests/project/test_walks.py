@@ -34,9 +34,9 @@ def parsed(path):
 
 
 def names_in(place):
-    """Names that a definition, or a whole script, refers to."""
+    """Names that a definition refers to."""
     node = parsed(file_of(place))
-    for part in place.partition(":")[2].split(".") if ":" in place else ():
+    for part in place.partition(":")[2].split("."):
         node = next(each for each in node.body if part in defined_by(each))
     parts = list(ast.walk(node))
     names = {each.id for each in parts if isinstance(each, ast.Name)}
@@ -52,12 +52,12 @@ def defined_by(statement):
 
 
 def refers(caller, called):
-    """Whether a rule names a script, or a definition names another."""
+    """Whether a rule names a function, or a definition names another."""
     if caller.startswith("workflow/rules/"):
         path, _, rule = caller.partition(":")
         text = (ROOT / path).read_text(encoding="utf-8")
         block = re.search(rf"^rule {rule}:\n(?:(?!^rule ).*\n)*", text, re.MULTILINE)[0] if rule else text
-        return f'"../{called.removeprefix("workflow/")}"' in block
+        return f'"{called}"' in block
     module, _, name = called.partition(":")
     names, attributes = names_in(caller)
     first, *rest = name.split(".")
@@ -66,8 +66,8 @@ def refers(caller, called):
     if first not in names:
         return first in attributes
     own = caller.partition(":")[0]
-    if "/" in own or not hasattr(import_module(own), first):
-        return True  # a script, or an import within the function
+    if not hasattr(import_module(own), first):
+        return True  # an import within the function
     return getattr(import_module(own), first) is getattr(import_module(module), first)
 
 

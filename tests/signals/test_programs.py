@@ -1,4 +1,4 @@
-"""Desired motions of the five recordings, and the limits they must keep."""
+"""Trajectories, desired motions of the five recordings, and the limits they must keep."""
 
 from dataclasses import replace
 
@@ -10,8 +10,7 @@ from scipy.fft import dct, idct
 from strategies import seeds
 
 from repro.errors import InputError
-from repro.model.dynamics import inverse_dynamics
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
+from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics
 from repro.signals.programs import (
     PROGRAMS,
     SPEED_LIMIT,
@@ -24,7 +23,7 @@ from repro.signals.programs import (
     permitted_trajectory,
     reference_trajectory,
 )
-from repro.signals.trajectories import identification_trajectory, quintic
+from repro.signals.trajectories import identification_trajectory, quintic, random_trajectory
 from repro.signals.validation_motions import (
     circle_motion,
     profile_motion,
@@ -154,22 +153,6 @@ def test_a_program_longer_than_the_memory_is_refused():
     assert identification_reference(8192 * H - 380 * H).q.shape[1] == 8192
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: identification_reference(margin=-1), "margin"),
-        (lambda: random_motion(rng(), limit=-1.0), "high: must be finite and above"),
-        (lambda: random_motion(rng(), samples=1), "duration"),
-        (lambda: profile_motion(samples=1), "duration"),
-        (lambda: sinusoidal_motion(h=0.0), "h:"),
-        (lambda: quintic(np.zeros(1), 0.0, np.zeros((3, 2)), np.zeros((3, 2))), "duration"),
-    ],
-)
-def test_wrong_arguments_are_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
 def test_every_program_keeps_the_limits():
     for name in PROGRAMS:
         p = permitted_trajectory(name, SETTINGS, rng(0), ARM)
@@ -230,3 +213,57 @@ def test_torque_limit_of_each_joint(joint):
     assert "\n" not in str(caught.value)
     limits[joint] = 1.01 * needed[joint]
     check_limits(p, ARM, (limits[0], limits[1]))
+
+
+# Trajectories of Eq. 10 and random ones.
+
+
+# Weights of the eighth-order central difference, offsets -4 to 4.
+STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+
+
+def central_difference(x, h):
+    """Derivative of x at its inner samples, shape (..., N - 8)."""
+    windows = np.lib.stride_tricks.sliding_window_view(x, 9, axis=-1)
+    return windows @ STENCIL / h
+
+
+def test_identification_trajectory_is_eq10():
+    motion = identification_trajectory()
+    t = np.arange(3770) * 0.0025
+    np.testing.assert_allclose(motion.time, t, rtol=1e-15)
+    np.testing.assert_allclose(motion.q[0], np.sin(t) + 0.1 * np.cos(2.5 * t + 3.0), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(motion.q[1], -np.cos(t) - 0.1 * np.sin(2.5 * t + 3.0), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("duration", "h"), [(3.0 * np.pi, H), (20.48, H), (5.0, 1e-3)])
+def test_derivatives_are_exact(duration, h):
+    motion = identification_trajectory(duration, h)
+    inner = slice(4, -4)
+    np.testing.assert_allclose(central_difference(motion.q, h), motion.dq[:, inner], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(central_difference(motion.dq, h), motion.ddq[:, inner], rtol=0, atol=1e-10)
+
+
+def test_margin_continues_the_trajectory_on_both_sides():
+    bare, wide = identification_trajectory(5.0), identification_trajectory(5.0, margin=40)
+    assert wide.time.size == bare.time.size + 80
+    for name in ("time", "q", "dq", "ddq"):
+        np.testing.assert_allclose(getattr(wide, name)[..., 40:-40], getattr(bare, name), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(np.diff(wide.time), H, rtol=1e-9)
+    # The derivatives hold across both joins and to the ends.
+    np.testing.assert_allclose(central_difference(wide.q, H), wide.dq[:, 4:-4], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(central_difference(wide.dq, H), wide.ddq[:, 4:-4], rtol=0, atol=1e-10)
+
+
+def make_random(seed, low=0.0, high=1.0, c_f=1e-3):
+    return random_trajectory(np.random.default_rng(seed), 5.0, H, c_f, "rad_per_s", (low, high))
+
+
+@given(seed=seeds, low=st.floats(-2.0, 0.0), span=st.floats(0.1, 3.0))
+def test_random_trajectory_stays_in_its_range_around_the_middle(seed, low, span):
+    # The Gaussian low-pass averages with positive weights, so it cannot leave the range of the numbers.
+    motion = make_random(seed, low, low + span)
+    assert motion.q.min() >= low
+    assert motion.q.max() <= low + span
+    # Mean of 2000 uniform numbers: six standard errors.
+    assert (abs(motion.q.mean(-1) - (low + 0.5 * span)) < 6.0 * span / np.sqrt(12.0 * 2000)).all()

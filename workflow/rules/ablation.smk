@@ -8,13 +8,13 @@ rule ablation_train:
         mem_mb=3000,
         runtime=90,
     params:
-        *code("ablation_train.py"),
+        *call("repro.pipeline.networks:train_variant"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment"),
     message:
         "Training for the reading {wildcards.trained}"
     script:
-        "../scripts/ablation_train.py"
+        CALL
 
 
 rule ablation_run:
@@ -24,9 +24,9 @@ rule ablation_run:
     output:
         f"{R}/ablation/readings/{{reading}}.json",
     params:
-        *code("ablation_run.py"),
+        *call("repro.pipeline.networks:run_variant"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),
     message:
         "Headline numbers under the reading {wildcards.reading}"
     script:
-        "../scripts/ablation_run.py"
+        CALL

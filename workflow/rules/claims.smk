@@ -1,6 +1,6 @@
 rule claims:
     input:
-        **ledger_sources(),
+        **LEDGER_SOURCES,
     output:
         report(
             f"{R}/claims.csv",
@@ -12,7 +12,7 @@ rule claims:
         f"{R}/claims.sha256",
     params:
         *code("claims.py"),
-        config=ledger_sections(),
+        config=LEDGER_SECTIONS,
     message:
         "Ledger of every published number"
     script:
@@ -22,14 +22,15 @@ rule claims:
 # A rule of its own: Snakemake deletes what a failed one has written, and the ledger must stay to be read.
 rule verify:
     input:
-        **ledger_sources(),
+        **LEDGER_SOURCES,
         ledger=[f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"],
     output:
         f"{R}/verified.txt",
     params:
-        *code("verify.py"),
-        config={**ledger_sections(), "claims": config["claims"]},
+        *call("repro.paper.ledger:verified"),
+        results=Path(R),
+        config={**LEDGER_SECTIONS, "claims": config["claims"]},
     message:
         "Verifying the ledger"
     script:
-        "../scripts/verify.py"
+        CALL

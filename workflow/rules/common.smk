@@ -1,17 +1,18 @@
-CODE = CodeDigests(Path(".snakemake/code.json"))
+CODE = CodeDigests()
 
+CALL = "../scripts/call.py"
 # What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
-def code(script, *modules):
-    """Digests of the definitions that a script reaches, and of further ones; a docstring changes nothing."""
-    return CODE.of_script(HERE / "scripts" / script, *modules)
+def code(script, *definitions):
+    """Digests of what a script and further definitions reach; a docstring changes nothing. A job needs none."""
+    return CODE.of_script(HERE / "scripts" / script, *definitions) if workflow.is_main_process else []
 
 
-def network_name(wildcards):
-    """Network of a suffix."""
-    return wildcards.suffix.removeprefix("-") or "published"
+def call(function, *definitions):
+    """Function that the job of a rule calls, and the digests of what it reaches."""
+    return [function, *code("call.py", function, *definitions)]
 
 
 def sections(*names, of=config):
@@ -32,24 +33,19 @@ USED = (*TRAINED, "metric", "algorithm1", "refinement")
 
 def network_sections(*names):
     """What a job that uses a network depends on, as that network changes it, and further parts."""
-    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards)))
+    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards.suffix)))
 
 
 def trained_as(wildcards):
     """What the weights of a job's network say of themselves."""
-    return configuration_digest(of_network(config, network_name(wildcards)))
+    return configuration_digest(of_network(config, network_name(wildcards.suffix)))
 
 
 def training_sections(wildcards):
     """What one network depends on; of where it comes from, stored networks only."""
-    parts = training_config(of_network(config, network_name(wildcards)))
+    parts = training_config(of_network(config, network_name(wildcards.suffix)))
     source = {key: config["training"][key] for key in ("source", "networks")}
     return {**parts, "training": {**parts["training"], **source}}
-
-
-def is_plain(wildcards):
-    """Whether a network of the factorial reads the torque, not an image."""
-    return CELLS[wildcards.cell].reader == "plain"
 
 
 def factorial_motions(wildcards):
@@ -59,15 +55,14 @@ def factorial_motions(wildcards):
 
 def factorial_training_sections(wildcards):
     """What a network of the factorial depends on."""
-    plain = config["factorial"]["plain"] if is_plain(wildcards) else {"noise": 0.0}
+    plain = config["factorial"]["plain"] if CELLS[wildcards.cell].reader == "plain" else {"noise": 0.0}
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
 
 
-def factorial_sections():
-    """What a search of the factorial depends on: not how many there are."""
-    left_out = ("training_seeds", "search_seeds")
-    own = {key: value for key, value in config["factorial"].items() if key not in left_out}
-    return {**sections(*USED, *ARM), "factorial": own}
+# What a search of the factorial depends on: not how many there are.
+SEEDS = ("training_seeds", "search_seeds")
+FACTORIAL = {key: value for key, value in config["factorial"].items() if key not in SEEDS}
+FACTORIAL_SECTIONS = {**sections(*USED, *ARM), "factorial": FACTORIAL}
 
 
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
@@ -80,9 +75,9 @@ ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 def weights(suffix):
     """Weights of a network: those of the first one that is trained in the same way."""
     names = ["", *(f"-{name}" for name in config["networks"])]
-    digests = {each: configuration_digest(of_network(config, each.removeprefix("-") or "published")) for each in names}
-    own = next(each for each in names if digests[each] == digests[suffix])
-    return f"{R}/model/cnn{own}.safetensors"
+    digests = [configuration_digest(of_network(config, network_name(each))) for each in names]
+    own = digests.index(digests[names.index(suffix)])
+    return f"{R}/model/cnn{names[own]}.safetensors"
 
 
 def is_stored(wildcards):
@@ -98,7 +93,7 @@ def stored_network(wildcards):
 
 def tracked_motions(wildcards):
     """Motions that a network is trained on, where they are not Eq. 10's own."""
-    motions = of_network(config, network_name(wildcards))["data"]["motions"]
+    motions = of_network(config, network_name(wildcards.suffix))["data"]["motions"]
     return [] if is_stored(wildcards) or motions == "ideal" else f"{R}/data/tracked.safetensors"
 
 
@@ -113,11 +108,6 @@ def identifications(suffixes):
 
 # Least squares has no seed: one result stands for every one.
 NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
-
-
-def stored_capture(wildcards):
-    """Files that a capture is read from, all of which must be there."""
-    return present_files(wildcards.motion)
 
 
 def present_files(motion):
@@ -143,20 +133,16 @@ def experiment_identifications(suffix=""):
     return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
 
 
-def ledger_sources():
-    """What the ledger is made from, and what its tables are made from: changed afterwards, its verification fails."""
-    return {
-        "captures": lambda wildcards: present_files(SUMS),
-        "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
-        "training": f"{R}/model/training.csv",
-        "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
-        "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
-    }
-
-
-def ledger_sections():
-    """Settings that are held against published ones."""
-    return sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
+# What the ledger and its tables are made from: changed afterwards, its verification fails.
+LEDGER_SOURCES = {
+    "captures": lambda wildcards: present_files(SUMS),
+    "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
+    "training": f"{R}/model/training.csv",
+    "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
+    "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
+}
+# Settings that are compared with published ones.
+LEDGER_SECTIONS = sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
 
 
 # What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.

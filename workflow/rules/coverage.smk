@@ -12,10 +12,10 @@ rule check_coverage:
     resources:
         runtime=30,
     params:
-        *code("check_coverage.py"),
+        *call("repro.pipeline.coverage:check_coverage"),
         trained_as=configuration_digest(of_network(config, "tracked")),
         config=sections(*USED, *ARM, "coverage", of=of_network(config, "tracked")),
     message:
         "Checking the intervals of the network of tracked motions"
     script:
-        "../scripts/check_coverage.py"
+        CALL

@@ -1,14 +1,14 @@
 rule simulate_tracked:
     output:
-        f"{R}/data/tracked.safetensors",
+        out=f"{R}/data/tracked.safetensors",
     priority: AWAITED
     params:
-        *code("simulate_tracked.py"),
+        *call("repro.pipeline.simulated_arms:simulate_tracked"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"
     script:
-        "../scripts/simulate_tracked.py"
+        CALL
 
 
 rule mean_torque:
@@ -16,9 +16,9 @@ rule mean_torque:
         f"{R}/data/mean_torque.csv",
     priority: AWAITED
     params:
-        *code("mean_torque.py"),
+        *call("repro.pipeline.identifications:mean_torque"),
         config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"
     script:
-        "../scripts/mean_torque.py"
+        CALL

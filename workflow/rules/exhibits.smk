@@ -83,13 +83,13 @@ for (module, *sources), exhibits in TOGETHER.items():
         output:
             **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
         params:
-            *code("exhibits.py", *(one.definition for one in exhibits)),
+            *call("repro.exhibits.declare:make_exhibits", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],
             config=sections(*dict.fromkeys(section for one in exhibits for section in one.sections)),
         message:
             ", ".join(f"{one.title} ({one.label})" for one in exhibits)
         script:
-            "../scripts/exhibits.py"
+            CALL
 
 
 # Each is a target, and so are table and figure of one name.

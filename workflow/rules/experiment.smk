@@ -6,23 +6,23 @@ if SERIAL:
 
 rule acquire:
     input:
-        stored_capture,
+        lambda wildcards: present_files(wildcards.motion),
     output:
-        f"{R}/experiment/{{motion}}.bin",
-        f"{R}/experiment/{{motion}}.program",
-        f"{R}/experiment/{{motion}}.json",
+        out=f"{R}/experiment/{{motion}}.bin",
+        program=f"{R}/experiment/{{motion}}.program",
+        sidecar=f"{R}/experiment/{{motion}}.json",
     priority: AWAITED
     # A port hangs on the computer where the run is started.
     localrule: True
     resources:
         serial_port=int(SERIAL),
     params:
-        *code("acquire.py"),
+        *call("repro.pipeline.experiment:acquire"),
         config=sections(*ARM),
     message:
         "Capture of {wildcards.motion}"
     script:
-        "../scripts/acquire.py"
+        CALL
 
 
 rule identify_experiment:
@@ -38,14 +38,14 @@ rule identify_experiment:
         ),
     priority: LONG
     params:
-        *code("identify_experiment.py"),
+        *call("repro.pipeline.networks:identify_experiment"),
         seeds=config["experiment"]["search_seeds"],
         trained_as=trained_as,
         config=network_sections(*ARM),
     message:
         "Identifying the arm, network{wildcards.suffix}"
     script:
-        "../scripts/identify_experiment.py"
+        CALL
 
 
 rule identify_least_squares:
@@ -54,12 +54,12 @@ rule identify_least_squares:
     output:
         f"{R}/identification/experiment-least-squares.json",
     params:
-        *code("identify_least_squares.py"),
+        *call("repro.pipeline.identifications:identify_least_squares"),
         config=sections(*ARM),
     message:
         "Identifying the arm by least squares"
     script:
-        "../scripts/identify_least_squares.py"
+        CALL
 
 
 # Without a suffix the networks of the tables and least squares together.
@@ -70,25 +70,25 @@ rule score_experiment:
     output:
         f"{R}/validation/experiment{{suffix}}.csv",
     params:
-        *code("score_experiment.py"),
+        *call("repro.pipeline.identifications:score_experiment"),
         config=sections(*ARM, "metric"),
     message:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
     script:
-        "../scripts/score_experiment.py"
+        CALL
 
 
 rule simulate_spread:
     output:
-        f"{R}/spread/recordings.safetensors",
+        out=f"{R}/spread/recordings.safetensors",
     priority: LONG
     params:
-        *code("simulate_spread.py"),
+        *call("repro.pipeline.simulated_arms:simulate_spread"),
         config=sections(*ARM, "data", "spread"),
     message:
         "Simulating many specimens of the arm"
     script:
-        "../scripts/simulate_spread.py"
+        CALL
 
 
 rule score_spread:
@@ -102,10 +102,10 @@ rule score_spread:
     resources:
         runtime=30,
     params:
-        *code("score_spread.py"),
+        *call("repro.pipeline.networks:score_spread"),
         trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
         config=sections(*USED, *ARM, "networks", "spread"),
     message:
         "Identifying and scoring many specimens, identification duration {wildcards.index}"
     script:
-        "../scripts/score_spread.py"
+        CALL

@@ -1,32 +1,37 @@
 rule simulate_factorial:
     output:
-        f"{R}/factorial/recordings.safetensors",
+        out=f"{R}/factorial/recordings.safetensors",
     params:
-        *code("simulate_factorial.py"),
+        *call("repro.pipeline.simulated_arms:simulate_blocks"),
         config=sections(*ARM, "data", "factorial"),
     message:
         "Simulating the blocks of the factorial"
     script:
-        "../scripts/simulate_factorial.py"
+        CALL
+
+
+# Modules that train its networks, by what reads the torque.
+READERS = {"plain": "repro.cnn.plain", "cnn": "repro.cnn.train"}
 
 
 rule train_factorial:
     input:
         motions=factorial_motions,
     output:
-        f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
+        weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
     priority: TRAINING
     resources:
         mem_mb=3000,
         runtime=90,
     params:
-        code=lambda wildcards: " ".join(CODE.of("repro.cnn.plain" if is_plain(wildcards) else "repro.cnn.train")),
+        "repro.pipeline.networks:train_cell",
+        code=lambda wildcards: " ".join(CODE.of(READERS[CELLS[wildcards.cell].reader])),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:
         "Training {wildcards.cell}, seed {wildcards.seed}"
     script:
-        "../scripts/train_factorial.py"
+        CALL
 
 
 rule score_factorial:
@@ -39,23 +44,23 @@ rule score_factorial:
     resources:
         runtime=60,
     params:
-        *code("score_factorial.py"),
-        config=factorial_sections(),
+        *call("repro.pipeline.networks:score_cell"),
+        config=FACTORIAL_SECTIONS,
     message:
         "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
     script:
-        "../scripts/score_factorial.py"
+        CALL
 
 
 rule score_factorial_references:
     input:
-        f"{R}/factorial/recordings.safetensors",
+        recordings=f"{R}/factorial/recordings.safetensors",
     output:
         f"{R}/factorial/references.csv",
     params:
-        *code("score_factorial_references.py"),
-        config=factorial_sections(),
+        *call("repro.pipeline.factorial:score_references"),
+        config=FACTORIAL_SECTIONS,
     message:
         "Least squares on the blocks of the factorial"
     script:
-        "../scripts/score_factorial_references.py"
+        CALL

@@ -10,23 +10,23 @@ rule identify_numeric:
         ),
     priority: LONG
     params:
-        *code("identify_numeric.py"),
+        *call("repro.pipeline.networks:identify_numeric"),
         seeds=config["numeric"]["seeds"],
         trained_as=trained_as,
         config=network_sections("numeric"),
     message:
         "Identifying N1 to N4, network{wildcards.suffix}"
     script:
-        "../scripts/identify_numeric.py"
+        CALL
 
 
 rule identify_numeric_least_squares:
     output:
         f"{R}/identification/numeric-least-squares.json",
     params:
-        *code("identify_numeric_least_squares.py"),
+        *call("repro.pipeline.identifications:least_squares_of_arms"),
         config=sections("signals", "numeric"),
     message:
         "Identifying N1 to N4 by least squares"
     script:
-        "../scripts/identify_numeric_least_squares.py"
+        CALL

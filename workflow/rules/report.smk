@@ -12,11 +12,12 @@ rule report:
     output:
         f"{R}/report/index.html",
     params:
-        *code("report.py"),
+        *call("repro.report.page:make_report"),
+        checkout=lambda wildcards, input: os.path.dirname(input.templates[0]),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],
         config=config,
     message:
         "Report of every table, figure and published number"
     script:
-        "../scripts/report.py"
+        CALL

@@ -16,6 +16,7 @@ rule train:
         mem_mb=3000,
         runtime=90,
     params:
+        "repro.pipeline.networks:train_network",
         # The training alone: nobody wants it again for a change around it.
         *CODE.of("repro.cnn.train"),
         config=training_sections,
@@ -23,7 +24,7 @@ rule train:
     message:
         "Training the CNN{wildcards.suffix}"
     script:
-        "../scripts/train.py"
+        CALL
 
 
 rule training:

@@ -1,16 +1,16 @@
 # Without a suffix the published network and least squares together.
 rule score_numeric:
     input:
-        lambda wildcards: [
+        identifications=lambda wildcards: [
             *identifications([wildcards.suffix]),
             *([] if wildcards.suffix else [NUMERIC_LEAST_SQUARES]),
         ],
     output:
         f"{R}/validation/numeric{{suffix}}.csv",
     params:
-        *code("score_numeric.py"),
+        *call("repro.pipeline.identifications:score_numeric"),
         config=sections("signals", "metric", "numeric"),
     message:
         "Scoring the numeric estimates, network{wildcards.suffix}"
     script:
-        "../scripts/score_numeric.py"
+        CALL

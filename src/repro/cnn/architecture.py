@@ -5,7 +5,7 @@ Nothing here loads torch, so that a configuration is checked and a kernel drawn 
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from repro.errors import InputError
 from repro.files import read_tensors
 
 ScheduleName = Literal["streamed", "paper"]
-SCHEDULES: tuple[ScheduleName, ...] = get_args(ScheduleName)
 Precision = Literal["auto", "float32", "bfloat16"]
 
 #: Columns of the history of a training run.
@@ -49,7 +48,7 @@ class NetworkSettings:
         """Shape of every weight by its name: kernels (output, input, k, k), matrices (output, input), biases."""
         k1, k2, k3 = self.kernels
         maps, side = self.maps, self.pooled[2]
-        weights: dict[str, tuple[int, ...]] = {
+        shapes: dict[str, tuple[int, ...]] = {
             "conv1": (maps, 2, k1, k1),
             "conv2": (maps, maps, k2, k2),
             "conv3": (maps, maps, k3, k3),
@@ -57,10 +56,8 @@ class NetworkSettings:
             "fc5": (self.hidden[1], self.hidden[0]),
             "fc6": (9, self.hidden[1]),
         }
-        shapes: dict[str, tuple[int, ...]] = {}
-        for layer, shape in weights.items():
-            shapes |= {f"{layer}.weight": shape, f"{layer}.bias": shape[:1]}
-        return shapes
+        weights = {f"{layer}.weight": shape for layer, shape in shapes.items()}
+        return weights | {f"{layer}.bias": shape[:1] for layer, shape in shapes.items()}
 
 
 @dataclass(frozen=True)
@@ -76,11 +73,10 @@ class PaperSchedule:
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    """ScheduleName and budget of a training run."""
+    """Schedule and budget of a training run."""
 
-    recipe: ScheduleName = (
-        "streamed"  # fresh samples with Muon and a falling rate, or the paper's fixed set and descent
-    )
+    #: Fresh samples with Muon and a falling rate, or the paper's fixed set and descent.
+    recipe: ScheduleName = "streamed"
     steps: int = 4_000  # of the optimiser
     batch: int = 64  # images in a step
     learning_rate: float = 5e-3  # peak of the streamed schedule, which falls to zero
@@ -94,10 +90,7 @@ class TrainingSettings:
 
 
 def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:
-    """Read finite weights of the shapes ``settings.weights``; `fact`, if given, is what the file's header must state.
-
-    InputError is raised if the file is missing or damaged, or has another network.
-    """
+    """Read finite weights of the shapes ``settings.weights``; the header must state the `fact`, if there is one."""
     weights, metadata = read_tensors(path, "weights of a network")
     header = [*metadata.values()]
     expected, shapes = settings.weights, {name: w.shape for name, w in weights.items()}

@@ -140,8 +140,7 @@ def draw_torques(
     """Draw torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
     m = motion.torque.shape[-2]
     beta = sample_beta(rng, n, settings.prior)
-    many = motion.torque.ndim == 4
-    which = rng.integers(len(motion.torque), size=n) if many else None
+    which = rng.integers(len(motion.torque), size=n) if motion.torque.ndim == 4 else None
     tau = _rebuilt(motion.torque, beta, which)  # (n, 2M)
     if settings.unmodelled:
         if motion.unmodelled is None:
@@ -158,19 +157,14 @@ def draw_torques(
 def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Array:
     """Compute Y beta (n, 2 M) of each sample, on the one motion or on motion ``which`` of K."""
     if columns.ndim == 3 or which is None:
-        torque: Array = beta @ columns.reshape(-1, columns.shape[-1]).T
-    else:
-        torque = np.einsum("nrp,np->nr", columns.reshape(len(columns), -1, columns.shape[-1])[which], beta)
-    return torque
+        return beta @ columns.reshape(-1, 9).T
+    return np.asarray(np.einsum("nrp,np->nr", columns.reshape(len(columns), -1, 9)[which], beta))
 
 
 def draw_unmodelled(
     rng: np.random.Generator, beta: Array, largest: Array, columns: UnmodelledColumns, settings: UnmodelledSettings
 ) -> Array:
-    """Draw the unmodelled torque (n, 2, M), N m, of arms (n, 9) with their largest torque (n, 1), N m.
-
-    The columns are of one motion, or have an axis of length n in front, with the motion of each sample.
-    """
+    """Draw the unmodelled torque (n, 2, M) of arms (n, 9) with their largest torque (n, 1), on one motion or on n."""
     n, m = len(beta), columns.stribeck.shape[-1]
     excess = rng.uniform(0.0, settings.stribeck, (n, 2))
     torque = (excess * beta[:, 7:])[..., np.newaxis] * columns.stribeck
@@ -184,5 +178,4 @@ def draw_unmodelled(
     delay = rng.uniform(0.0, settings.delay_s, (n, 1, 1))
     torque -= delay * (columns.rate @ beta[:, np.newaxis, :, np.newaxis])[..., 0]
     noise = rng.uniform(0.0, settings.noise, (n, 1)) * largest
-    total: Array = torque + noise[..., np.newaxis] * rng.standard_normal((n, 2, m))
-    return total
+    return torque + noise[..., np.newaxis] * rng.standard_normal((n, 2, m))

@@ -17,7 +17,6 @@ from repro.model.parameters import NAMES
 Floats = NDArray[np.floating]
 
 Scale = Literal["shared-max", "channel-max", "constant"]
-SCALES: tuple[Scale, ...] = ("shared-max", "channel-max", "constant")
 
 #: Added before the logarithms of Eq. 9.
 LOG_OFFSET = 1e-3
@@ -40,34 +39,14 @@ def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
     """Shift and scale to the range 0 to 1 over `axes` (**normalize** of Eq. 9); a constant becomes 0."""
     low = x.min(axes, keepdims=True)
     span = x.max(axes, keepdims=True) - low
-    unit: Floats = (x - low) / np.where(span > 0, span, 1)
-    return unit
+    return np.asarray((x - low) / np.where(span > 0, span, 1))
 
 
 def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[Floats, Floats]:
-    """Compute the factors of the image of Eq. 9.
+    """Compute the factors u and v (..., channel, rank, S) of the image of Eq. 9, in the dtype of the signals.
 
-    Parameters
-    ----------
-    alpha : array of shape (..., 2, S)
-        Normalised torque tau_r of Eq. 8.
-    psi : array of shape (..., 2, S)
-        2 tau_r - f(q_r, dq_r, ddq_r, beta_n).
-    settings : ImageSettings
-        Choice of the divisors.
-
-    Returns
-    -------
-    u, v : arrays of shape (..., 2, 2, S)
-        Channel, rank and sample on the last three axes, in the dtype of the inputs.
-
-    Raises
-    ------
-    ValueError
-        If the last two axes are not (2, S).
+    alpha (..., 2, S) is the normalised torque tau_r of Eq. 8, psi (..., 2, S) is 2 tau_r - f(q_r, dq_r, ddq_r, beta_n).
     """
-    if alpha.shape[-2] != 2 or alpha.shape[-2:] != psi.shape[-2:]:
-        raise ValueError(f"alpha, psi: the last two axes must be (2, S), got {alpha.shape} and {psi.shape}.")
     axes = (-1,) if settings.scale == "channel-max" else (-2, -1)
     alpha2 = np.log(_unit_range(alpha, axes) + np.asarray(LOG_OFFSET, alpha.dtype))
     psi2 = np.log10(_unit_range(psi, axes) + np.asarray(LOG_OFFSET, psi.dtype))
@@ -85,13 +64,8 @@ def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[
 
 
 def assemble(u: Floats, v: Floats) -> Floats:
-    """Build the image Z (..., 2, S, S), ``Z[..., d, i, j] = sum_r u[..., d, r, i] v[..., d, r, j]``, from its factors.
-
-    Its axes are channel, row (psi) and column (alpha). Training and identification never call this: the network works
-    on the factors.
-    """
-    image: Floats = np.swapaxes(u, -1, -2) @ v
-    return image
+    """Build the image (..., 2, S, S): channel, row (psi), column (alpha). Only figures need it, not the network."""
+    return np.swapaxes(u, -1, -2) @ v
 
 
 def images(
@@ -148,5 +122,4 @@ def colours(image: Floats) -> Floats:
     z1, z2 = image[..., 0, :, :], image[..., 1, :, :]
     (red1, red2), (green1, _), (blue1, _) = COLOUR_WEIGHTS
     rgb = np.stack([red1 * z1 + red2 * z2, green1 * z1, blue1 * z1 + z2], -1)
-    shown: Floats = np.clip(rgb, 0.0, 1.0)
-    return shown
+    return np.asarray(np.clip(rgb, 0.0, 1.0))

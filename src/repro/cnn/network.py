@@ -85,10 +85,7 @@ def _windows(x: Tensor, kernel: int) -> Tensor:
 
 
 class _FirstLayer(torch.autograd.Function):
-    """ReLU(bias + maxpool2(conv(Z))) and its gradients for weight and bias; the images need none.
-
-    Without gradients, `v` may be one for all images.
-    """
+    """ReLU(bias + maxpool2(conv(Z))) with gradients for weight and bias; without gradients one `v` may do for all u."""
 
     @staticmethod
     def forward(ctx: Any, u: Tensor, v: Tensor, weight: Tensor, bias: Tensor) -> Tensor:  # noqa: ANN401

@@ -4,15 +4,15 @@ The published ranges (lengths to 0.1 m, masses to 1 kg) cannot give an I2 above 
 arms with I2 of 0.42 to 0.98. The default is therefore a mixture that covers both.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
 from repro.model.parameters import Array, Links, inertial_from_links
 
 Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
-PRIORS: tuple[Prior, ...] = get_args(Prior)
 
 LOW, HIGH = 1e-3, 1.0
 #: Ranges that Section IV-A prints, SI units: l1, l2, lc1, lc2 and J1; m1, m2 and J2; friction coefficients.
@@ -21,16 +21,6 @@ PUBLISHED_LENGTH, PUBLISHED_MASS, PUBLISHED_FRICTION = (LOW, 0.1), (LOW, HIGH), 
 
 def _log_uniform(rng: np.random.Generator, low: float, high: float, shape: tuple[int, ...]) -> Array:
     return np.exp(rng.uniform(np.log(low), np.log(high), shape))
-
-
-def _uniform_beta(rng: np.random.Generator, n: int) -> Array:
-    """All nine uniform on [1e-3, 1]."""
-    return rng.uniform(LOW, HIGH, (n, 9))
-
-
-def _log_uniform_beta(rng: np.random.Generator, n: int) -> Array:
-    """All nine log-uniform on [1e-3, 1]: arms with some parameters much smaller than others."""
-    return _log_uniform(rng, LOW, HIGH, (n, 9))
 
 
 def _links_beta(rng: np.random.Generator, n: int) -> Array:
@@ -52,22 +42,23 @@ def _published_beta(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([inertial, rng.uniform(*PUBLISHED_FRICTION, (n, 4))], -1)
 
 
-#: All but the mixture.
-DRAWS = {
-    "uniform": _uniform_beta, "log-uniform": _log_uniform_beta, "links": _links_beta, "published": _published_beta
-}  # fmt: skip
-#: Shares of the mixture.
-MIXTURE = ((_uniform_beta, 0.5), (_log_uniform_beta, 0.25), (_links_beta, 0.25))
+#: All but the mixture. Log-uniform arms have some parameters that are much smaller than others.
+DRAWS: dict[str, Callable[[np.random.Generator, int], Array]] = {
+    "uniform": lambda rng, n: rng.uniform(LOW, HIGH, (n, 9)),
+    "log-uniform": lambda rng, n: _log_uniform(rng, LOW, HIGH, (n, 9)),
+    "links": _links_beta,
+    "published": _published_beta,
+}
+#: Fractions of the mixture.
+MIXTURE = {"uniform": 0.5, "log-uniform": 0.25, "links": 0.25}
 
 
 def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> Array:
     """Draw n parameter sets (n, 9) of training arms, all positive."""
     if prior == "mixture":
-        counts = rng.multinomial(n, [share for _, share in MIXTURE])
-        parts = [draw(rng, int(k)) for (draw, _), k in zip(MIXTURE, counts, strict=True)]
+        counts = rng.multinomial(n, [*MIXTURE.values()])
+        parts = [DRAWS[part](rng, int(k)) for part, k in zip(MIXTURE, counts, strict=True)]
         return rng.permutation(np.concatenate(parts))
-    if prior not in DRAWS:
-        raise ValueError(f"prior: must be one of {PRIORS}, got {prior!r}.")
     return DRAWS[prior](rng, n)
 
 

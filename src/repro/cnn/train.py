@@ -8,10 +8,9 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -56,10 +55,9 @@ def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
 
 
 class Muon(torch.optim.Optimizer):
-    """Momentum whose steps are orthogonalised, for weights as matrices from inputs to outputs.
+    """Momentum whose steps are orthogonalised: `torch.optim.Muon` with the learning rate matched to Adam's.
 
-    The step of `torch.optim.Muon` with its learning rate matched to Adam's, for kernels too and in the arithmetic
-    of the network: the library's always takes bfloat16, which most processors only emulate.
+    The library's takes no kernels and always bfloat16, which most processors only emulate.
     """
 
     def __init__(self, weights: Iterable[Tensor], lr: float, dtype: torch.dtype) -> None:
@@ -100,11 +98,6 @@ class Schedule:
     layer1_steps: float  # steps in which layer 1 learns
 
 
-def make_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
-    """Build the schedule that the settings name, and set the weights that it starts from."""
-    return (paper_schedule if s.recipe == "paper" else streamed_schedule)(net, motion, data, s)
-
-
 def paper_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
     """Gradient descent on a fixed set, from which batches are drawn with replacement (Section IV-B)."""
     fixed = draw_samples(stream(s.seed, Stream.FIXED_SET), s.paper.images, motion, data)
@@ -124,10 +117,7 @@ def paper_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, 
 
 
 def streamed_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSettings, s: TrainingSettings) -> Schedule:
-    """Fresh samples at every step; Muon on the weights, Adam on the biases, at a rate that rises, then falls to zero.
-
-    Muon's orthogonalised steps give a lower loss than Adam after the same number of samples.
-    """
+    """Fresh samples at every step; Muon on the weights (lower loss than Adam), Adam on the biases."""
     # Layers 2 and 3 start as the identity, so that all layers learn at once.
     for kernel in (net.conv2.weight, net.conv3.weight):
         nn.init.dirac_(kernel)
@@ -175,16 +165,12 @@ def train(
     checkpoint: Path | None = None,
     report: Callable[[int, int, float], None] = lambda *_: None,
 ) -> Trained:
-    """Train the network.
-
-    If `checkpoint` is a file of the same run, training continues from it; a damaged one raises InputError. `report` is
-    called with steps done, steps in all and the latest training loss.
-    """
+    """Train the network, or go on from the checkpoint of the same run; `report` gets steps, all steps and the loss."""
     settings = replace(settings, precision=on_this_processor(settings.precision))
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
     net = FactoredCNN(network, settings.precision)
-    schedule = make_schedule(net, motion, data, settings)
+    schedule = (paper_schedule if settings.recipe == "paper" else streamed_schedule)(net, motion, data, settings)
     run = fingerprint(motion, data, network, settings)
     progress = load_checkpoint(checkpoint, net, schedule.optimisers, run) if checkpoint else Progress()
     began = time.perf_counter() - progress.seconds
@@ -225,36 +211,15 @@ class Progress:
     rows: list[tuple[float, ...]] = field(default_factory=list)  # of the history, with seconds at the end
 
 
-def _flatten(tree: Mapping[Any, Any], place: str = "") -> dict[str, NDArray[Any]]:
-    """Collect the tensors of nested dicts under their paths, ``a/b/c``."""
-    flat: dict[str, NDArray[Any]] = {}
-    for key, value in tree.items():
-        if isinstance(value, Mapping):
-            flat |= _flatten(value, f"{place}{key}/")
-        elif isinstance(value, Tensor):
-            flat[f"{place}{key}"] = value.numpy()
-    return flat
-
-
-def _unflatten(flat: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Rebuild the nested dicts that `_flatten` took apart."""
-    tree: dict[str, Any] = {}
-    for path, array in flat.items():
-        *parents, key = path.split("/")
-        node = tree
-        for parent in parents:
-            node = node.setdefault(parent, {})
-        node[key] = torch.from_numpy(array)
-    return tree
-
-
 def save_checkpoint(
     path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress, run: str
 ) -> None:
     """Write weights, optimiser states and progress as safetensors; only the run of this name may continue from them."""
-    states = {str(k): optimiser.state_dict()["state"] for k, optimiser in enumerate(optimisers)}
-    header = {"progress": json.dumps(asdict(progress)), "training": run}
-    write_tensors(path, _flatten({"network": network.state_dict(), "optimisers": states}), header)
+    arrays = {f"network/{name}": weight.numpy() for name, weight in network.state_dict().items()}
+    for k, optimiser in enumerate(optimisers):
+        for index, state in optimiser.state_dict()["state"].items():
+            arrays |= {f"{k}/{index}/{key}": value.numpy() for key, value in state.items()}
+    write_tensors(path, arrays, {"progress": json.dumps(asdict(progress)), "training": run})
 
 
 def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], run: str) -> Progress:
@@ -264,10 +229,17 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     arrays, header = read_tensors(path, "a checkpoint; delete it to start anew")
     if header.get("training") != run:
         return Progress()
-    tree = _unflatten(arrays)
-    network.load_state_dict(tree["network"])
-    for k, optimiser in enumerate(optimisers):
-        state = {int(index): values for index, values in tree.get("optimisers", {}).get(str(k), {}).items()}
+    weights: dict[str, Tensor] = {}
+    states: list[dict[int, dict[str, Tensor]]] = [{} for _ in optimisers]
+    for name, array in arrays.items():
+        part, _, key = name.partition("/")
+        if part == "network":
+            weights[key] = torch.from_numpy(array)
+        else:
+            index, _, key = key.partition("/")
+            states[int(part)].setdefault(int(index), {})[key] = torch.from_numpy(array)
+    network.load_state_dict(weights)
+    for optimiser, state in zip(optimisers, states, strict=True):
         optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
     progress = Progress(**json.loads(header["progress"]))
     return replace(progress, rows=[tuple(row) for row in progress.rows])

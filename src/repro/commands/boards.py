@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 from urllib.parse import urlsplit
 
 from repro.commands.options import add_config, integer, number, seconds, seed
@@ -84,10 +84,9 @@ def parse_faults(text: str) -> "ErrorRates":
             )
         except argparse.ArgumentTypeError as error:
             raise InputError(f"--faults: {name}: {error}") from error
-    try:
-        return ErrorRates(**values)  # type: ignore[arg-type]
-    except ValueError as error:
-        raise InputError.at("--faults", text, str(error).rstrip(".")) from error
+    if sum(values.get(name, 0.0) for name in ("drop", "flip", "insert")) > 1.0:
+        raise InputError.at("--faults", text, "drop, flip, insert: must not exceed 1 together")
+    return ErrorRates(**values)  # type: ignore[arg-type]
 
 
 #: URLs of pyserial behind which a board can be.
@@ -180,6 +179,9 @@ def read_program(path: Path) -> "ReferenceTrajectory":
     from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.signals.programs import MEMORY_SAMPLES, ReferenceTrajectory
 
+    def refuse(row: int, name: str, found: str, expected: str) -> NoReturn:
+        raise InputError.at(f"{path}: row {row + 1}, {name}", found, expected)
+
     largest, columns = 2**15 * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
     table = read_rows(path, ("q1_rad", "q2_rad"))
@@ -190,19 +192,16 @@ def read_program(path: Path) -> "ReferenceTrajectory":
             with suppress(ValueError):
                 column[row] = float("" if "_" in cell else cell)  # Python takes 1_000 for a number
             if not np.isfinite(column[row]):
-                found = repr(cell[:40]) if cell.strip() else "an empty cell"
-                raise InputError.at(f"{path}: row {row + 1}, {name}", found, "a finite number")
+                refuse(row, name, repr(cell[:40]) if cell.strip() else "an empty cell", "a finite number")
         if name in times:
             steps = np.diff(column)
-            if (other := np.abs(steps - SAMPLING_PERIOD) > 0.01 * SAMPLING_PERIOD).any():
-                row = int(np.argmax(other))
+            for row in np.flatnonzero(np.abs(steps - SAMPLING_PERIOD) > 0.01 * SAMPLING_PERIOD).tolist():
                 expected = f"{SAMPLING_PERIOD:g} s, the period of the board (repro excite --rate 400)"
-                raise InputError.at(f"{path}: row {row + 2}, {name}", f"a step of {steps[row]:.4g} s", expected)
+                refuse(row + 1, name, f"a step of {steps[row]:.4g} s", expected)
             continue
-        if (beyond := np.abs(column) > largest).any():
-            row = int(np.argmax(beyond))
+        for row in np.flatnonzero(np.abs(column) > largest).tolist():
             expected = f"at most {largest:.6g} rad, which the encoder counts up to"
-            raise InputError.at(f"{path}: row {row + 1}, {name}", f"{column[row]:.6g} rad", expected)
+            refuse(row, name, f"{column[row]:.6g} rad", expected)
         columns.append(column)
     if not 2 <= len(table) <= MEMORY_SAMPLES:
         expected = f"a motion of 2 to {MEMORY_SAMPLES}, as many as the board's memory has"

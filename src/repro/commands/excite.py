@@ -93,11 +93,15 @@ def read_guess(given: list[str] | None) -> "Array | None":
     """Read the parameters of ``--guess``."""
     import numpy as np
 
+    from repro.documents import read_json
+    from repro.ownarm.prepare import read_result
+
     if given is None:
         return None
     numbers: list[Any] = given
-    if len(given) == 1:
-        numbers = _read_estimates(Path(given[0]))
+    if len(given) == 1:  # the estimates of the recommended method
+        path = Path(given[0])
+        numbers = [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
     try:
         beta = np.array([float(number) for number in numbers])
     except (TypeError, ValueError):
@@ -107,14 +111,6 @@ def read_guess(given: list[str] | None) -> "Array | None":
         expected = f"parameters.json of repro identify, or nine numbers of at most {_LARGEST:g}"
         raise InputError.at("--guess", found, expected)
     return beta
-
-
-def _read_estimates(path: Path) -> list[float]:
-    """Read the estimates of the recommended method."""
-    from repro.documents import read_json
-    from repro.ownarm.prior import read_result
-
-    return [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
 
 
 def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:

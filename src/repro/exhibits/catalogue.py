@@ -26,17 +26,16 @@ MODULES = (
 
 
 _DECLARED = [value for module in MODULES for value in vars(module).values() if isinstance(value, Exhibit)]
-_SHOWN = [exhibit for exhibit in _DECLARED if exhibit.category != CLAIMS]
+#: Has a section of its own in the report.
+(AUDIT,) = (exhibit for exhibit in _DECLARED if exhibit.category == CLAIMS)
 
 
 def _ordered(kind: Kind) -> tuple[Exhibit, ...]:
-    chosen = [exhibit for exhibit in _SHOWN if exhibit.kind == kind]
+    chosen = [exhibit for exhibit in _DECLARED if exhibit.kind == kind and exhibit is not AUDIT]
     return tuple(sorted(chosen, key=lambda each: (each.number or 99, each.optional)))
 
 
 TABLES, FIGURES = _ordered("table"), _ordered("figure")
-#: Has a section of its own in the report.
-(AUDIT,) = (exhibit for exhibit in _DECLARED if exhibit.category == CLAIMS)
 EXHIBITS = (*TABLES, *FIGURES, AUDIT)
 
 #: Folders of results all of whose floats depend on a network, a random search, or arms that are simulated again: the
@@ -51,6 +50,5 @@ def tolerances() -> Tolerances:
     return Tolerances(TRAINED_FOLDERS, tables, targets, measured_spread())
 
 
-#: Targets that have a section of their own.
-SECTIONS = ("claims", AUDIT.target)
-TARGETS = frozenset((*SECTIONS, *(exhibit.target for exhibit in (*TABLES, *FIGURES))))
+#: Targets that have a section of their own in the report.
+TARGETS = frozenset(("claims", *(exhibit.target for exhibit in EXHIBITS)))

@@ -1,6 +1,8 @@
 """Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of six causes."""
 
 from collections.abc import Hashable, Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -8,12 +10,18 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, number, plain
+from repro.exhibits.markup import EMPTY, Column, Table, Text, digits, grid, number, plain
 from repro.files import read_csv
-from repro.pipeline.experiment_runs import CASE, read_scores
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
+from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.summary import SCORES
+
+_why_table, _why_figure = (
+    partial(kind, category=EXPERIMENT, inputs=("arm",), trained="all") for kind in (table, figure)
+)
+_factorial_table, _factorial_figure = (
+    partial(kind, category=ABLATION, inputs=("factorial",), trained="all", optional=True) for kind in (table, figure)
+)
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
 CAUSES = {
@@ -28,10 +36,9 @@ _EFFECT_WEIGHTS = {
     "training": (-0.5, -0.5, 0.5, 0.5),
     "both": (0.5, -0.5, -0.5, 0.5),
 }
-#: Levels of the two factors in words.
+#: Levels of the two factors, and effects, in words.
 _TRAINING = {"ideal": "Eq. 10", "tracked": "closed-loop motions"}
-_IMAGE_MOTION = {"measured": "measured", "desired": "desired"}
-#: Effects in words.
+_MOTIONS = ("measured", "desired")
 _EFFECT_TEXTS = {
     "image_motion": "desired instead of measured motion in line 18",
     "training": "closed-loop motions instead of Eq. 10 in training",
@@ -74,17 +81,12 @@ def why_layout(frame: pd.DataFrame) -> Table:
     """Similarity in the four cells, then the effects."""
     blocks = []
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
-        of_kind = frame[frame["row"] == kind].fillna(
-            {"image_motion": ""}
-        )  # an effect has none, which a CSV leaves empty
-        cells = []
-        for key, rows in of_kind.groupby(["training", "image_motion"], sort=False):
-            training, motion = map(str, key)
-            words = [_EFFECT_TEXTS[training], ""] if kind == "effect" else [_TRAINING[training], _IMAGE_MOTION[motion]]
-            by = rows.set_index("response")[["value", "spread"]].astype(float).T.to_dict()
-            values = [number(100.0 * by[r]["value"], 1, 100.0 * by[r]["spread"]) for r in RESPONSES]
-            cells.append([*map(plain, words), *values])
-        blocks.append((plain(heading), cells))
+        cells: dict[tuple[str, str], list[Text]] = {}
+        own = frame[frame["row"] == kind].fillna({"image_motion": ""})  # an effect has none, which a CSV leaves empty
+        for row in own.sort_values("response", kind="stable").to_dict("records"):
+            key = ({**_TRAINING, **_EFFECT_TEXTS}[row["training"]], row["image_motion"])
+            cells.setdefault(key, [*map(plain, key)]).append(number(100.0 * row["value"], 1, 100.0 * row["spread"]))
+        blocks.append((plain(heading), list(cells.values())))
     seeds = int(frame["seeds"].min())
     caption = plain(
         "Algorithm 1 on the simulated arm with the motions of the training and the motion of line 18 crossed: mean "
@@ -102,13 +104,13 @@ def draw_why(frame: pd.DataFrame) -> Figure:
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         for training, look in looks.items():
             rows = frame[(frame["response"] == response) & (frame["training"] == training)]
-            at = rows["image_motion"].map({name: k for k, name in enumerate(_IMAGE_MOTION)})
+            at = rows["image_motion"].map({name: k for k, name in enumerate(_MOTIONS)})
             colour = style.STROKES[look]["color"]
             axes.plot(at, 100.0 * rows["value"], ls="none", color=colour, alpha=0.55, **style.MARKS[look])
-            middle = rows.groupby("image_motion")["value"].mean().reindex(list(_IMAGE_MOTION))
+            middle = rows.groupby("image_motion")["value"].mean().reindex(list(_MOTIONS))
             axes.plot([0, 1], 100.0 * middle, label=f"trained on {_TRAINING[training]}", **style.STROKES[look])
         axes.set_title(title)
-        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _IMAGE_MOTION.values()])
+        axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _MOTIONS])
         axes.set_xlim(-0.3, 1.3)
         axes.set_ylabel("Total similarity (%)")
         axes.grid(visible=False, axis="x")
@@ -116,7 +118,7 @@ def draw_why(frame: pd.DataFrame) -> Figure:
     return drawn
 
 
-@table("why", "Motions of the training and of line 18, crossed", EXPERIMENT, why_layout, inputs=("arm",), trained="all")
+@_why_table("why", "Motions of the training and of line 18, crossed", why_layout)
 def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -124,7 +126,7 @@ def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
     return why_table(crossed(read_scores(inputs["scores"], SCORES)))
 
 
-@figure("why", "Motions of the training and of line 18, crossed", EXPERIMENT, draw_why, inputs=("arm",), trained="all")
+@_why_figure("why", "Motions of the training and of line 18, crossed", draw_why)
 def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -166,9 +168,9 @@ def effects_layout(frame: pd.DataFrame) -> Table:
         by = {key: one.iloc[0].to_dict() for key, one in rows.groupby(["effect", "response"], sort=False)}
         names = sorted(dict.fromkeys(rows["effect"]), key=lambda name: -abs(by[name, "validation"]["value"]))
         for name in names:
-            points = [_estimate(by[name, response], 100.0, 1) for response in ("id", "validation")]
+            points = [_estimate(by[name, response], 100.0, 1) for response in RESPONSES]
             error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else EMPTY
-            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in ("id", "validation")]
+            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in RESPONSES]
             cells.append([plain(_words(name)), *points, error, *held_out])
         blocks.append((plain(_CONTRASTS[str(of)]), cells))
     count, seeds = int(frame["blocks"].min()), int(frame["training_seeds"].min())
@@ -183,33 +185,40 @@ def effects_layout(frame: pd.DataFrame) -> Table:
     return Table(caption, "lrrrrr", [plain(name) for name in header], blocks)
 
 
+#: Levels of the factors in words, where they are not their names.
+_LEVELS = {
+    "cnn": "Algorithm 1",
+    "plain": "plain network",
+    "ordinary": "least squares",
+    "bounded": "least squares, bounded",
+    "true": "true parameters",
+    "ideal": "Eq. 10",
+    "tracked": "closed-loop",
+    "rad_per_s": "rad/s",
+}
+
+
+def _level(column: str, row: Mapping[Hashable, Any]) -> Text:
+    level = row[column]
+    return EMPTY if pd.isna(level) else plain(_LEVELS.get(level, str(level)))
+
+
 def cells_layout(frame: pd.DataFrame) -> Table:
     """Means of the cells."""
-    words = {
-        "cnn": "Algorithm 1",
-        "plain": "plain network",
-        "ordinary": "least squares",
-        "bounded": "least squares, bounded",
-        "true": "true parameters",
-        "ideal": "Eq. 10",
-        "tracked": "closed-loop",
-        "rad_per_s": "rad/s",
-    }
-    names = ["reader", "training", "image_motion", "omega", "back_emf", "metric"]
-    rows = []
-    level_texts = frame[names].astype(object).fillna("").astype(str)
-    for row in frame.assign(**{name: level_texts[name] for name in names}).to_dict("records"):
-        level_cells = [plain(words.get(row[name], row[name])) for name in names]
-        error = EMPTY if np.isnan(row["error"]) else number(row["error"], 3)
-        met = EMPTY if np.isnan(row["met"]) else number(row["met"], 1)
-        rows.append([*level_cells, *(number(100.0 * row[name], 1) for name in ("id", "validation")), error, met])
-    caption = plain(
+    names = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor")
+    factors = ("reader", "training", "image_motion", "omega", "back_emf", "metric")
+    columns: list[Column] = [
+        *((name, "l", partial(_level, column)) for name, column in zip(names, factors, strict=True)),
+        ("ID", "r", digits("id", 1, 100.0)),
+        ("T1 to T4", "r", digits("validation", 1, 100.0)),
+        ("Error", "r", digits("error", 3)),
+        ("Met", "r", digits("met", 1)),
+    ]
+    caption = (
         "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
         "estimates over the largest torque, and executions of 100 that met the threshold."
     )
-    header = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor", "ID", "T1 to T4", "Error", "Met")
-    columns = [plain(name) for name in header]
-    return Table(caption, "llllllrrrr", columns, [(None, rows)])
+    return grid(caption, columns, [(None, frame)])
 
 
 def draw_effects(frame: pd.DataFrame) -> Figure:
@@ -226,16 +235,8 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
-        axes.plot(
-            100.0 * own["confirmation"],
-            at,
-            ls="none",
-            marker="D",
-            ms=3.2,
-            mfc="white",
-            mec="#d1490a",
-            label="frozen arm",
-        )
+        frozen = {"marker": "D", "ms": 3.2, "mfc": "white", "mec": "#d1490a", "label": "frozen arm"}
+        axes.plot(100.0 * own["confirmation"], at, ls="none", **frozen)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.set_title(RESPONSES[response])
         axes.set_xlabel("Effect (points of per cent)")
@@ -250,9 +251,7 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
     return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
 
 
-@table(
-    "factorial", "Effects of the causes", ABLATION, effects_layout, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_table("factorial", "Effects of the causes", effects_layout)
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.
@@ -260,25 +259,19 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return effects(_factorial(inputs))
 
 
-@table(
+@_factorial_table(
     "factorial_cells",
     "Similarities under each combination of the causes",
-    ABLATION,
     cells_layout,
     label="Factorial, cells",
     target="factorial_cells",
-    inputs=("factorial",),
-    trained="all",
-    optional=True,
 )
 def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean similarity on simulated arms under each combination of the causes, with methods that need no network."""
     return cell_means(_factorial(inputs), read_csv(inputs["references"][0]))
 
 
-@figure(
-    "factorial", "Effects of the causes", ABLATION, draw_effects, inputs=("factorial",), trained="all", optional=True
-)
+@_factorial_figure("factorial", "Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.

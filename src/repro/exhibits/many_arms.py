@@ -1,5 +1,7 @@
 """Many simulated arms: coverage of the network's intervals, spread of the similarity, verdict on the methods."""
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -7,8 +9,8 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, formula, number, plain
-from repro.exhibits.result_tables import heading_of, methods_of, one_row, with_unit
+from repro.exhibits.markup import Block, Column, Table, Text, digits, formula, grid, number, plain, with_unit, words
+from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
@@ -16,11 +18,13 @@ from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
+_table, _figure = (partial(kind, category=EXPERIMENT, trained="all") for kind in (table, figure))
+
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
 INTERVALS = ("parameter", "true", "centre", "low", "high", "level", "warned")
-#: Sets of arms: those that follow Eq. 1, those that have more, and those of a generator that calibrated nothing.
-ARMS = ("Eq. 1", "unmodelled", "other generator")
+#: Sets of arms in words: those of Eq. 1, those that have more, and those of a generator that calibrated nothing.
+ARMS = {"Eq. 1": "Eq. 1", "unmodelled": "beyond", "other generator": "other"}
 #: Row of the nine parameters together.
 TOGETHER = "all nine"
 _LOOKS = {"raw": ("least-squares", "Spread over the guesses"), "calibrated": ("algorithm1+refinement", "Calibrated")}
@@ -29,48 +33,36 @@ _LOOKS = {"raw": ("least-squares", "Spread over the guesses"), "calibrated": ("a
 def coverage_layout(frame: pd.DataFrame) -> Table:
     """Shares of arms that intervals cover, a row for each parameter."""
     levels = sorted(set(frame["level"]))
+    heads = [f"{100 * level:g}" for level in levels]
     cells = frame.set_index(["arms", "parameter", "level"])
-    widest = frame[(frame["arms"] == "unmodelled") & (frame["level"] == levels[-1])].set_index("parameter")
-    last = {column: dict(widest[column].astype(float)) for column in ("width", "contraction")}
-    rows = []
-    for name in (*NAMES, TOGETHER):
-        row = [plain(name) if name == TOGETHER else formula(name)]
-        for arms, column in (("unmodelled", "raw"), *((arms, "calibrated") for arms in ARMS)):
-            row += [number(100.0 * float(cells.loc[(arms, name, level), column]), 0) for level in levels]
-        if name == TOGETHER:
-            row += [EMPTY, EMPTY]
-        else:
-            removed = last["contraction"][name]
-            row += [number(last["width"][name], 3), number(removed, 2) if removed > 0 else plain("none")]
-        rows.append(row)
+    columns: list[Column] = [("Parameter", "l", lambda row: row["name"])]
+    wide = pd.DataFrame({"name": [*map(formula, NAMES), plain(TOGETHER)]}, index=[*NAMES, TOGETHER])
+    shown = (("Guesses", "unmodelled", "raw"), *((name, arms, "calibrated") for arms, name in ARMS.items()))
+    for name, arms, column in shown:
+        for level, head in zip(levels, heads, strict=True):
+            key = f"{name}, {head}"
+            wide[key] = cells[column].xs((arms, level), level=("arms", "level"))
+            columns.append((key, "r", digits(key, 0, 100.0)))
+    last = cells.xs(("unmodelled", levels[-1]), level=("arms", "level")).loc[list(NAMES), ["width", "contraction"]]
+    columns += [
+        ("Width", "r", digits("width", 3)),
+        ("Contraction", "r", lambda row: plain("none") if row["contraction"] <= 0 else digits("contraction", 2)(row)),
+    ]
     warned = [100.0 * float(frame.loc[frame["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
-    caption = plain(
-        "Shares of simulated arms (%) whose true parameter lies in an interval of "
-        + ", ".join(f"{100 * level:g}" for level in levels)
-        + " %: in the central range of the network's estimates from random guesses (guesses), on arms with torque "
-        "beyond Eq. 1; and in the calibrated interval, the median of these estimates plus and minus a multiple of "
-        "their spread (split conformal), on arms of Eq. 1 alone, with torque beyond it as the arms that calibrated, "
-        "and of another generator. Last row: all nine at once, in intervals stretched for that. Last columns: median "
-        "half width of the widest interval over the largest torque, and contraction, the share of the parameter's "
+    caption = (
+        f"Shares of simulated arms (%) whose true parameter lies in an interval of {', '.join(heads)} %: in the "
+        "central range of the network's estimates from random guesses (guesses), on arms with torque beyond Eq. 1; "
+        "and in the calibrated interval, the median of these estimates plus and minus a multiple of their spread "
+        "(split conformal), on arms of Eq. 1 alone, with torque beyond it as the arms that calibrated, and of another "
+        "generator. Last row: all nine at once, in intervals stretched for that. Last columns: median half width of "
+        "the widest interval over the largest torque, and contraction, the share of the parameter's "
         f"variance over the arms that the interval removes. {warned[0]:.1f}, {warned[1]:.1f} and {warned[2]:.1f} % of "
         "the three sets are warned of as unlike the training motions."
     )
-    heads = [f"{100 * level:g}" for level in levels]
-    header = [plain("Parameter"), *(plain(f"Guesses, {h}") for h in heads)]
-    for words in ("Eq. 1", "beyond", "other"):
-        header += [plain(f"{words}, {h}") for h in heads]
-    header += [plain("Width"), plain("Contraction")]
-    return Table(caption, "l" + "r" * (len(header) - 1), header, [(None, rows)])
+    return grid(caption, columns, [(None, wide.join(last))])
 
 
-@table(
-    "coverage",
-    "Do the intervals of the network cover",
-    EXPERIMENT,
-    coverage_layout,
-    inputs=("coverage",),
-    trained="all",
-)
+@_table("coverage", "Do the intervals of the network cover", coverage_layout, inputs=("coverage",))
 def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Shares of simulated arms whose true parameters lie in the intervals of the network of closed-loop motions, before
     and after calibration on other arms: on arms of Eq. 1, on arms with unmodelled torque, and on arms of another
@@ -81,33 +73,27 @@ def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 def intervals_layout(frame: pd.DataFrame) -> Table:
     """The recorded arm's parameters with their intervals."""
-    rows = [
-        [
-            with_unit(formula(row["parameter"]), UNITS[NAMES.index(row["parameter"])]),
-            number(row["true"], 4),
-            number(row["centre"], 4),
-            number(row["low"], 4) + Text(" to ", " to ") + number(row["high"], 4),
-            plain("yes" if row["low"] <= row["true"] <= row["high"] else "no"),
-        ]
-        for row in frame.to_dict("records")
+    columns: list[Column] = [
+        ("Parameter", "l", lambda row: with_unit(formula(row["parameter"]), UNITS[NAMES.index(row["parameter"])])),
+        ("True", "r", digits("true", 4)),
+        ("Estimate", "r", digits("centre", 4)),
+        ("Interval", "r", lambda row: number(row["low"], 4) + Text(" to ", " to ") + number(row["high"], 4)),
+        ("Covered", "r", lambda row: plain("yes" if row["low"] <= row["true"] <= row["high"] else "no")),
     ]
-    like = "unlike the training motions" if frame["warned"].max() else "like the training motions"
-    caption = plain(
-        f"Parameters of the simulated arm from its recording of ID, which is {like}: median of the network's estimates "
+    caption = (
+        f"Parameters of the simulated arm from its recording of ID, which is {'un' * bool(frame['warned'].max())}like "
+        "the training motions: median of the network's estimates "
         f"from random guesses, and its calibrated {100 * frame['level'].max():g} % interval."
     )
-    names = ("Parameter", "True", "Estimate", "Interval", "Covered")
-    return Table(caption, "lrrrr", [plain(name) for name in names], [(None, rows)])
+    return grid(caption, columns, [(None, frame)])
 
 
-@table(
+@_table(
     "intervals",
     "The arm's parameters with the network's intervals",
-    EXPERIMENT,
     intervals_layout,
     target="intervals",
     inputs=("coverage",),
-    trained="all",
 )
 def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Parameters of the simulated arm with the calibrated intervals of the network of tracked motions, and whether its
@@ -129,15 +115,8 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
         level = 100.0 * rows["level"].to_numpy()
         axes.axhspan(-band, band, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
         for column, (look, label) in _LOOKS.items():
-            stroke = style.STROKES[look]
-            axes.plot(
-                level,
-                100.0 * rows[column].to_numpy() - level,
-                color=stroke["color"],
-                linestyle=stroke["linestyle"],
-                linewidth=1.0,
-                label=label,
-            )
+            stroke = {**style.STROKES[look], "linewidth": 1.0}
+            axes.plot(level, 100.0 * rows[column].to_numpy() - level, label=label, **stroke)
         axes.set_title(rf"${name[0]}_{name[1]}$")
         axes.set_xlim(0.0, 100.0)
         axes.set_xticks([0, 50, 100])
@@ -147,14 +126,7 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
     return drawn
 
 
-@figure(
-    "coverage",
-    "Levels at which intervals reach the truth",
-    EXPERIMENT,
-    draw_coverage,
-    inputs=("coverage",),
-    trained="all",
-)
+@_figure("coverage", "Levels at which intervals reach the truth", draw_coverage, inputs=("coverage",))
 def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Calibration of the network's intervals on simulated arms with torque beyond Eq. 1: for each level, the share of
     arms whose true parameter the interval covers, minus the level. Dashed or solid lines are the range of the estimates
@@ -178,48 +150,35 @@ def verdict_layout(frame: pd.DataFrame) -> Table:
 
     A block for each opponent and set of arms, a row for each method and duration.
     """
-    blocks, durations = [], sorted(set(frame["duration"]))
+    columns: list[Column] = [
+        ("Method", "l", lambda row: heading_of(row["method"])),
+        ("Identified on", "r", lambda row: plain(f"{row['duration']:.4g} s")),
+        ("Arms won", "r", digits("wins", 0)),
+        ("Difference", "r", digits("difference", 2, 100.0)),
+        ("Interval", "r", lambda row: plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")),
+        ("p (Holm)", "r", digits("p_holm", 3)),
+        ("Conclusion", "l", words("conclusion")),
+    ]
+    order = {method: place for place, method in enumerate(methods_of(frame))}
+    ordered = frame.assign(place=frame["method"].map(order)).sort_values(["place", "duration"], kind="stable")
+    blocks: list[Block] = []
     for opponent in dict.fromkeys(frame["opponent"]):
         for name in dict.fromkeys(frame["set"]):
-            own = frame[(frame["opponent"] == opponent) & (frame["set"] == name)]
-            rows = [_pair_row(own, method, d) for method in methods_of(frame) for d in durations]
-            arms = Text(" ", " ") + plain(f"({int(own['arms'].max())} arms, {name})")
-            blocks.append((plain("Against:") + Text(" ", " ") + heading_of(opponent) + arms, rows))
+            own = ordered[(ordered["opponent"] == opponent) & (ordered["set"] == name)]
+            arms = Text(" ", " ") + plain(f"({own['arms'].max()} arms, {name})")
+            blocks.append((plain("Against:") + Text(" ", " ") + heading_of(opponent) + arms, own))
     pairs = len(frame[["method", "opponent"]].drop_duplicates())
-    caption = plain(
+    caption = (
         f"Algorithm 1 and the field's methods: the mean total over {SPAN} and both joints, paired over simulated arms. "
         "Hodges-Lehmann difference in points of a percent with the interval of Wilcoxon's signed-rank test, "
         f"simultaneous over {pairs} pairs (95 %, Bonferroni), and the p value adjusted by Holm's method. Equivalent: "
         "the whole interval is within 0.5 points. A loop chatters if three quarters of the power of a "
         "torque on ID are above 25 Hz."
     )
-    names = ("Method", "Identified on", "Arms won", "Difference", "Interval", "p (Holm)", "Conclusion")
-    return Table(caption, "lrrrrrl", tuple(plain(name) for name in names), blocks)
+    return grid(caption, columns, blocks)
 
 
-def _pair_row(frame: pd.DataFrame, method: str, duration: float) -> list[Text]:
-    row = one_row(frame, {"method": method, "duration": duration})
-    low, high = 100.0 * float(row["low"]), 100.0 * float(row["high"])
-    return [
-        heading_of(method),
-        plain(f"{duration:.4g} s"),
-        number(float(row["wins"]), 0),
-        number(100.0 * float(row["difference"]), 2),
-        plain(f"{low:.2f} to {high:.2f}"),
-        number(float(row["p_holm"]), 3),
-        plain(str(row["conclusion"])),
-    ]
-
-
-@table(
-    "verdict",
-    "Algorithm 1 against the field's methods",
-    EXPERIMENT,
-    verdict_layout,
-    target="verdict",
-    inputs=("spread",),
-    trained="all",
-)
+@_table("verdict", "Algorithm 1 against the field's methods", verdict_layout, target="verdict", inputs=("spread",))
 def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent, over many
     specimens of several simulated arms: in how many comparisons (motion and joint) each is better or worse, and by how
@@ -290,7 +249,7 @@ def draw_spread(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure("spread", "Similarity over many simulated arms", EXPERIMENT, draw_spread, inputs=("spread",), trained="all")
+@_figure("spread", "Similarity over many simulated arms", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Total similarity of every run of the simulated experiment, by motion, joint, method and duration of the
     identification trajectory; the bars are the medians over the seeds.

@@ -1,14 +1,16 @@
 """Table text in LaTeX and in Markdown at once: symbols, units, formulas, numbers, and the grid around them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
+
+import pandas as pd
 
 #: Width of the full page, inches.
 PAGE: Final = 7.16
 
-_TIMES = "\N{MULTIPLICATION SIGN}"
+TIMES = "\N{MULTIPLICATION SIGN}"
 _DASH = "\N{EN DASH}"
 _TEX_SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -26,12 +28,12 @@ _TEX_SPECIAL = {
     "|": r"\textbar{}",
     "±": r"$\pm$",
     _DASH: "--",
-    _TIMES: r"$\times$",
+    TIMES: r"$\times$",
 }
 _TEX_MATHS = {" ": r"\,", "*": r"\cdot ", "|": r"\vert ", "<": "<", ">": ">", "^": r"\hat{}", "~": r"\sim "}
 _MD_SPECIAL = re.compile(r"([\\`*_|<>\[\]])")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
     "alpha": "\N{GREEK SMALL LETTER ALPHA}",
     "beta": "β",
@@ -75,7 +77,7 @@ EMPTY = Text("", "")
 
 def plain(text: str) -> Text:
     """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product."""
-    text = _PRODUCT.sub(_TIMES, " ".join(text.split()))
+    text = _PRODUCT.sub(TIMES, " ".join(text.split()))
     return Text("".join(_TEX_SPECIAL.get(c, c) for c in text), _MD_SPECIAL.sub(r"\\\1", text))
 
 
@@ -95,7 +97,7 @@ def formula(text: str) -> Text:
         name, index, power = token["name"], token["index"], token["power"]
         if power:
             tex.append(f"^{{\\{power}}}" if power in ("min", "max") else f"^{{{power}}}")
-            md.append(power.translate(_SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
+            md.append(power.translate(SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
         elif token["below"]:
             tex.append(f"_{{{token['below']}}}")
             md.append(token["below"].translate(_SUBSCRIPTS))
@@ -127,8 +129,13 @@ def unit(text: str) -> Text:
     if text in ("1", "-"):
         return Text("--", _DASH)
     tex = re.sub(r"\^(-?\d+)", r"^{\1}", plain(text).tex.replace(r"\textasciicircum{}", "^")).replace(" ", r"\,")
-    md = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), text).replace(" ", "·")
+    md = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(SUPERSCRIPTS), text).replace(" ", "·")
     return Text(f"$\\mathrm{{{tex}}}$", md)
+
+
+def with_unit(name: Text, si: str) -> Text:
+    """Name of a column with its unit in brackets."""
+    return name + Text("~(", " (") + unit(si) + plain(")")
 
 
 def number(value: float, decimals: int, spread: float | None = None) -> Text:
@@ -145,8 +152,12 @@ def scientific(value: float, decimals: int) -> Text:
         return Text("$0$", "0")
     digits, power = f"{value:.{decimals}e}".split("e")
     return Text(
-        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{_TIMES}10{str(int(power)).translate(_SUPERSCRIPTS)}"
+        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{TIMES}10{str(int(power)).translate(SUPERSCRIPTS)}"
     )
+
+
+#: Gap between two columns of a long table, pt; points in an inch.
+_COLUMN_GAP, _POINTS = 9.0, 72.27
 
 
 @dataclass(frozen=True)
@@ -158,9 +169,13 @@ class Table:
     header: Sequence[Text]  # column names
     # rows under a heading that spans all columns; a heading of None is left out
     blocks: Sequence[tuple[Text | None, Sequence[Sequence[Text]]]]
+    # width of each column as a share of what the gaps leave of the page, if the text is wrapped and goes on over pages
+    shares: Sequence[float] = ()
 
     def tex(self, label: str) -> str:
         """LaTeX environment of a page-wide table, referred to by `label`; needs the package booktabs."""
+        if self.shares:
+            return self._long_tex(label)
         lines = [
             r"\begin{table*}[t]",
             r"\centering\footnotesize",
@@ -175,48 +190,11 @@ class Table:
             lines.append(r"\midrule")
             if heading is not None:
                 lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
-            lines += [tex_row(row) for row in rows]
+            lines += map(tex_row, rows)
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
 
-    def md(self, title: str) -> str:
-        """Markdown table under its title and caption; LaTeX numbers tables itself."""
-        rules = {"l": ":---", "c": ":---:", "r": "---:"}
-        lines = [f"**{title}.** {self.caption.md}", "", _md_row(self.header)]
-        lines.append("| " + " | ".join(rules[side] for side in self.alignment) + " |")
-        for heading, rows in self.blocks:
-            if heading is not None:
-                name = Text("", f"**{heading.md}**")
-                lines.append(_md_row([name, *[EMPTY] * (len(self.alignment) - 1)]))
-            lines += [_md_row(row) for row in rows]
-        return "\n".join([*lines, ""])
-
-
-def tex_row(cells: Sequence[Text]) -> str:
-    """One row in LaTeX."""
-    return " & ".join(cell.tex for cell in cells) + r" \\"
-
-
-def _md_row(cells: Sequence[Text]) -> str:
-    return "| " + " | ".join(cell.md for cell in cells) + " |"
-
-
-#: Gap between two columns of a long table, pt; points in an inch.
-_COLUMN_GAP, _POINTS = 9.0, 72.27
-
-
-@dataclass(frozen=True)
-class LongTable(Table):
-    """A laid-out table whose text is wrapped and that goes on over pages."""
-
-    shares: Sequence[float] = ()  # width of each column as a share of what the gaps between them leave of the page
-
-    def __post_init__(self) -> None:
-        """Check that the columns fill the page."""
-        if len(self.shares) != len(self.alignment) or abs(sum(self.shares) - 1.0) > 1e-9:
-            raise ValueError(f"shares: must be one for each of {len(self.alignment)} columns, of sum 1.")
-
-    def tex(self, label: str) -> str:
-        """LaTeX of the table, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
+    def _long_tex(self, label: str) -> str:
+        """LaTeX that goes on over pages, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
         room = PAGE - (len(self.shares) - 1) * _COLUMN_GAP / _POINTS
         columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
         head = [r"\toprule", tex_row(self.header), r"\midrule"]
@@ -240,3 +218,54 @@ class LongTable(Table):
                 lines.append(f"{across}{{\\textit{{{heading.tex}}}}} \\\\*[2pt]")  # the star keeps it with its rows
             lines += [f"{tex_row(row)}[2pt]" for row in rows]
         return "\n".join([*lines, r"\end{longtable}", r"\endgroup", ""])
+
+    def md(self, title: str) -> str:
+        """Markdown table under its title and caption; LaTeX numbers tables itself."""
+        rules = {"l": ":---", "c": ":---:", "r": "---:"}
+        lines = [f"**{title}.** {self.caption.md}", "", _md_row(self.header)]
+        lines.append("| " + " | ".join(rules[side] for side in self.alignment) + " |")
+        for heading, rows in self.blocks:
+            if heading is not None:
+                name = Text("", f"**{heading.md}**")
+                lines.append(_md_row([name, *[EMPTY] * (len(self.alignment) - 1)]))
+            lines += [_md_row(row) for row in rows]
+        return "\n".join([*lines, ""])
+
+
+def tex_row(cells: Sequence[Text]) -> str:
+    """One row in LaTeX."""
+    return " & ".join(cell.tex for cell in cells) + r" \\"
+
+
+def _md_row(cells: Sequence[Text]) -> str:
+    return "| " + " | ".join(cell.md for cell in cells) + " |"
+
+
+#: A cell of a row, and a column: its name, its side (``l``, ``c`` or ``r``) and its cells.
+Cell = Callable[[Mapping[Hashable, Any]], Text]
+Column = tuple[str | Text, str, Cell]
+#: Rows under a heading, which is left out if it is None.
+Block = tuple[Text | None, pd.DataFrame]
+
+
+def words(column: str) -> Cell:
+    """Cells of ordinary text."""
+    return lambda row: plain(str(row[column]))
+
+
+def digits(column: str, decimals: int, factor: float = 1.0) -> Cell:
+    """Cells of numbers times a factor, empty where there is none."""
+    return lambda row: EMPTY if pd.isna(row[column]) else number(factor * row[column], decimals)
+
+
+def several(names: Sequence[str], columns: Sequence[str], decimals: int, factor: float = 1.0) -> list[Column]:
+    """Columns of numbers in one form."""
+    return [(name, "r", digits(column, decimals, factor)) for name, column in zip(names, columns, strict=True)]
+
+
+def grid(caption: str, columns: Sequence[Column], blocks: Iterable[Block]) -> Table:
+    """Lay out every row of the blocks in these columns."""
+    names, sides, cells = zip(*columns, strict=True)
+    laid_out = [(name, [[cell(row) for cell in cells] for row in rows.to_dict("records")]) for name, rows in blocks]
+    header = [name if isinstance(name, Text) else plain(name) for name in names]
+    return Table(plain(caption), "".join(sides), header, laid_out)

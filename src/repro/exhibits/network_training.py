@@ -1,8 +1,6 @@
 """The network and its training: Table 3, Figures 7 to 11."""
 
-import string
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -22,13 +20,13 @@ from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.exhibits import style
 from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
-from repro.exhibits.markup import Table, plain
+from repro.exhibits.markup import Column, Table, grid, words
 from repro.exhibits.panels import JOINTS, TIME, curves_of, long_table, loss_panel, plot_series
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
-from repro.pipeline.model_card import architecture
+from repro.pipeline.stored_networks import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -41,17 +39,14 @@ _TRAINING = ("signals", "data", "image", "training")
 def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
     """Table 3: features of the network and its training, rebuilt from Section IV-B."""
     layers = architecture(network)
-    side = network.image_size
-    rows = [("Input", f"{side} x {side} x 2"), ("Output", "9 parametric residuals")]
-    for row in layers.itertuples():
-        size = f"{row.height} x {row.width} x {row.channels}"
-        if row.kind == "convolution":
-            rows.append((f"Layer {str(row.layer)[-1]}, convolution", f"kernels {row.kernel}, output {size}"))
-        elif row.kind == "max pool":
-            rows.append((f"Layer {str(row.layer)[-1]}, max pool", f"window 2 x 2, output {size}"))
-        elif row.kind in {"fully connected", "output"}:
-            number = {"fc4": 4, "fc5": 5, "output": 6}[str(row.layer)]
-            rows.append((f"Layer {number}, fully connected", f"{row.channels} units"))
+    numbers = {"fc4": "4", "fc5": "5", "output": "6"}
+    rows = [("Input", f"{network.image_size} x {network.image_size} x 2"), ("Output", "9 parametric residuals")]
+    for row in layers[layers["kind"] != "input"].to_dict("records"):
+        number = numbers.get(row["layer"], row["layer"][-1])
+        size = f"{row['height']} x {row['width']} x {row['channels']}"
+        values = {"convolution": f"kernels {row['kernel']}, output {size}", "max pool": f"window 2 x 2, output {size}"}
+        kind = row["kind"] if row["kind"] in values else "fully connected"
+        rows.append((f"Layer {number}, {kind}", values.get(kind, f"{row['channels']} units")))
     rows += [
         ("Activation, layers 1 to 5", "ReLU (Eq. 12)"),
         ("Activation, layer 6", f"sigmoid (Eq. 13), c = {network.sigmoid_gain:g}"),
@@ -66,39 +61,22 @@ def network_features(network: NetworkSettings, training: TrainingSettings) -> pd
 
 def characteristics(frame: pd.DataFrame) -> Table:
     """Characteristics of the network (Table 3)."""
-    rows = [
-        (plain(feature), plain(str(value))) for feature, value in frame[["feature", "value"]].itertuples(index=False)
-    ]
-    caption = plain("Characteristics of the convolutional neural network.")
-    return Table(caption, "ll", (plain("Feature"), plain("Value")), [(None, rows)])
+    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
+    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
 
 
-@table(3, "Characteristics of the network", MODEL, characteristics, sections=("signals", "network", "training"))
+@table(
+    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
+)
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
     return network_features(network_settings(config), training_settings(config))
 
 
 KINDS = ("input", "convolution", "max pool", "fully connected", "output")
-#: Layers from left to right with their activation (Eq. 12, 13).
-_ACTIVATIONS = {
-    "input": style.DASH,
-    "conv1": "ReLU",
-    "pool1": style.DASH,
-    "conv2": "ReLU",
-    "pool2": style.DASH,
-    "conv3": "ReLU",
-    "fc4": "ReLU",
-    "fc5": "ReLU",
-    "output": "sigmoid",
-}
-_FILLS = {
-    "input": "white",
-    "convolution": style.FILL_DARK,
-    "max pool": style.FILL_LIGHT,
-    "fully connected": "#f3c77d",
-    "output": "#b3541e",
-}
+#: Activation of each layer (Eq. 12, 13); the others have none.
+_ACTIVATIONS = {**dict.fromkeys(("conv1", "conv2", "conv3", "fc4", "fc5"), "ReLU"), "output": "sigmoid"}
+_FILLS = dict(zip(KINDS, ("white", style.FILL_DARK, style.FILL_LIGHT, "#f3c77d", "#b3541e"), strict=True))
 # Measures of the drawing, in.
 _HEIGHT = 2.15
 _LARGEST = 0.74  # side of the largest map, or length of the longest bar
@@ -112,70 +90,40 @@ _ROW = 0.15  # from one row of words to the next
 _FIRST_ROW = 0.88
 
 
-@dataclass(frozen=True)
-class _Layer:
-    """One row of the table."""
-
-    name: str
-    kind: str
-    height: int
-    width: int
-    channels: int
-    kernel: str
-    parameters: int
-
-    @property
-    def is_map(self) -> bool:
-        """Whether the layer is drawn as a stack of maps; otherwise it is a bar."""
-        return self.kind in KINDS[:3]
-
-    @property
-    def length(self) -> int:
-        """What is drawn to scale: the side of a map, or the units of a bar."""
-        return max(self.height, self.width) if self.is_map else self.channels
-
-    @property
-    def window(self) -> tuple[int, int]:
-        """Height and width of the kernel."""
-        height, width = (int(size) for size in self.kernel.split("x")[:2])
-        return height, width
-
-    @property
-    def size(self) -> str:
-        """Output size in words."""
-        sizes = (self.height, self.width, self.channels) if self.is_map else (self.channels,)
-        return style.TIMES.join(str(size) for size in sizes)
-
-
-def _read(frame: pd.DataFrame) -> list[_Layer]:
-    """Layers in drawing order."""
-    columns = ["layer", "kind", "height", "width", "channels", "kernel", "parameters"]
-    layers = [_Layer(*row) for row in frame[columns].fillna({"kernel": ""}).itertuples(index=False)]
-    return sorted(layers, key=lambda layer: list(_ACTIVATIONS).index(layer.name))
-
-
 class _Drawn:
-    """A layer put on the page: a stack of maps from front to back, or a bar, in inches."""
+    """A layer on the page: a stack of maps from front to back, or a bar as long as its units, in inches."""
 
-    def __init__(self, axes: Axes, layer: _Layer, centre: float, scale: float) -> None:
+    def __init__(self, layer: Mapping[Hashable, Any], scale: float) -> None:
         self.layer = layer
-        sheets = layer.channels if layer.is_map else 1
-        self.width = layer.width * scale if layer.is_map else _BAR
-        self.height = (layer.height if layer.is_map else layer.channels) * scale
-        self.depth = depth = _SHEET * (sheets - 1)
-        self.left, self.bottom = centre - (self.width + depth) / 2, _AXIS - (self.height + depth) / 2
-        self.right, self.top = self.left + self.width + depth, self.bottom + self.height + depth
-        for sheet in reversed(range(sheets)):
+        self.is_map = layer["kind"] in KINDS[:3]
+        self.sheets = layer["channels"] if self.is_map else 1
+        self.width = layer["width"] * scale if self.is_map else _BAR
+        self.height = (layer["height"] if self.is_map else layer["channels"]) * scale
+        self.depth = _SHEET * (self.sheets - 1)
+        self.column = max(_NARROWEST, self.width + self.depth)
+
+    def put(self, axes: Axes, centre: float) -> None:
+        """Draw the layer, and below it its words."""
+        layer = self.layer
+        self.left, self.bottom = centre - (self.width + self.depth) / 2, _AXIS - (self.height + self.depth) / 2
+        self.right, self.top = self.left + self.width + self.depth, self.bottom + self.height + self.depth
+        for sheet in reversed(range(self.sheets)):
             corner = (self.left + _SHEET * sheet, self.bottom + _SHEET * sheet)
-            box = Rectangle(corner, self.width, self.height, facecolor=_FILLS[layer.kind], edgecolor=style.INK, lw=0.4)
-            axes.add_patch(box)
+            look: dict[str, Any] = {"facecolor": _FILLS[layer["kind"]], "edgecolor": style.INK, "lw": 0.4}
+            axes.add_patch(Rectangle(corner, self.width, self.height, **look))
+        sizes = ("height", "width", "channels") if self.is_map else ("channels",)
+        size = style.TIMES.join(str(layer[name]) for name in sizes)
+        kernel = layer["kernel"].replace("x", style.TIMES) or style.DASH
+        activation = _ACTIVATIONS.get(layer["layer"], style.DASH)
+        for row, word in enumerate((layer["layer"], kernel, activation, size, f"{layer['parameters']:,}")):
+            axes.text(centre, _FIRST_ROW - _ROW * row, word, fontsize=style.SMALL_SIZE, ha="center")
 
 
 def _connect(axes: Axes, before: _Drawn, after: _Drawn, scale: float) -> None:
     """Show what one output sees: a kernel window on the front map, or the whole layer."""
     line: dict[str, Any] = {"color": style.INK, "lw": 0.4, "ls": (0, (3, 1.5))}
-    if after.layer.is_map:
-        height, width = (size * scale for size in after.layer.window)
+    if after.is_map:
+        height, width = (int(size) * scale for size in after.layer["kernel"].split("x")[:2])
         x, y = before.left + 0.7 * before.width - width / 2, before.bottom + 0.6 * before.height
         axes.add_patch(Rectangle((x, y), width, height, facecolor="none", edgecolor=style.INK, lw=0.6))
         target = (after.left + 0.3 * after.width, after.bottom + 0.6 * after.height + height / 2)
@@ -188,32 +136,18 @@ def _connect(axes: Axes, before: _Drawn, after: _Drawn, scale: float) -> None:
 
 def draw_network(frame: pd.DataFrame) -> Figure:
     """Architecture of the network with every size (Fig. 7)."""
-    layers = _read(frame)
-    figure = style.new_figure(style.PAGE, _HEIGHT)
-    figure.set_layout_engine("none")  # everything is placed in inches
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, style.PAGE), ylim=(0.0, _HEIGHT))
-    axes.set_axis_off()
-    scale = _LARGEST / max(layer.length for layer in layers)
-
-    sheets = [layer.channels if layer.is_map else 1 for layer in layers]
-    columns = [
-        max(_NARROWEST, (layer.width * scale if layer.is_map else _BAR) + _SHEET * (n - 1))
-        for layer, n in zip(layers, sheets, strict=True)
-    ]
-    gap = (style.PAGE - _HEADINGS - _MARGIN - sum(columns)) / len(columns)
-    headings = ("Layer", "Kernel", "Activation", "Output", "Parameters")
-    for row, heading in enumerate(headings):
+    layers = frame.fillna({"kernel": ""})
+    is_map = layers["kind"].isin(KINDS[:3])
+    scale = _LARGEST / layers["channels"].where(~is_map, layers[["height", "width"]].max(axis=1)).max()
+    figure, axes = style.inches(style.PAGE, _HEIGHT)
+    for row, heading in enumerate(("Layer", "Kernel", "Activation", "Output", "Parameters")):
         axes.text(_MARGIN, _FIRST_ROW - _ROW * row, heading, fontsize=style.SMALL_SIZE, style="italic")
-    drawn: list[_Drawn] = []
+    drawn = [_Drawn(layer, scale) for layer in layers.to_dict("records")]
+    gap = (style.PAGE - _HEADINGS - _MARGIN - sum(each.column for each in drawn)) / len(drawn)
     x = _HEADINGS
-    for layer, column in zip(layers, columns, strict=True):
-        centre = x + (gap + column) / 2
-        x += gap + column
-        drawn.append(_Drawn(axes, layer, centre, scale))
-        kernel = layer.kernel.replace("x", style.TIMES) or style.DASH
-        words = (layer.name, kernel, _ACTIVATIONS[layer.name], layer.size, f"{layer.parameters:,}")
-        for row, word in enumerate(words):
-            axes.text(centre, _FIRST_ROW - _ROW * row, word, fontsize=style.SMALL_SIZE, ha="center")
+    for each in drawn:
+        each.put(axes, x + (gap + each.column) / 2)
+        x += gap + each.column
     for before, after in pairwise(drawn):
         _connect(axes, before, after, scale)
     for kind in KINDS:
@@ -222,12 +156,16 @@ def draw_network(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(7, "Architecture of the CNN", MODEL, draw_network, sections=("signals", "network"))
+@figure(7, "Architecture of the CNN", draw_network, category=MODEL, sections=("signals", "network"))
 def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
     """
     return architecture(network_settings(config))
+
+
+_LETTERS = "abcdefghi"
+_COLOURS = ("red", "green", "blue")
 
 
 def example_pixels(signals: SignalSettings, data: DataSettings, seed: int, count: int = 9) -> pd.DataFrame:
@@ -248,15 +186,13 @@ def example_pixels(signals: SignalSettings, data: DataSettings, seed: int, count
     for kind, guess in guesses.items():
         u, v = image_factors(alpha, 2 * alpha - rebuild_torque(motion.model, guess), data.image)
         for index, rgb in enumerate(colours(assemble(u, v)).reshape(count, -1, 3)):
-            pixels = {"kind": kind, "image": "abcdefghi"[index], "row": row, "column": column}
-            pixels |= dict(zip(("red", "green", "blue"), np.round(rgb.T, 4), strict=True))
+            pixels = {"kind": kind, "image": _LETTERS[index], "row": row, "column": column}
+            pixels |= dict(zip(_COLOURS, np.round(rgb.T, 4), strict=True))
             frames.append(pd.DataFrame(pixels))
     return pd.concat(frames, ignore_index=True)
 
 
 _KINDS = {"Mp": "$M_p$: the parameters match the torque", "Mn": "$M_n$: they do not match"}
-_IMAGES = tuple(string.ascii_lowercase[:9])
-_COLOURS = ("red", "green", "blue")
 
 
 def _dense(table: pd.DataFrame, axes: Sequence[str], values: Sequence[str]) -> Array:
@@ -278,7 +214,7 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
         half.supylabel(r"Sample of $\psi$ (index)", fontsize=style.TEXT_SIZE)
         pictures = frame[frame["kind"] == kind]
         grid = half.subplots(3, 3, sharex=True, sharey=True)
-        for axes, name in zip(grid.flat, _IMAGES, strict=True):
+        for axes, name in zip(grid.flat, _LETTERS, strict=True):
             pixels = _dense(pictures[pictures["image"] == name], ("row", "column"), _COLOURS)
             axes.imshow(pixels, interpolation="none")
             axes.set_title(f"{name})", pad=1.5)
@@ -288,7 +224,7 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(8, "Images of the training data", DATA, draw_examples, sections=_TRAINING)
+@figure(8, "Images of the training data", draw_examples, category=DATA, sections=_TRAINING)
 def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
@@ -310,8 +246,7 @@ def torque_percentiles(signals: SignalSettings, data: DataSettings, seed: int, a
 
 def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     """Distribution of the training torques over time (Fig. 9)."""
-    series = ("p05", "p25", "p50", "p75", "p95", "mean")
-    curves = curves_of(frame, dict.fromkeys(JOINTS, series))
+    curves = curves_of(frame)
     figure = style.new_figure(style.COLUMN, 3.7)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     for axes, joint in zip(panels, JOINTS, strict=True):
@@ -328,37 +263,36 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(9, "Distribution of the training torques", DATA, draw_torque_distribution, sections=_TRAINING)
+@figure(9, "Distribution of the training torques", draw_torque_distribution, category=DATA, sections=_TRAINING)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
     return torque_percentiles(signal_settings(config), data_settings(config), training_settings(config).seed)
 
 
-def loss_curves(history: pd.DataFrame) -> pd.DataFrame:
-    """Figure 10: training and test loss over the iterations."""
-    x = history["step"].to_numpy(dtype=np.float64)
-    return long_table(("loss", s, x, history[f"{s}_loss"].to_numpy(dtype=np.float64)) for s in ("train", "test"))
-
-
 def draw_loss(frame: pd.DataFrame) -> Figure:
     """Loss on training and test images over the iterations (Fig. 10)."""
-    figure, axes = loss_panel(frame, ("train", "test"), "Training iteration (steps)", "Loss (dimensionless)")
+    figure, axes = loss_panel(frame, "Training iteration (steps)", "Loss (dimensionless)")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     axes.xaxis.set_major_locator(MaxNLocator(6))
     style.legend_above(figure, axes, 2)
     return figure
 
 
-@figure(10, "Loss over the training", MODEL, draw_loss, inputs=("history",), trained="all")
+@figure(10, "Loss over the training", draw_loss, category=MODEL, inputs=("history",), trained="all")
 def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
-    return loss_curves(read_csv(inputs["history"][0], HISTORY_COLUMNS))
+    history = read_csv(inputs["history"][0], HISTORY_COLUMNS).astype(np.float64)
+    steps = history["step"].to_numpy()
+    return long_table(("loss", name, steps, history[f"{name}_loss"].to_numpy()) for name in ("train", "test"))
+
+
+_LAYERS = ("conv1", "conv2", "conv3")
 
 
 def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
     """Figure 11: power spectrum of every convolution kernel, zero frequency in the middle."""
     frames = []
-    for name in ("conv1", "conv2", "conv3"):
+    for name in _LAYERS:
         kernels = weights[f"{name}.weight"].astype(np.float64)  # (output, input, k, k)
         power = np.abs(np.fft.fftshift(np.fft.fft2(kernels), axes=(-2, -1))) ** 2
         power /= power.max((-2, -1), keepdims=True)
@@ -368,7 +302,6 @@ def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)[["layer", "input", "output", "row", "column", "power"]]
 
 
-_LAYERS = ("conv1", "conv2", "conv3")
 #: Pixels of one kernel in the picture, whatever its size (9, 5 and 3 divide it), and of the gap between two.
 _KERNEL_PIXELS = 45
 _KERNEL_GAP = 6
@@ -410,8 +343,8 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
 @figure(
     11,
     "Spectra of the kernels",
-    MODEL,
     draw_kernels,
+    category=MODEL,
     inputs=("weights",),
     sections=("signals", "network"),
     trained="all",

@@ -1,6 +1,8 @@
 """The numeric tests N1 to N4: Tables 2 and 4 to 7, Figures 5, 6 and 12 to 17, and the paper's own training."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,37 +20,31 @@ from repro.exhibits.declare import (
     NUMERIC,
     SIGNALS,
     VALIDATION,
-    Exhibit,
+    Declaration,
     Inputs,
-    Layout,
-    Numbers,
     Trained,
     figure,
     table,
 )
-from repro.exhibits.markup import Table, formula, plain, unit
+from repro.exhibits.markup import Column, Table, formula, grid, unit, words
 from repro.exhibits.panels import (
     COEFFICIENT,
-    JOINTS,
     TIME,
     TORQUE,
     Curve,
+    compare,
     curves_of,
     draw_motion,
     long_table,
     loss_panel,
-    page,
-    spectrum_panels,
-    torque_panels,
 )
 from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
-from repro.pipeline.experiment_runs import every_seed, read_identifications, read_scores
+from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.numeric import motion_of
-from repro.pipeline.summary import SCORES, median_cells, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
 from repro.settings import numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.dct import SignalSettings, dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
@@ -61,16 +57,16 @@ _RECIPE = f"with a network trained by the paper's own schedule and with ours; ID
 
 def description(frame: pd.DataFrame) -> Table:
     """Dynamic parameters (Table 2)."""
-    columns = ["parameter", "description", "expression", "unit"]
-    rows = [
-        (formula(name), plain(description), formula(expression), unit(si))
-        for name, description, expression, si in frame[columns].itertuples(index=False)
+    columns: list[Column] = [
+        ("Parameter", "l", lambda row: formula(row["parameter"])),
+        ("Description", "l", words("description")),
+        ("Expression", "l", lambda row: formula(row["expression"])),
+        ("Unit", "l", lambda row: unit(row["unit"])),
     ]
-    header = tuple(plain(name) for name in ("Parameter", "Description", "Expression", "Unit"))
-    return Table(plain("Dynamic parameters of the arm."), "llll", header, [(None, rows)])
+    return grid("Dynamic parameters of the arm.", columns, [(None, frame)])
 
 
-@table(2, "Dynamic parameters", MODEL, description)
+@table(2, "Dynamic parameters", description, category=MODEL)
 def table02(_: Inputs, __: Config) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
@@ -100,39 +96,27 @@ _BOX_ROW = 1.16
 _PANEL_PART = 0.83
 
 
-def _box(axes: Axes, text: str) -> tuple[Axes, Annotation]:
-    """Name the stage that `axes` shows in a box above it."""
-    frame = {"boxstyle": "round,pad=0.35", "facecolor": style.FILL_LIGHT, "edgecolor": style.INK, "linewidth": 0.6}
-    box = axes.annotate(text, (0.5, _BOX_ROW), xycoords="axes fraction", ha="center", va="center", bbox=frame)
-    box.set_in_layout(False)  # its row is kept free already
-    return axes, box
-
-
-def _arrow(figure: Figure, left: tuple[Axes, Annotation], right: tuple[Axes, Annotation], text: str) -> None:
-    """Draw an arrow from one box to the next with the operation written above it."""
-    arrow = ConnectionPatch(
-        (0.5, _BOX_ROW),
-        (0.5, _BOX_ROW),
-        "axes fraction",
-        axesA=left[0],
-        axesB=right[0],
-        patchA=left[1].get_bbox_patch(),
-        patchB=right[1].get_bbox_patch(),
-        arrowstyle="-|>",
-        mutation_scale=8,
-        linewidth=0.9,
-        color=style.INK,
-    )
-    arrow.set_in_layout(False)
-    figure.add_artist(arrow)
-    note = Annotation(text, (0.5, 1.0), xytext=(0, 3), xycoords=arrow, textcoords="offset points", ha="center")
-    note.set_in_layout(False)
-    figure.add_artist(note)
+def _steps(figure: Figure, panels: Sequence[Axes], names: Sequence[str], operations: Sequence[str]) -> None:
+    """Name what each panel shows in a box above it; arrows lead from box to box, each with its operation above it."""
+    place: dict[str, Any] = {"xycoords": "axes fraction", "ha": "center", "va": "center"}
+    look = {"boxstyle": "round,pad=0.35", "facecolor": style.FILL_LIGHT, "edgecolor": style.INK, "linewidth": 0.6}
+    middle = (0.5, _BOX_ROW)
+    boxes = [axes.annotate(name, middle, bbox=look, **place) for axes, name in zip(panels, names, strict=True)]
+    for k, operation in enumerate(operations):
+        ends: dict[str, Any] = {"axesA": panels[k], "axesB": panels[k + 1], "arrowstyle": "-|>", "mutation_scale": 8}
+        ends |= {"patchA": boxes[k].get_bbox_patch(), "patchB": boxes[k + 1].get_bbox_patch()}
+        arrow = ConnectionPatch(middle, middle, "axes fraction", linewidth=0.9, color=style.INK, **ends)
+        above: dict[str, Any] = {"xycoords": arrow, "textcoords": "offset points", "ha": "center"}
+        for artist in (arrow, Annotation(operation, (0.5, 1.0), xytext=(0, 3), **above)):
+            artist.set_in_layout(False)
+            figure.add_artist(artist)
+    for box in boxes:
+        box.set_in_layout(False)  # their row is kept free already
 
 
 def draw_subsampling(frame: pd.DataFrame) -> Figure:
     """Subsampling by the DCT-II in three steps (Fig. 5)."""
-    curves = curves_of(frame, {"signal": ("x",), "spectrum": ("kept", "dropped"), "subsampled": ("xs",)})
+    curves = curves_of(frame)
     x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
 
@@ -156,18 +140,17 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
         style.few_ticks(axes)
 
     n = kept[0].size + dropped[0].size
-    boxes = (
-        _box(signal, f"Signal $x$: $N$ = {n} samples"),
-        _box(spectrum, f"Spectrum $X$: $M$ = {kept[0].size} of {n} bands"),
-        _box(subsampled, f"Subsampled $x_s$: {xs[0].size} samples"),
+    names = (
+        f"Signal $x$: $N$ = {n} samples",
+        f"Spectrum $X$: $M$ = {kept[0].size} of {n} bands",
+        f"Subsampled $x_s$: {xs[0].size} samples",
     )
-    _arrow(figure, boxes[0], boxes[1], "DCT-II")
-    _arrow(figure, boxes[1], boxes[2], r"iDCT-II $\times \sqrt{M/N}$")
+    _steps(figure, (signal, spectrum, subsampled), names, ("DCT-II", r"iDCT-II $\times \sqrt{M/N}$"))
     figure.legend(*spectrum.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
-@figure(5, "Subsampling technique", SIGNALS, draw_subsampling, sections=_NUMERIC)
+@figure(5, "Subsampling technique", draw_subsampling, category=SIGNALS, sections=_NUMERIC)
 def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
@@ -181,7 +164,7 @@ def motion_curves(motion: Motion) -> pd.DataFrame:
     return long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in panels.items() for j in (0, 1))
 
 
-@figure(6, "Identification trajectory", SIGNALS, draw_motion, sections=("signals",))
+@figure(6, "Identification trajectory", draw_motion, category=SIGNALS, sections=("signals",))
 def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
     signals = signal_settings(config)
@@ -193,31 +176,30 @@ def _scores(inputs: Inputs) -> pd.DataFrame:
 
 
 def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
-    return parameter_table(every_seed(read_identifications(inputs["identifications"])), _scores(inputs), cases)
+    return parameter_table(read_identifications(inputs["identifications"]), _scores(inputs), cases)
 
 
-def _result_table(which: int, title: str, category: str, layout: Layout) -> Callable[[Numbers], Exhibit]:
-    return table(which, title, category, layout, inputs=("networks",), trained="claims")
+_result_table = partial(table, inputs=("networks",), trained="claims")
 
 
-@_result_table(4, "Parameters of N1 and N2", NUMERIC, lambda frame: parameters(frame, ("N1", "N2")))
+def _similarity_table(which: int, title: str, category: str, of_what: str) -> Declaration:
+    layout = partial(similarities, cases=_ALL, of_what=f"{of_what}, numeric tests")
+    return _result_table(which, title, layout, category=category)
+
+
+@_result_table(4, "Parameters of N1 and N2", partial(parameters, cases=("N1", "N2")), category=NUMERIC)
 def table04(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N1 and N2: median seed and spread over the seeds."""
     return _parameters(inputs, ("N1", "N2"))
 
 
-@_result_table(5, "Parameters of N3 and N4", NUMERIC, lambda frame: parameters(frame, ("N3", "N4")))
+@_result_table(5, "Parameters of N3 and N4", partial(parameters, cases=("N3", "N4")), category=NUMERIC)
 def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N3 and N4: median seed and spread over the seeds."""
     return _parameters(inputs, ("N3", "N4"))
 
 
-@_result_table(
-    6,
-    "Similarity on the identification trajectory",
-    NUMERIC,
-    lambda frame: similarities(frame, _ALL, "from the identified parameters, numeric tests"),
-)
+@_similarity_table(6, "Similarity on the identification trajectory", NUMERIC, "from the identified parameters")
 def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
     in each cell and the spread over the seeds. The refinement is an extension of ours; the local search is its control.
@@ -225,12 +207,7 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     return similarity_table(_scores(inputs), "ID")
 
 
-@_result_table(
-    7,
-    "Similarity on the validation trajectory",
-    VALIDATION,
-    lambda frame: similarities(frame, _ALL, "on the random validation trajectory, numeric tests"),
-)
+@_similarity_table(7, "Similarity on the validation trajectory", VALIDATION, "on the random validation trajectory")
 def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
     seeds. The refinement is an extension of ours; the local search is its control.
@@ -260,26 +237,16 @@ def _torques(
     return long_table(parts)
 
 
+_of_runs = partial(figure, inputs=("published",), sections=_NUMERIC)
+
+
 def _torque_figure(
-    which: int,
-    title: str,
-    category: str,
-    cases: Sequence[str],
-    draw: Callable[..., None] = torque_panels,
-    trained: Trained = "no",
-) -> Callable[[Numbers], Exhibit]:
+    which: int, title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
+) -> Declaration:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
-
-    def compare(frame: pd.DataFrame) -> Figure:
-        panels = {
-            f"{case}/{joint}": f"{case}, {style.SERIES_LABELS[joint].lower()}" for case in cases for joint in JOINTS
-        }
-        curves = curves_of(frame, dict.fromkeys(panels, ("actual", "rebuilt")))
-        drawn = page(len(panels))
-        draw(drawn, curves, panels)
-        return drawn
-
-    return figure(which, title, category, compare, inputs=("published",), sections=_NUMERIC, trained=trained)
+    titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
+    draw = partial(compare, titles=titles, spectra=spectra)
+    return _of_runs(which, title, draw, category=category, trained=trained)
 
 
 @_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
@@ -298,7 +265,7 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
 
-@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectrum_panels, "all")
+@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectra=True, trained="all")
 def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 12 and 13 (Fig. 14)."""
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
@@ -310,22 +277,14 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "validation", _ALL)
 
 
-@figure(
-    16,
-    "Validation trajectory",
-    VALIDATION,
-    lambda frame: draw_motion(frame, style.PAGE),
-    inputs=("published",),
-    sections=_NUMERIC,
-    trained="all",
-)
+@_of_runs(16, "Validation trajectory", partial(draw_motion, width=style.PAGE), category=VALIDATION, trained="all")
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(_scores(inputs))["N1", "algorithm1"]
     return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
 
 
-@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectrum_panels, "all")
+@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectra=True, trained="all")
 def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the validation torques (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
@@ -339,14 +298,16 @@ _RECIPES = {
 }
 
 
-@table(
+_table, _figure = (
+    partial(kind, category=ABLATION, label="The paper's training", optional=True) for kind in (table, figure)
+)
+
+
+@_table(
     "paper_recipe",
     "Literal Algorithm 1 with it",
-    ABLATION,
-    lambda frame: similarities(frame, (*_ALL, *PROGRAMS), _RECIPE),
-    label="The paper's training",
+    partial(similarities, cases=(*_ALL, *PROGRAMS), of_what=_RECIPE),
     inputs=("paper_recipe",),
-    optional=True,
 )
 def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the literal Algorithm 1 on N1 to N4 (identification trajectory) and on the simulated arm with a
@@ -360,23 +321,20 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
     """Loss on held-out images over the images trained on, of the paper's schedule and of ours."""
-    figure, axes = loss_panel(frame, tuple(_RECIPES), "Training (images)", "Held-out loss (dimensionless)")
+    figure, axes = loss_panel(frame, "Training (images)", "Held-out loss (dimensionless)")
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     style.legend_above(figure, axes, 1)
     return figure
 
 
-@figure(
+@_figure(
     "paper_recipe",
     "Loss next to ours",
-    ABLATION,
     draw_held_out_losses,
-    label="The paper's training",
     inputs=("losses",),
     sections=("training", "networks"),
     trained="all",
-    optional=True,
 )
 def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, next to

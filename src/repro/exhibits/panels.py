@@ -1,8 +1,8 @@
 """Curves in panels: long tables ``panel, series, x, y``, torques and spectra next to what was rebuilt."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import ceil
-from typing import Literal
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -30,10 +30,13 @@ def long_table(parts: Iterable[Curve]) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def curves_of(frame: pd.DataFrame, panels: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Points]]:
-    """Curves of a long table ``panel, series, x, y``."""
-    points = {key: (rows["x"].to_numpy(), rows["y"].to_numpy()) for key, rows in frame.groupby(["panel", "series"])}
-    return {panel: {name: points[panel, name] for name in series} for panel, series in panels.items()}
+def curves_of(frame: pd.DataFrame) -> dict[str, dict[str, Points]]:
+    """Curves of a long table ``panel, series, x, y`` by panel and series, in its order."""
+    curves: dict[str, dict[str, Points]] = {}
+    for key, rows in frame.groupby(["panel", "series"], sort=False):
+        panel, series = map(str, key)
+        curves.setdefault(panel, {})[series] = (rows["x"].to_numpy(), rows["y"].to_numpy())
+    return curves
 
 
 def plot_series(axes: Axes, name: str, curve: Points) -> None:
@@ -48,18 +51,38 @@ def plot_panel(axes: Axes, series: Mapping[str, Points]) -> None:
     style.few_ticks(axes)
 
 
-def draw_motion(frame: pd.DataFrame, width: float = style.COLUMN) -> Figure:
-    """Position, velocity and acceleration of both joints over time."""
-    curves = curves_of(frame, dict.fromkeys(MOTION, JOINTS))
-    figure = style.new_figure(width, 3.9)
-    panels = figure.subplots(3, 1, sharex=True)
-    for axes, (panel, label) in zip(panels, MOTION.items(), strict=True):
-        plot_panel(axes, curves[panel])
-        axes.set_ylabel(label)
-    panels[-1].set_xlabel(TIME)
+def draw_motion(
+    frame: pd.DataFrame,
+    width: float = style.COLUMN,
+    height: float = 3.9,
+    cases: Sequence[str] = ("",),
+    legend_title: str | None = None,
+) -> Figure:
+    """Position, velocity and acceleration of both joints over time, a column for each case."""
+    curves = curves_of(frame)
+    figure = style.new_figure(width, height)
+    grid = figure.subplots(len(MOTION), len(cases), sharex="col", squeeze=False)
+    for row, (panel, label) in zip(grid, MOTION.items(), strict=True):
+        for axes, case in zip(row, cases, strict=True):
+            plot_panel(axes, curves[f"{case} {panel}".strip()])
+        row[0].set_ylabel(label)
+    for axes, case in zip(grid[0], cases, strict=True):
+        axes.set_title(case)
+    for axes in grid[-1]:
+        axes.set_xlabel(TIME)
     figure.align_ylabels()
-    style.legend_above(figure, panels[0], 2)
+    style.legend_above(figure, grid[0, 0], len(grid[0, 0].lines), legend_title)
     return figure
+
+
+def loss_panel(frame: pd.DataFrame, x_label: str, y_label: str) -> tuple[Figure, Axes]:
+    """Losses on a logarithmic axis."""
+    figure = style.new_figure(style.COLUMN, 2.3)
+    axes = figure.subplots()
+    for name, curve in curves_of(frame)["loss"].items():
+        plot_series(axes, name, curve)
+    axes.set(yscale="log", xlabel=x_label, ylabel=y_label)
+    return figure, axes
 
 
 #: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
@@ -72,48 +95,6 @@ _MOST_STEMS = 90
 _MOST_ABREAST = 5
 #: Curves of one panel by series: first the reference, then whatever is compared with it.
 Compared = Mapping[str, Points]
-
-
-def loss_panel(frame: pd.DataFrame, names: tuple[str, ...], x_label: str, y_label: str) -> tuple[Figure, Axes]:
-    """Losses of these series on a logarithmic axis."""
-    curves = curves_of(frame, {"loss": names})["loss"]
-    figure = style.new_figure(style.COLUMN, 2.3)
-    axes = figure.subplots()
-    for name, curve in curves.items():
-        plot_series(axes, name, curve)
-    axes.set_yscale("log")
-    axes.set_xlabel(x_label)
-    axes.set_ylabel(y_label)
-    return figure, axes
-
-
-def page(panels: int) -> Figure:
-    """Make a page-wide figure for this many panels, two in a row."""
-    return style.new_figure(style.PAGE, 0.75 + 1.3 * ceil(panels / 2))
-
-
-def _compare(
-    figure: FigureBase,
-    curves: Mapping[str, Compared],
-    titles: Mapping[str, str],
-    labels: tuple[str, str],
-    plot: Callable[[Axes, Compared], None],
-    legend_title: str | None,
-    share_x: Literal["all", "row"] = "all",
-) -> None:
-    """Plot the panels of `titles` in a grid, two in a row, under one legend."""
-    rows = ceil(len(titles) / 2)
-    grid = figure.subplots(rows, 2, sharex=share_x, squeeze=False, gridspec_kw={"wspace": 0.04})
-    for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
-        plot(axes, curves[panel])
-        axes.set_title(title)
-        axes.set_ylabel(labels[1])
-    for axes in grid[-1]:
-        axes.set_xlabel(labels[0])
-    figure.align_ylabels()
-    entries = len(grid[0, 0].get_legend_handles_labels()[0])
-    columns = entries if entries <= _MOST_ABREAST else 3  # long names come with the many
-    style.legend_above(figure, grid[0, 0], columns, legend_title)
 
 
 def _plot_lines(axes: Axes, series: Compared) -> None:
@@ -135,49 +116,55 @@ def _plot_stems(axes: Axes, series: Compared) -> None:
     style.few_ticks(axes)
 
 
-def torque_panels(
-    figure: FigureBase, curves: Mapping[str, Compared], titles: Mapping[str, str], legend_title: str | None = None
-) -> None:
-    """Draw torques over time, two panels in a row."""
-    _compare(figure, curves, titles, (TIME, TORQUE), _plot_lines, legend_title)
-
-
-def _last_frequency(curves: Iterable[Compared]) -> float:
-    """Highest frequency at which any coefficient reaches `_BAND_IN_VIEW` of its panel's largest."""
-    last = 0.0
-    for series in curves:
-        largest = max(float(np.abs(y).max()) for _, y in series.values())
-        for x, y in series.values():
-            last = max(last, float(x[np.abs(y) >= _BAND_IN_VIEW * largest].max(initial=0.0)))
-    return last
-
-
-def spectrum_panels(
-    figure: FigureBase,
-    curves: Mapping[str, Compared],
-    titles: Mapping[str, str],
-    legend_title: str | None = None,
-    by_row: bool = False,
-) -> None:
-    """Draw spectra, two panels in a row.
-
-    Bands above the last one that reaches `_BAND_IN_VIEW` in any panel are left out, and the figure says so.
-    """
-    names = list(titles)
-    groups = [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names]
-    end = max(float(x[-1]) for panel in names for x, _ in curves[panel].values())
+def _in_view(curves: Mapping[str, Compared], groups: Sequence[Sequence[str]]) -> tuple[dict[str, Compared], str]:
+    """Bands of each panel up to the last one that reaches `_BAND_IN_VIEW` in its group, and a note on the rest."""
+    end = max(float(x[-1]) for group in groups for panel in group for x, _ in curves[panel].values())
     seen: dict[str, Compared] = {}
     lasts = []
     for group in groups:
-        last = _last_frequency([curves[panel] for panel in group])
+        last = 0.0
+        for series in (curves[panel] for panel in group):
+            least = _BAND_IN_VIEW * max(float(np.abs(y).max()) for _, y in series.values())
+            last = max(last, *(float(x[np.abs(y) >= least].max(initial=0.0)) for x, y in series.values()))
         lasts.append(end if last > 0.9 * end else last)
         for panel in group:
             seen[panel] = {name: (x[x <= lasts[-1]], y[x <= lasts[-1]]) for name, (x, y) in curves[panel].items()}
-    many = max(x.size for series in seen.values() for x, _ in series.values()) > _MOST_STEMS
-    plot = _plot_lines if many else _plot_stems
-    _compare(figure, seen, titles, ("Frequency (Hz)", COEFFICIENT), plot, legend_title, "row" if by_row else "all")
-    if min(lasts) < end:
-        share = f"under {100 * _BAND_IN_VIEW:g} % of the panel's largest"
-        first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
-        note = f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
-        figure.supxlabel(note, fontsize=style.SMALL_SIZE)
+    if min(lasts) == end:
+        return seen, ""
+    first = f"{lasts[0]:.3g}" if len(lasts) == 1 else "from the end of each row"
+    share = f"under {100 * _BAND_IN_VIEW:g} % of the panel's largest"
+    return seen, f"Not shown: {first} to {end:.3g} Hz, where every coefficient is {share}."
+
+
+def compare(
+    frame: pd.DataFrame,
+    titles: Mapping[str, str],
+    spectra: bool = False,
+    by_row: bool = False,  # whether each row of spectra has a view of its own
+    legend_title: str | None = None,
+    figure: FigureBase | None = None,
+) -> Figure:
+    """Draw torques over time, or their spectra, two panels in a row, on a page-wide figure or in this one."""
+    rows = ceil(len(titles) / 2)
+    whole = style.new_figure(style.PAGE, 0.75 + 1.3 * rows) if figure is None else figure
+    curves: Mapping[str, Compared] = curves_of(frame)
+    names, plot, labels, note = list(titles), _plot_lines, (TIME, TORQUE), ""
+    if spectra:
+        curves, note = _in_view(curves, [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names])
+        labels = ("Frequency (Hz)", COEFFICIENT)
+        if max(x.size for series in curves.values() for x, _ in series.values()) <= _MOST_STEMS:
+            plot = _plot_stems
+    grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
+    for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
+        plot(axes, curves[panel])
+        axes.set_title(title)
+        axes.set_ylabel(labels[1])
+    for axes in grid[-1]:
+        axes.set_xlabel(labels[0])
+    whole.align_ylabels()
+    entries = len(grid[0, 0].get_legend_handles_labels()[0])
+    columns = entries if entries <= _MOST_ABREAST else 3  # long names come with the many
+    style.legend_above(whole, grid[0, 0], columns, legend_title)
+    if note:
+        whole.supxlabel(note, fontsize=style.SMALL_SIZE)
+    return cast("Figure", whole)

@@ -2,6 +2,9 @@
 
 import math
 import re
+from collections.abc import Hashable, Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,11 +12,27 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import CLAIMS, METRIC, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, LongTable, Table, Text, formula, number, plain, scientific, unit
+from repro.exhibits.markup import (
+    EMPTY,
+    Column,
+    Table,
+    Text,
+    digits,
+    formula,
+    grid,
+    number,
+    plain,
+    scientific,
+    several,
+    unit,
+    words,
+)
 from repro.files import read_csv
 from repro.paper.audit import audit
 from repro.paper.finding import CONSISTENT, VERDICTS
 from repro.pipeline.job import Config
+
+_table, _figure = (partial(kind, category=METRIC, inputs=("search",)) for kind in (table, figure))
 
 
 def _search(inputs: Inputs) -> pd.DataFrame:
@@ -39,45 +58,37 @@ def _significant(value: float) -> Text:
     return number(value, max(0, decimals))
 
 
+def _chosen(row: Mapping[Hashable, Any]) -> Text:
+    return plain("yes") if row["chosen"] else EMPTY
+
+
 def ranking_layout(frame: pd.DataFrame) -> Table:
     """Best candidate formulas of each factor of the similarity metric."""
-    columns = ["rank", "rank_low", "rank_high", "candidate", "formula", "rms_log_error_best", "samples", "bandwidth"]
-    columns += ["rms_log_error_mean", "abstract_mean_total", "chosen"]
-    blocks = []
-    for factor in dict.fromkeys(frame["factor"]):
-        ranked = frame[frame["factor"] == factor].sort_values("rank", kind="stable")
-        listed = ranked[(ranked["rank"] <= _LISTED) | ranked["chosen"]]
-        rows = [
-            (
-                number(rank, 0),
-                _span(number(low, 0), number(high, 0)),
-                plain(candidate),
-                formula(text),
-                number(best, 3),
-                number(samples, 0),
-                _significant(bandwidth),
-                number(mean, 3),
-                number(100 * total, 2),
-                plain("yes") if chosen else EMPTY,
-            )
-            for rank, low, high, candidate, text, best, samples, bandwidth, mean, total, chosen in listed[
-                columns
-            ].itertuples(index=False)
-        ]
-        blocks.append((plain(f"{factor[:1].upper()}{factor[1:]} factor"), rows))
-    caption = plain(
+    columns: list[Column] = [
+        ("Rank", "r", digits("rank", 0)),
+        ("Without an arm", "l", lambda row: _span(number(row["rank_low"], 0), number(row["rank_high"], 0))),
+        ("Candidate", "l", words("candidate")),
+        ("Formula", "l", lambda row: formula(row["formula"])),
+        ("Best", "r", digits("rms_log_error_best", 3)),
+        ("Samples", "r", digits("samples", 0)),
+        ("rad/s", "r", lambda row: _significant(row["bandwidth"])),
+        ("Mean", "r", digits("rms_log_error_mean", 3)),
+        ("Eq. 10", "r", digits("abstract_mean_total", 2, 100.0)),
+        ("Chosen", "l", _chosen),
+    ]
+    listed = frame[(frame["rank"] <= _LISTED) | frame["chosen"]].sort_values("rank", kind="stable")
+    factors = dict.fromkeys(frame["factor"])
+    caption = (
         f"Search for the formula of metr2ev: the {_LISTED} candidates of each factor with the smallest rms log error "
         "against the published Table 7. Without an arm: smallest and largest rank if one of the four arms is left "
         "out. Best: error at the motion that suits the candidate best, with the length and the bandwidth of this "
         "motion. Mean: mean error of all motions. Eq. 10: mean total (%) of the published parameters on Eq. 10 with "
         "the chosen formula of the other factor; the abstract prints 97.38."
     )
-    names = ("Rank", "Without an arm", "Candidate", "Formula", "Best", "Samples", "rad/s", "Mean", "Eq. 10", "Chosen")
-    header = tuple(plain(name) for name in names)
-    return Table(caption, "rlllrrrrrl", header, blocks)
+    return grid(caption, columns, [(plain(f"{f.capitalize()} factor"), listed[listed["factor"] == f]) for f in factors])
 
 
-@table("metric_search", "Ranking of the formulas of metr2ev", METRIC, ranking_layout, inputs=("search",))
+@_table("metric_search", "Ranking of the formulas of metr2ev", ranking_layout)
 def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Ranking of candidate formulas of metr2ev by their rms log error against the published Table 7, with the range of
     ranks if one of the four arms is left out.
@@ -88,47 +99,38 @@ def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 def motions_layout(frame: pd.DataFrame) -> Table:
     """Random motions of the search, compared with Table 7."""
     errors = [f"rms_log_error_{name}" for name in ("mean_square", "energy", "frequency", "pair")]
-    columns = ["samples", "duration", "bandwidth", "bands", "mean_square_low", "mean_square_high", "bounds_satisfied"]
-    rows = [
-        (
-            number(samples, 0),
-            _significant(duration),
-            _significant(bandwidth),
-            _significant(bands),
-            _span(_significant(low), _significant(high)),
-            number(satisfied, 0),
-            *(number(error, 3) for error in row[:-1]),
-            plain("yes") if row[-1] else EMPTY,
-        )
-        for samples, duration, bandwidth, bands, low, high, satisfied, *row in frame[
-            [*columns, *errors, "chosen"]
-        ].itertuples(index=False)
+    columns: list[Column] = [
+        ("Samples", "r", digits("samples", 0)),
+        ("s", "r", lambda row: _significant(row["duration"])),
+        ("rad/s", "r", lambda row: _significant(row["bandwidth"])),
+        ("Bands", "r", lambda row: _significant(row["bands"])),
+        ("Torque", "l", lambda row: _span(*(_significant(row[f"mean_square_{end}"]) for end in ("low", "high")))),
+        ("Bounds", "r", digits("bounds_satisfied", 0)),
+        *several(("Mean square", "Energy", "Frequency", "Both"), errors, 3),
+        ("Chosen", "l", _chosen),
     ]
-    caption = plain(
+    caption = (
         "Random motions of the search, with the bandwidth of their filter in rad/s and in bands of the DCT-II. The "
         "published c_f is 100 bands if omega is the band number. Torque: smallest and largest mean-square torque in "
         "(N m)^2 of the four arms and two joints, each the median of the repeats. Bounds: how many of the eight cells "
         "are below the largest mean-square torque that the published Table 7 permits. Last, rms log errors against "
         "Table 7 of the mean square, the energy ratio, the chosen frequency formula and both chosen formulas together."
     )
-    names = ("Samples", "s", "rad/s", "Bands", "Torque", "Bounds", "Mean square", "Energy", "Frequency", "Both")
-    header = tuple(plain(name) for name in (*names, "Chosen"))
-    return Table(caption, "rrrrlrrrrrl", header, [(None, rows)])
+    return grid(caption, columns, [(None, frame)])
 
 
-@table(
-    "metric_motions",
-    "Random motions that explain Table 7",
-    METRIC,
-    motions_layout,
-    target="metric_motions",
-    inputs=("search",),
-)
+@_table("metric_motions", "Random motions that explain Table 7", motions_layout, target="metric_motions")
 def metric_motions(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Random motions of different length and bandwidth: their mean-square torque, the bounds from the published Table 7
     that it satisfies, and the rms log errors of the formulas of metr2ev against that table.
     """
     return read_csv(inputs["motions"][0], ("samples", "bandwidth", "bounds_satisfied", "chosen"))
+
+
+_CANDIDATE_MARKS: dict[str, dict[str, Any]] = {
+    "Candidate": {"marker": "o", "ms": 4.0, "mfc": "white"},
+    "Chosen": {"marker": "D", "ms": 5.0, "mfc": style.INK},
+}
 
 
 def draw_candidates(frame: pd.DataFrame) -> Figure:
@@ -141,22 +143,11 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
     figure = style.new_figure(style.PAGE, 0.8 + 0.165 * max(len(rows) for rows in shown))
     panels = figure.subplots(1, len(factors), squeeze=False)[0]
     for axes, factor, rows in zip(panels, factors, shown, strict=True):
-        place = range(len(rows))
+        place = np.arange(len(rows))
         axes.hlines(place, 0.0, rows["rms_log_error"], color="0.80", lw=0.6)
-        for mark, chosen in (("Candidate", False), ("Chosen", True)):
-            fill, marker, size = (style.INK, "D", 5.0) if chosen else ("white", "o", 4.0)
-            here = (rows["chosen"] == chosen).to_numpy()
-            axes.plot(
-                rows["rms_log_error"][here],
-                [y for y, wanted in zip(place, here, strict=True) if wanted],
-                ls="none",
-                marker=marker,
-                ms=size,
-                mfc=fill,
-                mec=style.INK,
-                mew=0.8,
-                label=mark,
-            )
+        for label, look in _CANDIDATE_MARKS.items():
+            here = (rows["chosen"] == (label == "Chosen")).to_numpy()
+            axes.plot(rows["rms_log_error"][here], place[here], ls="none", mec=style.INK, mew=0.8, label=label, **look)
         axes.set_title(f"{factor[:1].upper()}{factor[1:]} factor")
         axes.set_yticks(place, labels=rows["candidate"], parse_math=False)
         axes.set_ylim(len(rows) - 0.5, -0.5)
@@ -167,7 +158,7 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure("metric_search", "Candidates for the metric's formula", METRIC, draw_candidates, inputs=("search",))
+@_figure("metric_search", "Candidates for the metric's formula", draw_candidates)
 def metric_search_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """How well candidate formulas of metr2ev explain the Time and Freq. rows of the published Table 7, given the
     published parameters of Tables 4 and 5.
@@ -234,7 +225,7 @@ def _verdict(verdict: str, found: float, printed: float, si: str) -> Text:
     return text + Text(" (", " (") + (formula(si) if "_" in si else unit(si)) + plain(")")
 
 
-def audit_layout(frame: pd.DataFrame) -> LongTable:
+def audit_layout(frame: pd.DataFrame) -> Table:
     """Findings of the audit of the paper."""
     blank = {"unit": "", "note": ""}
     table = frame.astype(dict.fromkeys(blank, object)).fillna(blank)
@@ -255,10 +246,10 @@ def audit_layout(frame: pd.DataFrame) -> LongTable:
         "come last, without their values and notes."
     )
     header = tuple(plain(name) for name in ("Place", "Finding", "Arithmetic", "Verdict"))
-    return LongTable(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
+    return Table(caption, "llll", header, blocks, (0.13, 0.36, 0.35, 0.16))
 
 
-@table("audit", "Audit of the paper", CLAIMS, audit_layout, target="audit")
+@table("audit", "Audit of the paper", audit_layout, category=CLAIMS, target="audit")
 def audit_findings(_: Inputs, __: Config) -> pd.DataFrame:
     """Every check of the paper against itself: printed numbers and formulas, each with its arithmetic. Our results play
     no part; where the extraction of the paper's text may be at fault, the note says so.

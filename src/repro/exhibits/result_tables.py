@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from repro.errors import InputError
-from repro.exhibits.markup import Table, Text, formula, number, plain, unit
-from repro.exhibits.style import METHODS
+from repro.exhibits.markup import Block, Table, Text, formula, number, plain, with_unit
+from repro.exhibits.style import METHODS, title_of
 
 
 def methods_of(table: pd.DataFrame) -> list[str]:
@@ -17,73 +16,56 @@ def methods_of(table: pd.DataFrame) -> list[str]:
 
 def heading_of(method: str) -> Text:
     """What a method is called."""
-    return plain(METHODS[method].title if method in METHODS else method)
+    return plain(title_of(method))
 
 
-def one_row(table: pd.DataFrame, key: dict[str, object]) -> pd.Series:
-    """Find the one row with these values."""
-    chosen = table
-    for column, value in key.items():
-        chosen = chosen[chosen[column] == value]
-    if len(chosen) != 1:
-        place = ", ".join(f"{column} {value}" for column, value in key.items())
-        raise InputError.at(place, f"{len(chosen)} rows", "exactly one")
-    return chosen.iloc[0]
-
-
-def with_unit(name: Text, si: str) -> Text:
-    """Name of a column with its unit in brackets."""
-    return name + Text("~(", " (") + unit(si) + plain(")")
+def by_method(frame: pd.DataFrame) -> list[Block]:
+    """A block for each method."""
+    return [(heading_of(method), frame[frame["method"] == method]) for method in methods_of(frame)]
 
 
 def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     """Lay out true and identified parameters, cases side by side, a block for each method."""
-    names = dict(zip(frame["parameter"], frame["unit"], strict=True))
+    units = dict(zip(frame["parameter"], frame["unit"], strict=True))
+    found = frame.set_index(["method", "case", "parameter"]).to_dict("index")
     repeated = bool((frame["estimate_sd"] > 0).any())
     blocks = []
     for method in methods_of(frame):
         rows = []
-        for name, si in names.items():
-            cells = [formula(name) + Text("~(", " (") + unit(si) + plain(")")]
+        for name, si in units.items():
+            cells = [with_unit(formula(name), si)]
             for case in cases:
-                row = one_row(frame, {"method": method, "case": case, "parameter": name})
+                row = found[method, case, name]
                 spread = float(row["estimate_sd"]) if repeated else None
                 cells += [number(float(row["true"]), 4), number(float(row["estimate"]), 4, spread)]
             rows.append(cells)
         blocks.append((heading_of(method), rows))
     spread_words = ", ± the standard deviation over the seeds" if repeated else ""
-    caption = plain(
-        f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
-    )
+    caption = f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
     header = [plain("Parameter"), *(plain(f"{case} {word}") for case in cases for word in ("true", "identified"))]
-    return Table(caption, "l" + "rr" * len(cases), header, blocks)
+    return Table(plain(caption), "l" + "rr" * len(cases), header, blocks)
 
 
 def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Table:
     """Lay out similarities in percent: rows by joint and factor, columns by case, a block for each method."""
-    factors = {"time": "Time", "frequency": "Freq.", "total": "Total"}
-    per_block = frame.groupby("method")["seeds"]
-    repeated = sorted(set(frame["seeds"]) - {1})
-    if len(repeated) > 1 or (per_block.nunique() > 1).any():
-        counts = ", ".join(f"{count:g}" for count in sorted(set(frame["seeds"])))
-        raise InputError.at("seeds", counts, "one number of seeds, or one run in a whole block")
+    found = frame.set_index(["method", "case", "joint"]).to_dict("index")
     blocks = []
     for method in methods_of(frame):
         rows = []
         for joint in (1, 2):
-            found = [one_row(frame, {"method": method, "case": case, "joint": joint}) for case in cases]
-            for factor, word in factors.items():
+            for factor, word in (("time", "Time"), ("frequency", "Freq."), ("total", "Total")):
                 cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
-                for row in found:
+                for case in cases:
+                    row = found[method, case, joint]
                     spread = 100.0 * float(row["total_sd"]) if factor == "total" and row["seeds"] > 1 else None
                     cells.append(number(100.0 * float(row[factor]), 2, spread))
                 rows.append(cells)
         blocks.append((heading_of(method), rows))
+    seeds = frame["seeds"].max()
     of_seeds = "one seed."
-    if repeated:
-        of_seeds = f"median of {repeated[0]:.0f} seeds, ± the standard deviation of the total over the seeds."
+    if seeds > 1:
+        of_seeds = f"median of {seeds:.0f} seeds, ± the standard deviation of the total over the seeds."
         if (frame["seeds"] == 1).any():
             of_seeds += " All cells of a block without ± have the same seed."
     caption = plain(f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds}")
-    header = [plain("metr2ev (%)"), *(plain(case) for case in cases)]
-    return Table(caption, "l" + "r" * len(cases), header, blocks)
+    return Table(caption, "l" + "r" * len(cases), [plain("metr2ev (%)"), *map(plain, cases)], blocks)

@@ -2,25 +2,28 @@
 
 The paper's own pictures are not available, so that nothing here is copied from one. The words are in ``diagrams``: each
 row is either stated in the text at the place that it names, or inferred from it. Sentences are counted within their
-section. Formulas are in ASCII, between backticks where they are among words; ``-`` stands for nothing.
+section. Formulas are in ASCII, between backticks where they are among words; ``-`` stands for nothing. Places are in
+``diagrams/layouts.yaml``, in inches from the lower left corner.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import accumulate
 from math import cos, degrees, pi, radians, sin
+from pathlib import Path
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
+import yaml
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle, FancyBboxPatch, Rectangle
+from matplotlib.patches import Arc, Circle, FancyBboxPatch, Polygon, Rectangle
 
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.declare import ARM, EXPERIMENT, METHOD, Inputs, figure, table
-from repro.exhibits.diagram import DIAGRAMS, FLOWS, INSET, Point, draw_diagram, layout_of
 from repro.exhibits.markup import Table, Text, formula, plain, unit
 from repro.files import read_csv
 from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
@@ -28,6 +31,9 @@ from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.job import Config
 from repro.signals.programs import MEMORY_SAMPLES
 
+_figure = partial(figure, category=METHOD, inputs=("diagrams",))
+
+DIAGRAMS = Path(__file__).parent / "diagrams"
 #: Constants of the board in the words of the diagrams.
 _BOARD = {"memory": MEMORY_SAMPLES, "limit": PWM_LIMIT, "period_ms": 1e3 * SAMPLING_PERIOD, "rate": 1 / SAMPLING_PERIOD}
 
@@ -62,12 +68,177 @@ def related_work_table(frame: pd.DataFrame) -> Table:
     return Table(caption, "llllll", header, [(None, rows)])
 
 
-@table(1, "Related work", METHOD, related_work_table, inputs=("diagrams",))
+@table(1, "Related work", related_work_table, category=METHOD, inputs=("diagrams",))
 def table01(_: Inputs, __: Config) -> pd.DataFrame:
     """Related work and this article, rebuilt from Section I-A (the paper's Table 1 is an image): robot, degrees of
     freedom, method, what is identified, and whether the text says that an optimised trajectory is needed.
     """
     return words("table01")
+
+
+Point = tuple[float, float]
+
+#: From the edge of a box to its words, in.
+INSET = 0.05
+
+_FILLS: Mapping[str, str] = {
+    "block": style.FILL_LIGHT,
+    "outside": "white",
+    "step": style.FILL_LIGHT,
+    "decision": "#f3c77d",
+    "end": "white",
+    "frame": "0.96",
+}
+
+#: Strokes of links by flow; a link that is only inferred has `_INFERRED` instead.
+FLOWS: Mapping[str, Mapping[str, Any]] = {
+    "downlink": {"color": style.STROKES["joint1"]["color"], "lw": 1.0},
+    "uplink": {"color": style.STROKES["joint2"]["color"], "lw": 1.0, "ls": (0, (4.5, 1.5))},
+    "inner": {"color": style.INK, "lw": 1.0},
+}
+_INFERRED: Mapping[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1.2))}
+
+_LEADING = 0.0175  # from one line of words to the next, in for each point of type
+_LETTER = 0.0061  # mean width of a letter, in for each point of type
+_WORD = re.compile(r"(?:`[^`]*`|[^\s`])+")
+
+
+class Box(NamedTuple):
+    """Where a box is: its rectangle, or the one around a diamond."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+    # a decision is a diamond, a frame a dashed rectangle behind other boxes with its words at the top
+    shape: str = "block"
+
+
+class Route(NamedTuple):
+    """Where a link runs."""
+
+    corners: Sequence[Point]  # from edge to edge
+    label: Point | None = None  # where its label is; None where it has none
+    side: str = "center"  # which part of the label is there
+    flow: str = "inner"  # what it carries, which gives its colour
+    both: bool = False  # whether it points both ways
+
+
+def layout_of(name: str) -> dict[str, Any]:
+    """Places of everything in a drawing: its size, the boxes (frames before what is on them), routes and the like."""
+    layout: dict[str, Any] = yaml.safe_load((DIAGRAMS / "layouts.yaml").read_text(encoding="utf-8"))[name]
+    boxes = {key: Box(*place) for key, place in layout.get("boxes", {}).items()}
+    routes = {key: Route(**route) for key, route in layout.get("routes", {}).items()}
+    return {"junctions": (), "legend": {}, "columns": 5, **layout, "boxes": boxes, "routes": routes}
+
+
+def _rendered(word: str) -> tuple[str, int]:
+    """A word with its formulas in maths, and how many letters wide it is."""
+    shown, letters = "", 0
+    for place, part in enumerate(word.split("`")):
+        text = formula(part) if place % 2 else plain(part)
+        shown += text.tex if place % 2 else part.replace("$", r"\$")
+        letters += len(text.md)
+    return shown, letters
+
+
+def _wrap(label: str, letters: int) -> list[str]:
+    """Break a label into lines of so many letters; a formula between backticks stays whole."""
+    lines: list[str] = []
+    width = letters + 1
+    for word in _WORD.findall(label.replace(" x ", style.TIMES)):
+        shown, size = _rendered(word)
+        if width + 1 + size > letters:
+            lines.append(shown)
+            width = size
+        else:
+            lines[-1] += f" {shown}"
+            width += 1 + size
+    return lines
+
+
+def _lines(frame: pd.DataFrame, boxes: Mapping[str, Box], size: float) -> dict[str, list[tuple[str, bool]]]:
+    """Lines of each box, each with whether it is only inferred; a label ``-`` stands for nothing."""
+    lines: dict[str, list[tuple[str, bool]]] = {name: [] for name in boxes}
+    for name, label, basis in frame.loc[frame["element"] == "box", ["name", "label", "basis"]].itertuples(index=False):
+        box = boxes[name]
+        width = (0.78 if box.shape == "decision" else 1.0) * box.width - 2 * INSET  # most of a diamond in its middle
+        if label != "-":
+            lines[name] += [(line, basis == "inferred") for line in _wrap(label, int(width / (_LETTER * size)))]
+        _check_room(f"box {name}: label", lines[name], int((box.height - INSET) / (_LEADING * size)) - 1)
+    return lines
+
+
+def _check_room(place: str, lines: Sequence[object], room: int) -> None:
+    if len(lines) > room:
+        raise InputError.at(place, f"{len(lines)} lines of words", f"at most {room}")
+
+
+def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:
+    """Outline of a box."""
+    look: dict[str, Any] = {"facecolor": _FILLS[box.shape], "edgecolor": style.INK, "lw": 0.6}
+    corner, width, height = (box.left, box.bottom), box.width, box.height
+    if box.shape == "frame":
+        return Rectangle(corner, width, height, ls=(0, (3, 2)), **look)
+    if box.shape == "decision":
+        x, y = box.left + width / 2, box.bottom + height / 2
+        return Polygon([(box.left, y), (x, box.bottom), (box.left + width, y), (x, box.bottom + height)], **look)
+    radius = height / 2 if box.shape == "end" else 0.04
+    return FancyBboxPatch(corner, width, height, boxstyle=f"round,pad=0,rounding_size={radius}", **look)
+
+
+def _draw_box(axes: Axes, name: str, box: Box, lines: Sequence[tuple[str, bool]], size: float) -> None:
+    """Draw a box, its name in bold, and its lines; what is only inferred stands in italics."""
+    axes.add_patch(_patch(box))
+    step = _LEADING * size
+    x, y = box.left + box.width / 2, box.bottom + (box.height + step * len(lines)) / 2
+    if box.shape == "frame":
+        y = box.bottom + box.height - INSET - step / 2
+    text: dict[str, Any] = {"fontsize": size, "ha": "center", "va": "center"}
+    axes.text(x, y, name, weight="bold", **text)
+    for row, (line, inferred) in enumerate(lines, start=1):
+        axes.text(x, y - step * row, line, style="italic" if inferred else "normal", **text)
+
+
+def _arrow(axes: Axes, start: Point, end: Point, **look: object) -> None:
+    """Draw an arrow."""
+    head: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 6, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops={**head, "color": style.INK, "lw": 0.6, **look})
+
+
+def _draw_link(axes: Axes, corners: Sequence[Point], stroke: Mapping[str, Any], both: bool = False) -> None:
+    """Draw an arrow along its corners."""
+    axes.plot(*zip(*corners, strict=True), **stroke)
+    for start, end in [corners[-2:], corners[1::-1]][: 1 + both]:
+        _arrow(axes, start, end, color=stroke["color"], lw=0.0, mutation_scale=7)
+
+
+def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
+    """Boxes and arrows (Figures 2 to 4)."""
+    layout = layout_of(name)
+    size = layout["type_size"]
+    lines = _lines(frame, layout["boxes"], size)
+    figure, axes = style.inches(*layout["size"])
+    for key, box in layout["boxes"].items():
+        _draw_box(axes, key, box, lines[key], size)
+    links = frame[frame["element"] == "link"].set_index("name")
+    for key, route in layout["routes"].items():
+        label, inferred = links.loc[key, "label"], links.loc[key, "basis"] == "inferred"
+        _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
+        if route.label is not None:
+            look: dict[str, Any] = {"fontsize": size, "va": "center", "style": "italic" if inferred else "normal"}
+            x, y = route.label
+            axes.text(x, y, " ".join(_wrap(label, len(label))), ha=route.side, **look)
+    for place in layout["junctions"]:
+        axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
+    for key, label in layout["legend"].items():
+        if key in _FILLS:
+            axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=_FILLS[key], edgecolor=style.INK, lw=0.6, label=label))
+        else:
+            axes.plot((), (), label=label, **FLOWS.get(key, _INFERRED))
+    if layout["legend"]:
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=layout["columns"], fontsize=size)
+    return figure
 
 
 # Measures of the drawing, in; the pose is any that keeps all symbols apart.
@@ -100,18 +271,12 @@ def _write(axes: Axes, place: Point, symbols: Sequence[str], side: str = "center
     axes.text(*place, ", ".join(formula(s).tex for s in symbols), ha=side, va="center", fontsize=style.TEXT_SIZE)
 
 
-def _arrow(axes: Axes, start: Point, end: Point, both: bool = False, **look: object) -> None:
-    """Draw an arrow."""
-    head: dict[str, Any] = {"arrowstyle": "<|-|>" if both else "-|>", "mutation_scale": 6, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", end, start, arrowprops={**head, "color": style.INK, "lw": 0.6, **look})
-
-
 def _measure(axes: Axes, joint: Point, angle: float, length: float, offset: float, symbol: str) -> None:
     """Draw a length beside a link, with its extension lines."""
     for along in (0.0, length):
         axes.plot(*zip(*(_beyond(joint, angle, along, part * offset) for part in (0.0, 1.12)), strict=True), **_THIN)
     ends = (_beyond(joint, angle, 0.0, offset), _beyond(joint, angle, length, offset))
-    _arrow(axes, *ends, both=True)
+    _arrow(axes, *ends, arrowstyle="<|-|>")
     _write(axes, _beyond(joint, angle, 0.5 * length, offset + (0.11 if offset > 0 else -0.11)), (symbol,))
 
 
@@ -186,7 +351,7 @@ def draw_arm(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(1, "Schematic of the arm", METHOD, draw_arm, inputs=("diagrams",))
+@_figure(1, "Schematic of the arm", draw_arm)
 def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     """Schematic of the two-link arm with the symbols of Eq. 1. The paper's own picture (Fig. 1) is not available to us:
     redrawn from Section II and Eq. 1. The pose is arbitrary; q = 0 hangs straight down and q2 is measured from link 1.
@@ -194,7 +359,7 @@ def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig01")
 
 
-@figure(2, "Hardware blocks of the FPGA", METHOD, lambda frame: draw_diagram(frame, "fig02"), inputs=("diagrams",))
+@_figure(2, "Hardware blocks of the FPGA", lambda frame: draw_diagram(frame, "fig02"))
 def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     """Hardware blocks of the FPGA and the buses between them. The paper's own picture (Fig. 2) is not available to us:
     redrawn from the text of Section III; the data say for each block and bus which sentence states it. Dotted links and
@@ -204,7 +369,7 @@ def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig02")
 
 
-@figure(3, "Flow chart of the PD control", METHOD, lambda frame: draw_diagram(frame, "fig03"), inputs=("diagrams",))
+@_figure(3, "Flow chart of the PD control", lambda frame: draw_diagram(frame, "fig03"))
 def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     """Flow chart of one cycle of the PD control with its saturation. The paper's own picture (Fig. 3) is not available
     to us: redrawn from Section III, Eq. 2 and its caption, L1 = L2 = 1023. Dotted arrows and words in italics are
@@ -213,7 +378,7 @@ def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig03")
 
 
-@figure(4, "Identification method", METHOD, lambda frame: draw_diagram(frame, "fig04"), inputs=("diagrams",))
+@_figure(4, "Identification method", lambda frame: draw_diagram(frame, "fig04"))
 def fig04(_: Inputs, __: Config) -> pd.DataFrame:
     """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
     available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1.
@@ -222,8 +387,8 @@ def fig04(_: Inputs, __: Config) -> pd.DataFrame:
 
 
 # Measures of the drawing, in.
-_LEADING = 0.125  # from one line of words to the next
-_LETTER = 0.044  # mean width of a letter
+_SETUP_LEADING = 0.125  # from one line of words to the next
+_SETUP_LETTER = 0.044  # mean width of a letter
 #: The arm in its box: base, length of a link, q1 and q2 in degrees.
 _SETUP_BASE = (6.04, 1.24)
 _SETUP_LINK = 0.44
@@ -236,34 +401,30 @@ _FLOW_LABELS = {
 }
 
 
-def _lines_of(frame: pd.DataFrame, boxes: dict[str, Any]) -> dict[str, list[str]]:
+def _words_of(frame: pd.DataFrame, boxes: dict[str, Any]) -> dict[str, list[str]]:
     """Lines of words of each component."""
     lines: dict[str, list[str]] = {name: [] for name in boxes}
     for name, label, value, si in frame[["component", "label", "value", "unit"]].itertuples(index=False):
-        words = [part for part in (label, value, si.replace(" ", "·")) if part != "-"]
-        text = " ".join(words).replace(" x ", style.TIMES)
+        text = " ".join(part for part in (label, value, si.replace(" ", "·")) if part != "-")
         _, _, _, width, height = boxes[name]
-        lines[name] += wrap(text, int((width - 2 * INSET) / _LETTER))
-        room = 2 if name == "arm" else int((height - INSET) / _LEADING) - 1
-        if len(lines[name]) > room:
-            raise InputError.at(f"component {name}", f"{len(lines[name])} lines of words", f"at most {room}")
+        lines[name] += wrap(text.replace(" x ", style.TIMES), int((width - 2 * INSET) / _SETUP_LETTER))
+        room = 2 if name == "arm" else int((height - INSET) / _SETUP_LEADING) - 1
+        _check_room(f"component {name}", lines[name], room)
     return lines
 
 
 def _component(axes: Axes, name: str, place: Sequence[Any], words: Sequence[str]) -> None:
     """Draw a component with its heading and its lines of words."""
     heading, left, bottom, width, height = place
-    fill = "white" if name == "pc" else style.FILL_LIGHT
-    shape = "round,pad=0,rounding_size=0.04"
-    box = FancyBboxPatch((left, bottom), width, height, boxstyle=shape, facecolor=fill, edgecolor=style.INK, lw=0.6)
-    axes.add_patch(box)
-    x, y = left + width / 2, bottom + (height + _LEADING * (len(words) + 1)) / 2
+    axes.add_patch(_patch(Box(left, bottom, width, height, "outside" if name == "pc" else "block")))
+    x, y = left + width / 2, bottom + (height + _SETUP_LEADING * (len(words) + 1)) / 2
     if name == "arm":  # its words leave room for the drawing
         x, y = left + width - INSET, bottom + height - INSET
     text: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "ha": "right" if name == "arm" else "center", "va": "top"}
     axes.text(x, y, heading, weight="bold", **text)
     for row, line in enumerate(words, start=1):
-        axes.text(x, y - _LEADING * row, re.sub(r"\b([a-z])(\d)\b", r"$\1_\2$", line.replace("$", r"\$")), **text)
+        shown = re.sub(r"\b([a-z])(\d)\b", r"$\1_\2$", line.replace("$", r"\$"))
+        axes.text(x, y - _SETUP_LEADING * row, shown, **text)
 
 
 def _hanging_arm(axes: Axes) -> None:
@@ -287,21 +448,18 @@ def _hanging_arm(axes: Axes) -> None:
 def draw_setup(frame: pd.DataFrame) -> Figure:
     """Simulated experimental set-up with its components."""
     layout = layout_of("fig18")
-    lines = _lines_of(frame, layout["boxes"])
+    components = layout["components"]
+    lines = _words_of(frame, components)
     figure, axes = style.inches(*layout["size"])
     left, bottom, width, height = layout["board"]
-    board = Rectangle((left, bottom), width, height, facecolor="0.96", edgecolor=style.INK, lw=0.6, ls=(0, (3, 2)))
-    axes.add_patch(board)
+    axes.add_patch(_patch(Box(left, bottom, width, height, "frame")))
     heading: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "weight": "bold", "ha": "center", "va": "top"}
     axes.text(left + width / 2, bottom + height - INSET, "Simulated FPGA board", **heading)
     for name, words in lines.items():
-        _component(axes, name, layout["boxes"][name], words)
+        _component(axes, name, components[name], words)
     _hanging_arm(axes)
     for signal in layout["signals"]:
-        stroke, corners = FLOWS[signal["flow"]], signal["corners"]
-        axes.plot(*zip(*corners, strict=True), **stroke)
-        head = {"arrowstyle": "-|>", "color": stroke["color"], "shrinkA": 0, "shrinkB": 0, "lw": 0.0}
-        axes.annotate("", corners[-1], corners[-2], arrowprops={**head, "mutation_scale": 7})
+        _draw_link(axes, signal["corners"], FLOWS[signal["flow"]])
     for note in layout["notes"]:
         x, y = note["place"]
         axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
@@ -313,7 +471,7 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(18, "Experimental set-up", EXPERIMENT, draw_setup, inputs=("diagrams",), sections=ARM)
+@figure(18, "Experimental set-up", draw_setup, category=EXPERIMENT, inputs=("diagrams",), sections=ARM)
 def fig18(_: Inputs, config: Config) -> pd.DataFrame:
     """The simulated experimental set-up: the real acquisition program, the serial device it opens, the simulated FPGA
     board with its blocks, the simulated motors, and the two-link arm (Fig. 18 of the paper is a photograph of the real

@@ -1,6 +1,6 @@
 """The one look of every figure: sizes, type, colours, strokes, and saving to the same bytes every time."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,144 +75,122 @@ RC: Final[dict[RcKeyType, Any]] = {
 
 @dataclass(frozen=True)
 class Appearance:
-    """How a method appears."""
+    """How a method or another series appears."""
 
-    title: str  # in tables
+    title: str  # in tables; empty for what is in no table
     label: str  # in legends
-    stroke: Mapping[str, Any]  # of its curves, as Matplotlib names it
-    mark: Mapping[str, Any]  # of its points
+    color: str
+    dashes: tuple[float, ...]  # none for a solid line
+    width: float
+    marker: str = ""  # empty for what is only drawn as a line
+    size: float = 0.0  # of the marker
+    hollow: bool = False  # whether the marker is an outline
 
+    @property
+    def stroke(self) -> dict[str, Any]:
+        """Look of a curve, as Matplotlib names it."""
+        return {"color": self.color, "linestyle": (0, self.dashes) if self.dashes else "-", "linewidth": self.width}
 
-def _look(
-    color: str, dashes: tuple[float, ...], width: float, marker: str, size: float, *, hollow: bool = False
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Stroke and mark of one colour."""
-    mark: dict[str, Any] = {
-        "marker": marker,
-        "markersize": size,
-        "markeredgewidth": {"x": 0.9, "+": 0.8}.get(marker, 0.0),
-    }
-    if hollow:
-        mark |= {"fillstyle": "none", "markeredgewidth": 0.7}
-    return {"color": color, "linestyle": (0, dashes) if dashes else "-", "linewidth": width}, mark
+    @property
+    def mark(self) -> dict[str, Any]:
+        """Look of a point."""
+        edge = 0.7 if self.hollow else {"x": 0.9, "+": 0.8}.get(self.marker, 0.0)
+        fill = {"fillstyle": "none"} if self.hollow else {}
+        return {"marker": self.marker, "markersize": self.size, "markeredgewidth": edge, **fill}
 
 
 _DASH_DOT, _SHORT = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2)
 
 #: Appearance of each method of `repro.identification.method`, in the order of tables and legends.
 METHODS: Final[dict[str, Appearance]] = {
-    "algorithm1": Appearance("Algorithm 1", "Algorithm 1", *_look("#5ab8ea", _DASH_DOT, 1.1, "o", 3.4)),
-    "algorithm1/one-run": Appearance(
-        "Algorithm 1, one run", "Algorithm 1, one run", *_look("#5ab8ea", _SHORT, 1.1, "d", 3.4)
-    ),
+    "algorithm1": Appearance("Algorithm 1", "Algorithm 1", "#5ab8ea", _DASH_DOT, 1.1, "o", 3.4),
+    "algorithm1/one-run": Appearance("Algorithm 1, one run", "Algorithm 1, one run", "#5ab8ea", _SHORT, 1.1, "d", 3.4),
     "algorithm1+desired": Appearance(
-        "Algorithm 1, f of line 18 on the desired motion (extension)",
-        "Algorithm 1, desired motion",
-        *_look("#3b7dbd", _SHORT, 1.0, "*", 4.2),
+        "Algorithm 1, f of line 18 on the desired motion (extension)", "Algorithm 1, desired motion",
+        "#3b7dbd", _SHORT, 1.0, "*", 4.2,
     ),
     "algorithm1+tracked-measured": Appearance(
         "Algorithm 1, trained on closed-loop motions, f on the measured motion (extension)",
         "Algorithm 1, closed-loop training",
-        *_look("#c080c4", _SHORT, 1.0, "P", 3.6),
+        "#c080c4", _SHORT, 1.0, "P", 3.6,
     ),
     "algorithm1+tracked": Appearance(
-        "Algorithm 1, trained on closed-loop motions, f on the desired motion (extension)",
-        "Algorithm 1, both",
-        *_look("#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
+        "Algorithm 1, trained on closed-loop motions, f on the desired motion (extension)", "Algorithm 1, both",
+        "#8a3a8f", _DASH_DOT, 1.1, "p", 3.6,
     ),
     "algorithm1+tracked/one-run": Appearance(
         "Algorithm 1, trained on closed-loop motions, f on the desired motion, one run (extension)",
         "Algorithm 1, both, one run",
-        *_look("#8a3a8f", _SHORT, 1.1, "8", 3.4),
+        "#8a3a8f", _SHORT, 1.1, "8", 3.4,
     ),
     "algorithm1+refinement": Appearance(
-        "Algorithm 1 + refinement (extension)",
-        "Algorithm 1 + refinement",
-        *_look("#004a78", (), 0.9, "D", 3.2, hollow=True),
+        "Algorithm 1 + refinement (extension)", "Algorithm 1 + refinement",
+        "#004a78", (), 0.9, "D", 3.2, hollow=True,
     ),
     "algorithm1+local-search": Appearance(
-        "Algorithm 1 + the refinement's selection without the network (control)",
-        "Algorithm 1 + selection alone",
-        *_look("#a6761d", _SHORT, 1.0, "v", 3.4),
+        "Algorithm 1 + the refinement's selection without the network (control)", "Algorithm 1 + selection alone",
+        "#a6761d", _SHORT, 1.0, "v", 3.4,
     ),
     "differential-evolution": Appearance(
-        "Differential evolution from uniform guesses, no network (control)",
-        "Differential evolution, no network",
-        *_look("#44aa99", (3.5, 2.5), 1.0, "X", 3.4),
+        "Differential evolution from uniform guesses, no network (control)", "Differential evolution, no network",
+        "#44aa99", (3.5, 2.5), 1.0, "X", 3.4,
     ),
     "algorithm1+paper-recipe": Appearance(
-        "Algorithm 1, the paper's own training",
-        "Algorithm 1, the paper's training",
-        *_look("#666666", _DASH_DOT, 1.1, "h", 3.4),
+        "Algorithm 1, the paper's own training", "Algorithm 1, the paper's training",
+        "#666666", _DASH_DOT, 1.1, "h", 3.4,
     ),
     "algorithm1+paper-recipe-ranges": Appearance(
         "Algorithm 1, the paper's own training and ranges of parameters",
         "Algorithm 1, the paper's training and ranges",
-        *_look("#999933", _DASH_DOT, 1.1, "H", 3.4),
+        "#999933", _DASH_DOT, 1.1, "H", 3.4,
     ),
-    "least-squares": Appearance("Least squares", "Least squares", *_look("#d1490a", (3.5, 2.5), 1.1, "x", 3.4)),
+    "least-squares": Appearance("Least squares", "Least squares", "#d1490a", (3.5, 2.5), 1.1, "x", 3.4),
     "bounded": Appearance(
-        "Least squares, no parameter below zero (line 22's constraint)",
-        "Least squares, bounded",
-        *_look("#e7a03c", (3.5, 2.5), 1.1, "<", 3.4),
+        "Least squares, no parameter below zero (line 22's constraint)", "Least squares, bounded",
+        "#e7a03c", (3.5, 2.5), 1.1, "<", 3.4,
     ),
     "consistent": Appearance(
-        "Least squares, positive-definite inertia",
-        "Least squares, consistent",
-        *_look("#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
+        "Least squares, positive-definite inertia", "Least squares, consistent",
+        "#7a2a00", (1.5, 1.0), 1.1, ">", 3.4,
     ),
-    "true": Appearance("True parameters", "True parameters", *_look("0.0", (1.0, 2.0), 1.1, "+", 4.0)),
-    "appendix": Appearance(
-        "True parameters without back-EMF", "Without back-EMF", *_look("0.45", (1.0, 2.0), 1.1, "1", 4.0)
-    ),
-}
+    "true": Appearance("True parameters", "True parameters", "0.0", (1.0, 2.0), 1.1, "+", 4.0),
+    "appendix": Appearance("True parameters without back-EMF", "Without back-EMF", "0.45", (1.0, 2.0), 1.1, "1", 4.0),
+}  # fmt: skip
 
-#: How each series is drawn wherever it appears. Every pair that meets in one panel also differs in
-#: lightness and in width or dash, so it reads in greyscale.
-STROKES: Final[dict[str, dict[str, Any]]] = {
-    "joint1": {"color": "#00507f", "linestyle": "-", "linewidth": 1.0},
-    "joint2": {"color": "#e08a00", "linestyle": (0, (4.5, 1.5)), "linewidth": 1.2},
-    "actual": {"color": "#79bde8", "linestyle": "-", "linewidth": 2.0},
-    "rebuilt": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.8},
-    "train": {"color": "#79bde8", "linestyle": "-", "linewidth": 1.2},
-    "test": {"color": "#8c1d04", "linestyle": (0, (3.5, 1.5)), "linewidth": 1.0},
-    "median": {"color": "#00304d", "linestyle": "-", "linewidth": 1.2},
-    "mean": {"color": "#c44a00", "linestyle": (0, (3.0, 1.5)), "linewidth": 1.2},
-    "desired": {"color": "#00304d", "linestyle": (0, (3.5, 1.5)), "linewidth": 0.9},
-    "desired1": {"color": "#9fcbe6", "linestyle": "-", "linewidth": 2.6},
-    "desired2": {"color": "#f8dcae", "linestyle": "-", "linewidth": 2.6},
-    "measured": {"color": "0.80", "linestyle": "-", "linewidth": 2.6},
-    **{name: dict(entry.stroke) for name, entry in METHODS.items()},
-}
 
+def title_of(method: str) -> str:
+    """What tables call a method."""
+    return METHODS[method].title if method in METHODS else method
+
+
+#: Every pair that meets in one panel also differs in lightness and in width or dash, so it reads in greyscale.
+_SERIES = {
+    "joint1": Appearance("", "Joint 1", "#00507f", (), 1.0),
+    "joint2": Appearance("", "Joint 2", "#e08a00", (4.5, 1.5), 1.2),
+    "actual": Appearance("", "Actual", "#79bde8", (), 2.0),
+    "rebuilt": Appearance("", "Rebuilt from the identified parameters", "#8c1d04", (3.5, 1.5), 0.8, "o", 2.2),
+    "train": Appearance("", "Training", "#79bde8", (), 1.2),
+    "test": Appearance("", "Test", "#8c1d04", (3.5, 1.5), 1.0),
+    "median": Appearance("", "Median", "#00304d", (), 1.2),
+    "mean": Appearance("", "Mean", "#c44a00", (3.0, 1.5), 1.2),
+    "desired": Appearance("", "Desired", "#00304d", (3.5, 1.5), 0.9),
+    "desired1": Appearance("", "Desired, joint 1", "#9fcbe6", (), 2.6),
+    "desired2": Appearance("", "Desired, joint 2", "#f8dcae", (), 2.6),
+    "measured": Appearance("", "Measured", "0.80", (), 2.6),
+    **METHODS,
+}
+#: How each series is drawn wherever it appears.
+STROKES: Final = {name: entry.stroke for name, entry in _SERIES.items()}
 #: Marks of the series that are also drawn point by point; the colour is that of the stroke.
-MARKS: Final[dict[str, dict[str, Any]]] = {
-    "rebuilt": {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.0},
-    **{name: dict(entry.mark) for name, entry in METHODS.items()},
-}
-
+MARKS: Final = {name: entry.mark for name, entry in _SERIES.items() if entry.marker}
 #: What the legend calls each series.
-SERIES_LABELS: Final[dict[str, str]] = {
-    "joint1": "Joint 1",
-    "joint2": "Joint 2",
-    "actual": "Actual",
-    "rebuilt": "Rebuilt from the identified parameters",
-    "train": "Training",
-    "test": "Test",
-    "median": "Median",
-    "mean": "Mean",
-    "desired": "Desired",
-    "desired1": "Desired, joint 1",
-    "desired2": "Desired, joint 2",
-    "measured": "Measured",
-    **{name: entry.label for name, entry in METHODS.items()},
-}
+SERIES_LABELS: Final = {name: entry.label for name, entry in _SERIES.items()}
 
 #: Heads the legend of every figure whose signals come from the simulated arm.
 SIMULATED: Final = "Simulated experiment"
 
 #: Signs of sizes and ranges.
-TIMES: Final = "\N{MULTIPLICATION SIGN}"
+TIMES: Final = markup.TIMES
 DASH: Final = "\N{EN DASH}"
 
 #: Fills from light to dark, and the grey of whatever is set aside.
@@ -234,8 +212,6 @@ def house_style() -> Iterator[None]:
 
 def new_figure(width: float, height: float) -> Figure:
     """Make an empty figure with automatic spacing."""
-    if width not in (COLUMN, PAGE):
-        raise ValueError(f"width: must be {COLUMN} or {PAGE} in, got {width}.")
     return Figure(figsize=(width, height), layout="constrained")
 
 

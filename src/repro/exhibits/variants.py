@@ -1,7 +1,7 @@
 """The headline numbers under other readings of the paper: both time factors, and the ablation."""
 
-from pathlib import Path
-from typing import Any
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -11,18 +11,20 @@ from matplotlib.ticker import MaxNLocator
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.documents import read_json
-from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Table, Text, number, plain
-from repro.exhibits.result_tables import heading_of, methods_of
+from repro.exhibits.markup import Column, Table, Text, digits, grid, plain, several, words
+from repro.exhibits.result_tables import by_method
 from repro.files import read_csv
 from repro.pipeline.experiment import read_recordings
-from repro.pipeline.experiment_runs import read_identifications
+from repro.pipeline.identifications import read_identifications
+from repro.pipeline.interpretations import ARM as OF_ARM
 from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.job import Config
-from repro.pipeline.summary import both_metrics
+from repro.pipeline.summary import BOTH_METRICS, both_metrics
 from repro.signals.programs import SPAN
+
+_table, _figure = (partial(kind, category=ABLATION, trained="all", optional=True) for kind in (table, figure))
 
 
 def both_metrics_layout(frame: pd.DataFrame) -> Table:
@@ -30,33 +32,25 @@ def both_metrics_layout(frame: pd.DataFrame) -> Table:
 
     Columns as `repro.pipeline.summary.BOTH_METRICS`.
     """
-    words = {"mean-square": "mean square", "energy": "energy ratio"}
-    values = ("numeric_id", "numeric_validation", "id1", "id2", "validation", "frequency_id", "frequency_validation")
-    blocks = []
-    for method in methods_of(frame):
-        rows = [
-            [
-                plain(words[row["formula"]]),
-                *(EMPTY if pd.isna(row[name]) else number(100.0 * row[name], 2) for name in values),
-            ]
-            for row in frame[frame["method"] == method].to_dict("records")
-        ]
-        blocks.append((heading_of(method), rows))
-    caption = plain(
+    names = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4", "Freq., ID", "Freq., T1 to T4")
+    formulas = {"mean-square": "mean square", "energy": "energy ratio"}
+    columns: list[Column] = [
+        ("Time factor", "l", lambda row: plain(formulas[row["formula"]])),
+        *several(names, BOTH_METRICS[2:], 2, 100.0),
+    ]
+    caption = (
         "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
         "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
         "factor, which both share; medians over the seeds, %."
     )
-    names = ("Time factor", "N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4")
-    header = [plain(name) for name in (*names, "Freq., ID", "Freq., T1 to T4")]
-    return Table(caption, "lrrrrrrr", header, blocks)
+    return grid(caption, columns, by_method(frame))
 
 
 @table(
     "both_metrics",
     "Headline rows under both time factors",
-    EXPERIMENT,
     both_metrics_layout,
+    category=EXPERIMENT,
     target="both_metrics",
     inputs=("headline",),
     sections=(*ARM, "metric", "numeric"),
@@ -81,16 +75,18 @@ def grouped(frame: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
 
 def readings_layout(frame: pd.DataFrame) -> Table:
     """Headline numbers under each reading of the paper."""
-    of_arm = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
-    shares = ("id_mean", "id_lowest", "validation_mean", *of_arm)
-    blocks = []
-    for question, chosen in grouped(frame):
-        rows = []
-        for row in chosen.to_dict("records"):
-            cells = [plain(row["reading"]), number(row["steps"], 0), number(1e4 * row["held_out_loss"], 2)]
-            rows.append([*cells, *(number(100.0 * row[name], 2) for name in shares)])
-        blocks.append((plain(f"{question[:1].upper()}{question[1:]}" if question == DEFAULT else question), rows))
-    caption = plain(
+    names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
+    columns: list[Column] = [
+        ("Reading", "l", words("reading")),
+        ("Steps", "r", digits("steps", 0)),
+        (
+            Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})"),
+            "r",
+            digits("held_out_loss", 2, 1e4),
+        ),
+        *several(names, ("id_mean", "id_lowest", "validation_mean", *OF_ARM), 2, 100.0),
+    ]
+    caption = (
         "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median "
         "of the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the"
         " eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over "
@@ -98,35 +94,18 @@ def readings_layout(frame: pd.DataFrame) -> Table:
         "squares (LS) and the true parameters (true). A reading that needs no network of its own has the default's. "
         "Held-out losses under different labels or images do not compare."
     )
-    names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
-    loss = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")
-    header = [plain("Reading"), plain("Steps"), loss, *(plain(name) for name in names)]
-    return Table(caption, "l" + "r" * 10, header, blocks)
+    titles = {DEFAULT: DEFAULT.capitalize()}
+    return grid(caption, columns, [(plain(titles.get(name, name)), rows) for name, rows in grouped(frame)])
 
 
-def _numbers(path: Path) -> dict[str, Any]:
-    content = read_json(path)
-    if not isinstance(content, dict):
-        raise InputError.at(str(path), type(content).__name__, "numbers by name")
-    return content
-
-
-@table(
-    "ablation",
-    "Headline numbers under other interpretations",
-    ABLATION,
-    readings_layout,
-    inputs=("readings",),
-    trained="all",
-    optional=True,
-)
+@_table("ablation", "Headline numbers under other interpretations", readings_layout, inputs=("readings",))
 def readings_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Headline numbers under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4 and on the
     simulated arm (medians of the seeds), and the mean over T1 to T4 of the simulated arm for the refined Algorithm 1,
     least squares and the true parameters. Losses under different labels or images do not compare with each other.
     """
     histories = [read_csv(path, HISTORY_COLUMNS) for path in inputs["losses"]]
-    return ablation_table([_numbers(path) for path in inputs["results"]], histories)
+    return ablation_table([cast("dict[str, Any]", read_json(path)) for path in inputs["results"]], histories)
 
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
@@ -160,11 +139,10 @@ _REST = 1.0
 
 def draw_readings(frame: pd.DataFrame) -> Figure:
     """Headline numbers under each reading of the paper, beside those of the default reading."""
-    every = [name for names in _PANELS.values() for name in names]
     labels: dict[float, str] = {}
     headings, rows, place = [], {}, 0.0
     for question, chosen in grouped(frame):
-        wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value").reindex(columns=every)
+        wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value")
         if question != DEFAULT:
             place += _GAP
             headings.append(len(labels))
@@ -174,7 +152,7 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
             rows[place] = wide.loc[reading]
             labels[place] = f"Default: {reading}" if question == DEFAULT else str(reading)
             place += 1.0
-    values = pd.DataFrame.from_dict({row: numbers.to_dict() for row, numbers in rows.items()}, orient="index")
+    values = pd.DataFrame(rows).T
     drawn = style.new_figure(style.PAGE, _REST + _ROW * place)
     panels = drawn.subplots(1, len(_PANELS), sharey=True)
     for axes, (title, quantities) in zip(panels, _PANELS.items(), strict=True):
@@ -217,29 +195,18 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
         here = shown[name].to_numpy()
         heights = values.index.to_numpy(dtype=np.float64)[here] + offsets[name]
         axes.plot(values[name].to_numpy()[here], heights, ls="none", color=stroke["color"], label=label, **_MARKS[look])
+    looks = [look for _, look in quantities.values()]
     across = axes.get_yaxis_transform()  # x as a share of the panel, y by row
     for place, row, known in zip(values.index, values.to_numpy(), shown.to_numpy(), strict=True):
-        outside = [
-            (value, look)
-            for value, (_, look), inside in zip(row, quantities.values(), known, strict=True)
-            if not inside
-        ]
-        for k, (value, look) in enumerate(outside):
+        far = [pair for pair, near in zip(zip(row, looks, strict=True), known, strict=True) if not near]
+        for k, (value, look) in enumerate(far):
             x = _WRITTEN * k + _SIGN
             axes.plot(x, place, transform=across, ls="none", color=style.STROKES[look]["color"], **_MARKS[look])
             words = axes.text(x + 0.8 * _SIGN, place, f"{value:.2f}", transform=across, color=style.INK)
             words.set(fontsize=style.SMALL_SIZE, va="center_baseline")
 
 
-@figure(
-    "ablation",
-    "Headline numbers by reading",
-    ABLATION,
-    draw_readings,
-    inputs=("ablation",),
-    trained="all",
-    optional=True,
-)
+@_figure("ablation", "Headline numbers by reading", draw_readings, inputs=("ablation",))
 def readings_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean total similarity under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4
     (left), on the simulated arm's identification run and on the validation motions (middle), and on the validation

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.documents import read_bytes, read_json
+from repro.documents import read_bytes, read_json, spelled, violation
 from repro.errors import InputError
 from repro.files import atomic_write, write_json
 from repro.fpga.controller import ControlConstants, PDController
@@ -24,7 +24,6 @@ from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
 from repro.fpga.messages import SingleArray, parse_program
 from repro.fpga.parser import Counts, Gap, StreamParser
 from repro.model.parameters import Array
-from repro.schema import spelled, violation
 
 #: Version of the layout of the sidecar.
 FORMAT = 2
@@ -148,13 +147,6 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
         if not satisfied:
             raise InputError.at(f"{place}: {name}", repr(found), expected)
     return c
-
-
-def check_own_sum(place: str, content: Mapping[str, object]) -> None:
-    """Refuse a sidecar that was changed; recordings of earlier versions have no sum."""
-    own = _own_sum(content)
-    if content.get("sidecar_sha256", own) != own:
-        raise InputError.at(f"{place}: sidecar_sha256", content["sidecar_sha256"], f"{own}, the sum of the other keys")
 
 
 def _control(c: Mapping[str, Any]) -> ControlConstants:
@@ -326,7 +318,10 @@ def read_capture(path: str | Path) -> Capture:
         if content["counts"][name] != count:
             expected = f"{count}, as in {path.name}"
             raise InputError.at(f"{sidecar_file}: counts.{name}", content["counts"][name], expected)
-    check_own_sum(str(sidecar_file), content)
+    own = _own_sum(content)
+    if content.get("sidecar_sha256", own) != own:  # recordings of earlier versions have no sum
+        found = content["sidecar_sha256"]
+        raise InputError.at(f"{sidecar_file}: sidecar_sha256", found, f"{own}, the sum of the other keys")
     return capture
 
 
@@ -373,22 +368,10 @@ def recording_of(capture: Capture) -> Recording:
     return Recording(q, tau, n - good)
 
 
-@dataclass(frozen=True)
-class ControlCheck:
-    """Number of frames that the control law confirms."""
-
-    checked: int  # frames whose torque can be recomputed: not those right after a gap
-    disagree: NDArray[np.int64]  # indices of those whose torque is another
-
-    @property
-    def agree(self) -> int:
-        """Frames confirmed."""
-        return self.checked - self.disagree.size
-
-
-def verify_control(capture: Capture) -> ControlCheck:
+def verify_control(capture: Capture) -> tuple[int, NDArray[np.int64]]:
     """Recompute the torque of each frame from the positions, bit by bit as the board does (Eq. 2).
 
+    Gives the number of frames checked, which is all but those right after a gap, and the indices of those that differ.
     The protocol has no checksum, but the torque follows from this position, the one before and the desired one. So
     a flipped bit that the parser cannot see is found here, in its own frame or in the one after it.
     """
@@ -401,7 +384,7 @@ def verify_control(capture: Capture) -> ControlCheck:
     position = capture.position.astype(np.int32)
     control(q_d[:, index[checked]], position[:, np.maximum(checked - 1, 0)])
     pwm = control(q_d[:, index[checked]], position[:, checked])
-    return ControlCheck(checked.size, checked[(pwm != capture.pwm[:, checked]).any(axis=0)])
+    return checked.size, checked[(pwm != capture.pwm[:, checked]).any(axis=0)]
 
 
 def to_table(capture: Capture) -> pd.DataFrame:

@@ -6,7 +6,6 @@ pyserial opens real ports, pseudo-terminals and ``socket://host:port`` alike; no
 import errno
 import logging
 import os
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -248,12 +247,11 @@ class RawFile:
     """File to which received bytes are appended, with disk space reserved until it is closed."""
 
     def __init__(self, path: Path, reserved: int) -> None:
-        self._path, self._pieces = path, list[bytes]()
+        self._path = path
         self._file = path.open("xb", buffering=0)
         try:
-            for _ in range(0, reserved, len(_ZEROS)):
-                if self._file.write(_ZEROS) < len(_ZEROS):
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            if self._file.write(bytes(reserved)) < reserved:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             self._file.seek(0)
         except OSError:
             self.remove()
@@ -261,7 +259,6 @@ class RawFile:
 
     def add(self, piece: bytes) -> None:
         """Append bytes; a disk that fails must not end the recording."""
-        self._pieces.append(piece)
         with suppress(OSError):
             self._file.write(piece)
 
@@ -278,22 +275,12 @@ class RawFile:
         self._path.unlink(missing_ok=True)
 
     def rescue(self) -> str:
-        """Name the place of the bytes, after writing them elsewhere if needed; empty if there are none."""
+        """Name the file with the bytes received; empty if there are none."""
         self.close()
-        data = b"".join(self._pieces)
-        if not data:
-            self.remove()
-            return ""
-        with suppress(OSError):
-            if self._path.read_bytes() == data:
-                return f"; the {len(data)} bytes received are in {self._path}"
-        with suppress(OSError), tempfile.NamedTemporaryFile(prefix="recording-", suffix=".bin", delete=False) as other:
-            other.write(data)
-            return f"; the {len(data)} bytes received are in {other.name}"
-        return f"; the {len(data)} bytes received could not be written anywhere"
-
-
-_ZEROS = bytes(1 << 16)
+        if size := self._path.stat().st_size:
+            return f"; the {size} bytes received are in {self._path}"
+        self.remove()
+        return ""
 
 
 @contextmanager

@@ -124,8 +124,6 @@ class StreamParser:
 
     def feed(self, data: bytes) -> Frames:
         """Give the frames decided by now; the last frame of a stream waits for the byte after it, or for `finish`."""
-        if self._finished:
-            raise ValueError("data: the stream was finished.")
         self._received += len(data)
         self._data = self._data[self._place :] + data
         self._base += self._place

@@ -124,14 +124,11 @@ class Plant:
         np.divide(r1 - m * r2, determinant, out=out[2])
         np.subtract(r2, m * out[2], out=out[3])
 
-    def effective(self, pwm: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Subtract the dead band from the PWM counts."""
-        band = self._effects.dead_band
-        return np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0) if band else pwm
-
     def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
         """Advance the state by one sampling period at the given PWM counts (2, B)."""
-        tau = self.effective(pwm) * torque_per_count[:, np.newaxis] * self._per_i3
+        if band := self._effects.dead_band:
+            pwm = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0)
+        tau = pwm * torque_per_count[:, np.newaxis] * self._per_i3
         steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point

@@ -1,4 +1,7 @@
-"""The simulated board as a process behind a pseudo-terminal or a TCP socket, in real time or as fast as possible."""
+"""The simulated FPGA board between the serial line and the arm (Section III, Fig. 2), and the process that serves it.
+
+It is behind a pseudo-terminal or a TCP socket, in real time or as fast as possible.
+"""
 
 import fcntl
 import logging
@@ -10,16 +13,22 @@ import sys
 import termios
 import time
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.errors import InputError
-from repro.fpga.board import Board
+from repro.fpga import messages
 from repro.fpga.channel_errors import ErrorInjector
-from repro.fpga.frames import SAMPLING_PERIOD
+from repro.fpga.controller import ControlConstants, ControlLoop, PDController
+from repro.fpga.frames import SAMPLING_PERIOD, encode
+from repro.fpga.messages import RAM_SAMPLES, Message, MessageDecoder, MessageKind
+from repro.fpga.plant import Plant
 
 _LOG = logging.getLogger(__name__)
 
@@ -30,12 +39,94 @@ _WAITING, _BURST = 4096, 64
 _READ: Final = 1 << 16
 
 
+class Board:
+    """A board with its arm, advanced by one sampling period at a time.
+
+    Blocks of Fig. 2: **Write Ram** and **Ram-FPGA** are `receive` and the memory it fills, **Read Ram**,
+    **Decoder**, **PD**, **PWM gen** and **Aq uart** are `tick`.
+    """
+
+    def __init__(
+        self, make_plant: Callable[[], Plant], torque_per_count: ArrayLike, identity: Mapping[str, Any]
+    ) -> None:
+        self._make_plant = make_plant
+        self._torque = np.asarray(torque_per_count, dtype=np.float64)
+        self.identity = dict(identity)  # description that the board answers to IDENTIFY
+        self._decoder = MessageDecoder()
+        self._ram = np.zeros((2, RAM_SAMPLES), dtype=np.float32)
+        self._written = np.zeros(RAM_SAMPLES, dtype=np.bool_)
+        self._gains: ControlConstants | None = None
+        self._loop: ControlLoop | None = None
+        self._sample = self._samples = 0
+        self.refusals: list[str] = []
+
+    @property
+    def running(self) -> bool:
+        """Whether the arm is moving."""
+        return self._loop is not None
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes of the downlink; while the arm moves only a stop is obeyed. Gives the answer, if any."""
+        answer = b""
+        for message in self._decoder.feed(data):
+            try:
+                answer += self._obey(message)
+            except ValueError as error:
+                self.refusals.append(f"{message.kind.name}: {error}")
+        return answer
+
+    def _obey(self, message: Message) -> bytes:
+        if message.kind is MessageKind.STOP:
+            self._loop = None
+        elif self.running:
+            raise ValueError("the arm is moving.")
+        elif message.kind is MessageKind.GAINS:
+            self._gains = messages.parse_gains(message)
+        elif message.kind is MessageKind.TRAJECTORY:
+            start, desired = messages.parse_trajectory(message)
+            place = slice(start, start + desired.shape[1])
+            self._ram[:, place], self._written[place] = desired, True
+        elif message.kind is MessageKind.START:
+            self._start(messages.parse_start(message))
+        elif message.kind is MessageKind.IDENTIFY:
+            return messages.encode_identity(self.identity)
+        else:
+            raise ValueError("only a board sends it.")
+        return b""
+
+    def _start(self, samples: int) -> None:
+        if self._gains is None:
+            raise ValueError("no gains have been received.")
+        missing = int(np.count_nonzero(~self._written[:samples]))
+        if missing:
+            raise ValueError(f"{missing} of {samples} samples of the trajectory have not been received.")
+        controller = PDController(self._gains.kp_counts, self._gains.kv_counts)
+        self._loop = ControlLoop(self._make_plant(), controller, self._torque)
+        self._sample, self._samples = 0, samples
+
+    def tick(self) -> bytes:
+        """Advance by one sampling period and give its frame, nothing if the arm is not moving.
+
+        After the last sample the motors are off and the trajectory is forgotten: a new start needs a whole program.
+        """
+        if self._loop is None:
+            return b""
+        i = self._sample
+        position, pwm = self._loop.step(self._ram[:, i : i + 1])
+        self._sample += 1
+        if self._sample == self._samples:
+            self._loop = None
+            self._written[:] = False
+        return encode(position, pwm)
+
+
 class PtyEndpoint:
     """A pseudo-terminal, with a symbolic link to it if a stable name is needed."""
 
     def __init__(self, link: Path | None = None) -> None:
         self._link = link
-        if link is not None and (link.exists() or link.is_symlink()) and not _is_terminal_link(link):
+        ours = link is not None and link.is_symlink() and str(link.readlink()).startswith("/dev/")
+        if link is not None and os.path.lexists(link) and not ours:
             raise InputError.at(f"link {link}", "a file", "a name to make or a link to a terminal")
         self._open()
 
@@ -65,12 +156,11 @@ class PtyEndpoint:
     def accept(self, timeout: float) -> int | None:
         """Give a descriptor that does not block while the other end is open; None if it is not within `timeout` s."""
         # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then.
-        for wait in (timeout, 0.0):
-            if not self._poll.poll(0):
-                return self._master
-            if wait:
-                select.select([], [], [], wait)
-        return None
+        if self._poll.poll(0):
+            time.sleep(timeout)
+            if self._poll.poll(0):
+                return None
+        return self._master
 
     def on_disconnect(self) -> None:
         """Do nothing: the terminal waits for the next host."""
@@ -99,10 +189,6 @@ class PtyEndpoint:
         os.close(self._master)
         if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self._device:
             self._link.unlink()
-
-
-def _is_terminal_link(link: Path) -> bool:
-    return link.is_symlink() and str(link.readlink()).startswith("/dev/")
 
 
 class SocketEndpoint:
@@ -137,9 +223,7 @@ class SocketEndpoint:
             self._peer.close()
             self._peer = None
 
-    def hang_up(self) -> None:
-        """Close the connection."""
-        self.on_disconnect()
+    hang_up = on_disconnect
 
     def close(self) -> None:
         """Close the connection and the listening socket."""

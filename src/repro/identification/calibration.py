@@ -118,11 +118,7 @@ def _gauss_newton(
 def find_calibration_errors(
     log: Log, settings: FilterSettings, others: Sequence[Regression] = ()
 ) -> tuple[CalibrationError, ...]:
-    """Find the calibration errors that a uniformly sampled log shows, in the order of `CALIBRATION_TERMS`.
-
-    `others` are regressions of other logs of the arm, without a calibration error or corrected: they have the same nine
-    parameters.
-    """
+    """Find the calibration errors of a log; `others` are correct regressions of the arm, with the same parameters."""
     r, columns = _calibration_problem(log, settings)
     rows = other_rows(others)
     candidates = _nonzero_columns(columns, r.mask)
@@ -173,10 +169,10 @@ def _with_rivals(
 def calibration_limits(
     log: Log, settings: FilterSettings, corrected: Sequence[CalibrationError], others: Sequence[Regression] = ()
 ) -> dict[str, float | None]:
-    """Compute the detection limits of the calibration errors that were not corrected, of joints that move.
+    """Compute the detection limits (rad, N m, fraction of the scale) of the calibration errors that were not corrected.
 
-    They are in rad, N m, or the fraction by which the scale of joint 2 is off; None where an error of any size could be
-    hidden: a zero beyond `MAX_ZERO`, a scale beyond `MAX_SCALE` and an offset beyond the largest torque is no error.
+    A limit is None where it is beyond `MAX_ZERO`, the largest torque or `MAX_SCALE`: an error of any size could be
+    hidden.
     """
     r, columns = _calibration_problem(log, settings)
     own = [CALIBRATION_TERMS.index(error.name) for error in corrected]

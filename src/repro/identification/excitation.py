@@ -8,7 +8,6 @@ finds independent columns, and the others are their combinations.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from repro.identification.regression import Regression, without_known
@@ -37,10 +36,7 @@ class Identifiability:
 
 
 def excitation(regression: Regression) -> Identifiability:
-    """Compute rank, condition number, friction correlation and base parameters of a motion; no torque is used.
-
-    Rows of a prior count as rows of the motion, and a known parameter as determined.
-    """
+    """Analyse a motion; no torque is used. Rows of a prior count as rows, a known parameter as determined."""
     prior = regression.prior
     y = without_known(regression).y
     if prior is not None:
@@ -59,20 +55,17 @@ def excitation(regression: Regression) -> Identifiability:
     projection = np.zeros(len(NAMES))
     projection[moved] = np.sum(right[:rank] ** 2, axis=0)
     covariance = np.asarray(np.linalg.inv(a.T @ a + MIN_SINGULAR_RATIO**2 * np.eye(len(NAMES))), dtype=np.float64)
-    correlation = tuple(_correlation(covariance, 5 + j, 7 + j, moved) for j in range(2))
+    first, second = (
+        float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j])) if {i, j} <= {*moved} else 0.0
+        for i, j in ((5, 7), (6, 8))
+    )
     return Identifiability(
         rank + int(known.sum()),
         condition,
-        (correlation[0], correlation[1]),
+        (first, second),
         tuple(((projection > 1.0 - MIN_COEFFICIENT) | known).tolist()),
         (*_combinations(a[:, moved], scale, moved, rank), *(name for name, k in zip(NAMES, known, strict=True) if k)),
     )
-
-
-def _correlation(covariance: Array, i: int, j: int, moved: NDArray[np.intp]) -> float:
-    if i not in moved or j not in moved:
-        return 0.0
-    return float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j]))
 
 
 def _combinations(
@@ -99,5 +92,4 @@ def torque_fraction(regression: Regression, beta: Array) -> Array:
     """Compute the RMS torque (9,) that each parameter moves over the RMS torque, in the joint where that is larger."""
     part = np.sqrt(np.mean((regression.y * beta) ** 2, axis=1))  # (2, 9)
     whole = np.sqrt(np.mean(regression.tau**2, axis=-1))
-    fraction: Array = np.max(part / np.where(whole > 0.0, whole, np.inf)[:, None], axis=0)
-    return fraction
+    return np.asarray(np.max(part / np.where(whole > 0.0, whole, np.inf)[:, None], axis=0))

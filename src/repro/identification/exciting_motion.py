@@ -19,10 +19,9 @@ from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
 from repro.identification.solve import unit_columns
 from repro.logs.armfile import Arm, read_arm
-from repro.model.dynamics import LAMBDA, regressor
+from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
 from repro.model.parameters import Array, check_beta
 from repro.progress import Progress
-from repro.signals.kinematics import ArmGeometry, forward_kinematics
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
 #: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
@@ -87,10 +86,7 @@ class Envelope:
         return self.arm.friction_steepness or LAMBDA
 
     def utilisation(self, moved: Moved, y: Array | None = None) -> Array:
-        """Compute the fraction (..., L, N) of each limit that a motion uses at each sample, -1 to 1 within the limit.
-
-        The limits are positions, speeds, torques, x and y of elbow and tip. `y` is the motion's regressor, if known.
-        """
+        """Compute the fraction (..., L, N) of each limit that a motion uses at each sample, -1 to 1 within it."""
         arm, (q, dq, _) = self.arm, moved
         used = [_within(q, *self.position), dq / np.array(arm.speed_limit)[:, None]]
         if self.beta is not None:
@@ -102,10 +98,7 @@ class Envelope:
         return np.concatenate(used, axis=-2)
 
     def largest_factor(self, shape: Moved, centre: Array) -> Array:
-        """Find the factors (..., 1, 1) by which motions about a centre (2,) reach a limit; 0 if the centre exceeds one.
-
-        The shape is the distance from the centre, with its derivatives.
-        """
+        """Find the factors (..., 1, 1) by which shapes about a centre (2,) reach a limit."""
         high = 1.0 / np.abs(shape[1] / np.array(self.arm.speed_limit)[:, None]).max(axis=(-2, -1), keepdims=True)
         low = np.zeros_like(high)
         for _ in range(_HALVINGS):
@@ -123,11 +116,11 @@ def _within(value: Array, low: Array, high: Array) -> Array:
 
 
 def expected_accuracy(moved: Moved, noise: Array, friction_steepness: float) -> tuple[Array, float, float]:
-    """Compute what least squares on a motion (2, N) would determine, if Eq. 1 were exact and torque noise white.
+    """Compute what least squares on a motion (2, N) would determine with white torque noise (2,), N m.
 
-    `noise` (2,) is the standard deviation of a sample of each torque, N m. Returns the half-widths (9,) of the 95 %
-    intervals, infinite where the motion cannot separate the parameters; the condition number of the regressor in units
-    of the noise with columns of unit length; and the logarithm of the determinant of the information matrix.
+    Returns the half-widths (9,) of the 95 % intervals, infinite where the motion cannot separate the parameters; the
+    condition number of the regressor over the noise with columns of unit length; the log-determinant of the
+    information.
     """
     a, scale = unit_columns(regressor(*moved, friction_steepness) / noise[:, None, None])
     singular, right = np.linalg.svd(a, full_matrices=False)[1:]
@@ -217,10 +210,8 @@ def design(
 ) -> Motion:
     """Find the motion with the largest information from random starts, by L-BFGS with penalties.
 
-    It lasts `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, has
-    one sample more than periods, and satisfies the limits between samples too. `harmonics`, at least 3, is the highest
-    multiple of the lowest frequency; `noise` (2,) the standard deviation of each torque, N m. `report` is called with
-    the searches done and in all.
+    It has `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, and
+    satisfies the limits between samples too. `harmonics` is the highest multiple of the lowest frequency.
     """
     (steps, h), rest = times, limits.rest
     # Series that are zero at time 0 with both derivatives are the null space of their values there.
@@ -275,8 +266,8 @@ def design(
 def published(limits: Envelope, times: tuple[int, float], highest: float, noise: Array) -> Motion:
     """Find the pace and amplitude of Eq. 10's motion within the limits that are most informative.
 
-    It has n samples `h` apart (`times`), frequencies up to `highest` (Hz), and is about the middle of the positions or
-    about the rest, each joint with an amplitude in proportion to its range. `noise` is as for `design`.
+    Its frequencies are up to `highest`, Hz. It is about the middle of the positions or about the rest, each joint with
+    an amplitude in proportion to its range. The other arguments are those of `design`.
     """
     n, h = times
     once = 3.0 * np.pi / (n * h)  # phase per second of one pass; the faster of its two sines has 2.5 times the phase

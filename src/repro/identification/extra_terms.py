@@ -51,8 +51,7 @@ Columns = Callable[[Moved, Array, float], Array]
 
 def one_joint(values: Array) -> Array:
     """Make a column for each joint that is zero in the other, (2, N) -> (2, N, 2)."""
-    columns: Array = values[..., np.newaxis] * np.eye(2)[:, np.newaxis]
-    return columns
+    return values[..., np.newaxis] * np.eye(2)[:, np.newaxis]
 
 
 def offset(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
@@ -202,8 +201,7 @@ def _fit(a: Array, b: Array) -> Array:
     flat = a.reshape(-1, a.shape[-1])
     size = np.linalg.norm(flat, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    solution: Array = np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
-    return solution
+    return np.linalg.lstsq(flat / size, b.reshape(-1), rcond=1e-6)[0] / size
 
 
 def _blocks(a: Array, b: Array) -> list[Array]:
@@ -241,18 +239,19 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     return x, np.maximum(spread, jackknife)
 
 
-def with_columns(a: Array, subset: Sequence[int]) -> Array:
-    """Select the nine columns and some of those behind them."""
-    return a[..., [*range(N_NINE), *(N_NINE + k for k in subset)]]
+def _nine_and(subset: Sequence[int]) -> list[int]:
+    """Numbers of the nine columns and of some of those behind them."""
+    return [*range(N_NINE), *(N_NINE + k for k in subset)]
 
 
 def best_subset(a: Array, b: Array, candidates: Sequence[int], others: Array = NO_ROWS) -> list[int]:
     """Choose the columns behind the nine that predict blocks best, each worth `MIN_ERROR_REDUCTION` of the error."""
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
-    columns = [[*range(N_NINE), *(N_NINE + k for k in subset)] for subset in subsets]
-    penalty = [(1.0 - MIN_ERROR_REDUCTION) ** -len(subset) for subset in subsets]
-    error = [_block_error(blocks, each, others) * factor for each, factor in zip(columns, penalty, strict=True)]
+    error = [
+        _block_error(blocks, _nine_and(subset), others) * (1.0 - MIN_ERROR_REDUCTION) ** -len(subset)
+        for subset in subsets
+    ]
     return list(subsets[int(np.argmin(error))])
 
 
@@ -262,11 +261,11 @@ def detection_limits(
     """Compute the smallest size of each candidate that both rules would accept, next to the chosen columns.
 
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains; that must be
-    `MIN_ERROR_REDUCTION` of the error with it. The rows are `h` apart.
+    `MIN_ERROR_REDUCTION` of the error with it.
     """
-    error, limits = cross_validation_error(with_columns(a, chosen), b, others), []
+    error, limits = cross_validation_error(a[..., _nine_and(chosen)], b, others), []
     for k in candidates:
-        columns = with_columns(a, [*chosen, k])
+        columns = a[..., _nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
         flat = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
@@ -278,18 +277,15 @@ def detection_limits(
 
 
 def find_friction(log: Log, settings: FilterSettings, subtract: bool) -> tuple[FrictionTerm, ...]:
-    """Find the friction terms to subtract, if any may be, and those that would help, in the order of `FRICTION_TERMS`.
-
-    The log is uniformly sampled and has correct calibration; the load is that of least squares.
-    """
+    """Find the friction terms to subtract, if any may be, and those that would help, in a calibrated log."""
     r = drop_standstill(prepare(log, settings))
     a, b = weighted_rows(r, term_columns(FRICTION, log, settings, solve(r.y, r.tau)))
     candidates = [k for k in range(len(FRICTION_TERMS)) if np.any(a[..., N_NINE + k])]
 
     def evaluated(k: int, chosen: Sequence[int]) -> FrictionTerm:
         others = [other for other in chosen if other != k]
-        columns = with_columns(a, [k, *others])
-        error = max(cross_validation_error(with_columns(a, others), b), np.finfo(np.float64).tiny)
+        columns = a[..., _nine_and([k, *others])]
+        error = max(cross_validation_error(a[..., _nine_and(others)], b), np.finfo(np.float64).tiny)
         gain = 1.0 - cross_validation_error(columns, b) / error
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return FrictionTerm(FRICTION_TERMS[k], value, standard_error, gain, k in chosen)

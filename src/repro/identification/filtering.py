@@ -58,12 +58,12 @@ def filter_coefficient(cutoff: float) -> float:
 
 
 def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Apply the paper's DCT low-pass (Eq. 6, 14) with derivatives that keep the phase; see `Filter.apply`.
+    """Apply the paper's DCT low-pass (Eq. 6, 14) with derivatives that keep the phase.
 
-    The paper differentiates by a backward difference, which lags by half a sample at each order. Here the cosine series
-    itself is differentiated: with s = t + h/2, sum_k X_k cos(omega_k s) becomes -sum_k omega_k X_k sin(omega_k s).
-    The series is even about both ends, so a signal that moves there has a kink; the Gaussian keeps its effect within
-    a few sqrt(2 c_f) of the ends, which are cut.
+    The paper's backward difference lags by half a sample at each order. Here the cosine series itself is
+    differentiated: with s = t + h/2, sum_k X_k cos(omega_k s) becomes -sum_k omega_k X_k sin(omega_k s). The series is
+    even about both ends, so a signal that moves there has a kink; the Gaussian keeps its effect within a few sqrt(2
+    c_f) of the ends.
     """
     n = x.shape[-1]
     omega = np.pi * np.arange(n) / (n * h)
@@ -81,14 +81,13 @@ def savitzky_golay(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """Fit a cubic to a moving window, or its derivative; see `Filter.apply`."""
     half = max(round(SAVITZKY_GOLAY_HALF_POWER / (2.0 * cutoff * h) - 0.5), SAVITZKY_GOLAY_DEGREE)
     window = min(2 * half + 1, (x.shape[-1] - 1) // 2 * 2 + 1)
-    smooth: Array = savgol_filter(x, window, SAVITZKY_GOLAY_DEGREE, deriv=order, delta=h, axis=-1)
-    return smooth
+    return savgol_filter(x, window, SAVITZKY_GOLAY_DEGREE, deriv=order, delta=h, axis=-1)
 
 
 def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Apply a Butterworth low-pass forwards and backwards, with central differences; see `Filter.apply`.
+    """Apply a Butterworth low-pass forwards and backwards, with central differences.
 
-    `cutoff` is that of both passes together: their gain 1 / (1 + (f / f_0)^8) is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
+    The gain 1 / (1 + (f / f_0)^8) of both passes is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
     """
     corner = cutoff / (np.sqrt(2.0) - 1.0) ** (0.5 / BUTTERWORTH_ORDER)
     sos = butter(BUTTERWORTH_ORDER, min(2.0 * corner * h, 0.99), output="sos")
@@ -100,11 +99,7 @@ def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
 
 @dataclass(frozen=True)
 class Filter:
-    """A zero-phase low-pass filter.
-
-    ``apply(x, h, cutoff, order)`` computes the `order`-th time derivative (0, 1 or 2) of the low-passed `x` (..., N),
-    with the sampling period `h` in s and the half-power frequency `cutoff` in Hz.
-    """
+    """A zero-phase low-pass; ``apply(x, h, cutoff, order)`` derives x (..., N) `order` times, 0 to 2; s and Hz."""
 
     description: str
     apply: Callable[[Array, float, float, int], Array]
@@ -162,15 +157,11 @@ def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
     if settings.delay == 0.0:
         return tau
     t = h * np.arange(tau.shape[-1])
-    shifted: Array = CubicSpline(t, tau, axis=-1)(t - settings.delay)
-    return shifted
+    return CubicSpline(t, tau, axis=-1)(t - settings.delay)
 
 
 def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
-    """Number of samples, from the first, that are filtered, and the indices of those that are kept of them.
-
-    ValueError is raised if nothing remains between the cuts.
-    """
+    """Number of samples that are filtered, and the indices of those that are kept; ValueError if none are."""
     h, n = period(log), log.t.size
     if n > MIN_SHORTENED_SAMPLES:  # a cosine transform of a length with large prime factors takes five times as long
         n = prev_fast_len(n)
@@ -188,16 +179,11 @@ def _interpolated(x: Array, at: Array) -> Array:
     f = (at - first)[:, np.newaxis]
     weights = ((1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3)  # of the B-splines around
     around = (np.clip(first + k, 0, x.shape[1] - 1) for k in range(-1, 3))
-    value: Array = sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
-    return value
+    return sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
 
 
 def prepare(log: Log, settings: FilterSettings) -> Regression:
-    """Filter, cut and decimate each piece of a uniformly sampled log by itself.
-
-    Of a long log the last few samples, at most 1 in 50, may be left out. ValueError is raised if nothing remains
-    between the cuts.
-    """
+    """Filter, cut and decimate each piece of a uniformly sampled log; ValueError if nothing remains."""
     parts = [_piece(piece, settings) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 
@@ -238,10 +224,7 @@ class Cutoff:
 
 
 def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
-    """Find the highest frequency that satisfies both limits: 1 to 10 Hz, but at most a tenth of the sampling rate.
-
-    The cut-off of the settings is not used.
-    """
+    """Find the highest frequency that satisfies both limits: 1 to 10 Hz, but at most a tenth of the sampling rate."""
     rate = 1.0 / period(log)
     highest = min(HIGHEST_CUTOFF, rate / 10.0)
     segment = min(round(SEGMENT * rate), log.longest.t.size // 4)
@@ -308,8 +291,8 @@ def choose_steepness(log: Log, settings: FilterSettings) -> float:
 def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
 
-    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
-    squared errors of ordinary least squares is close to a parabola about the true delay.
+    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The
+    squared error is close to a parabola about the true delay.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
     pieces = [_delayed(piece, settings, delays) for piece in log.pieces]

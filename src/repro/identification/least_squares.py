@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.prior import Prior
 from repro.identification.regression import Regression, joint_variance, without_known
 from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
 from repro.model.parameters import NAMES, Array, is_positive_definite
@@ -72,11 +71,7 @@ def weighted(regression: Regression) -> Estimate:
 
 @with_known
 def robust(regression: Regression) -> Estimate:
-    """Compute Huber's M-estimate with each joint's own scale, by iteratively reweighted least squares.
-
-    Large errors count in proportion to their size, not to its square, so that collisions, stiction and other short
-    events have little effect.
-    """
+    """Compute Huber's M-estimate, each joint with its own scale: collisions and stiction have little effect."""
     y, tau = regression.y, regression.tau
     error = tau - y @ solve(y, tau, prior=regression.prior)
     for _ in range(ROBUST_ITERATIONS):
@@ -101,41 +96,32 @@ def _median_scale(error: Array, mask: NDArray[np.bool_]) -> Array:
 def instrumental(regression: Regression) -> Estimate:
     """Compute the instrumental-variable estimate, with the joints weighted as in weighted least squares.
 
-    Noise in the position, e.g. of an encoder, attenuates least squares. Instruments follow the motion but not that
-    noise. Here the regressor of every other sample is the instrument for the regressor of the samples between, whose
-    noise is independent, and vice versa; no model of the controller is needed. (The bias of the tanh of Coulomb
-    friction remains, because it is not linear in the noise.)
+    Noise in the position, e.g. of an encoder, attenuates least squares. The regressor of every other sample is
+    therefore the instrument for that of the samples between, whose noise is independent, and vice versa. (The bias of
+    the tanh of Coulomb friction remains, because it is not linear in the noise.)
     """
-    moments = _instrumental_moments(regression)
-    prior = regression.prior
-    beta = _solve_moments(moments, np.ones((2, 1)), prior, 1.0 if prior is None else prior.variance)
-    beta = _solve_moments(moments, joint_variance(regression, beta), prior)
-    return Estimate(beta, ("the instruments are the regressors of every other sample",))
-
-
-def _instrumental_moments(regression: Regression) -> tuple[Array, Array, Array]:
-    """For each joint: Z' Y with both halves as each other's instruments, Z' tau, squared lengths of both halves."""
     if regression.even_odd is None:
         raise NoSolutionError("the regression was made without the regressors of every other sample")
     odd, even = regression.even_odd
-    cross = odd.mT @ even
+    cross, prior = odd.mT @ even, regression.prior
+    # For each joint: Z' Y with both halves as each other's instruments, Z' tau, squared lengths of both halves.
+    gram, right = cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0]
     length = np.stack([np.einsum("jnp,jnp->jp", half, half) for half in (odd, even)])
-    return cross + cross.mT, ((odd + even).mT @ regression.tau[..., None])[..., 0], length
 
+    def solution(variance: Array, of_rows: float = 1.0) -> Array:
+        """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
+        weight = 1.0 / variance  # (2, 1)
+        size = np.sqrt(np.prod(np.sqrt((weight * length).sum(1)), axis=0))
+        whole, product = (weight[..., None] * gram).sum(0), (weight * right).sum(0)
+        if prior is not None:
+            added = 2.0 * of_rows * prior.precision
+            whole, product = whole + np.diag(added), product + added * prior.mean
+            size = np.sqrt(size**2 + added)
+        return solve_normal(whole, product, size)
 
-def _solve_moments(
-    moments: tuple[Array, Array, Array], variance: Array, prior: Prior | None, of_rows: float = 1.0
-) -> Array:
-    """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
-    gram, right, length = moments
-    weight = 1.0 / variance  # (2, 1)
-    odd, even = np.sqrt((weight * length).sum(1))
-    whole, product, size = (weight[..., None] * gram).sum(0), (weight * right).sum(0), np.sqrt(odd * even)
-    if prior is not None:
-        added = 2.0 * of_rows * prior.precision
-        whole, product = whole + np.diag(added), product + added * prior.mean
-        size = np.sqrt(size**2 + added)
-    return solve_normal(whole, product, size)
+    beta = solution(np.ones((2, 1)), 1.0 if prior is None else prior.variance)
+    beta = solution(joint_variance(regression, beta))
+    return Estimate(beta, ("the instruments are the regressors of every other sample",))
 
 
 @with_known
@@ -152,12 +138,9 @@ def bounded(regression: Regression) -> Estimate:
 def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array = NONE_KNOWN) -> Array:
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
-    M(q) is positive definite in every pose when I3 > 0 and I3 (I1 - I3) > I2^2 / 4 (see `repro.model.parameters`), that
-    is when [[I1 - I3, I2/2], [I2/2, I3]] is: a linear matrix inequality in the parameters, solved by Clarabel through
-    CVXPY. Friction must not be negative. Gravity may have either sign: it depends on where zero is.
-
-    The rows (k, 9), (k,) and the scale (9,) are those of `repro.identification.solve.reduced_problem`, with or without
-    further rows. NoSolutionError is raised if the solver ends without a solution.
+    M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
+    linear matrix inequality, solved by Clarabel through CVXPY. Friction must not be negative. Gravity may have either
+    sign.
     """
     import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
 
@@ -184,8 +167,7 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding.
 
-    Least squares under the bounds on friction alone is cheap; where its inertia is positive definite with the margin,
-    the matrix inequality does not bind and it is the solution. The arguments are those of `solve_inequality`.
+    Least squares under the bounds on friction alone is cheap, and the solution where its inertia is definite.
     """
     z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
     z *= determined(r, c)  # which leaves no rounding in the rows that pull
@@ -210,11 +192,10 @@ def consistent(regression: Regression) -> Estimate:
 def parsimonious(regression: Regression) -> Estimate:
     """Solve consistent least squares with no more viscous friction than the log can show.
 
-    Slow motion hardly distinguishes viscous from Coulomb friction: a little more of one and less of the other fit as
-    well, and the difference shows on faster motions. A penalty rho |Y_b b|^2 therefore shrinks the viscous torque: the
-    strongest penalty whose error in block cross-validation is within one standard error of the smallest (Breiman et
-    al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks are the
-    same). The bias is on purpose: the difference from the consistent estimate enters the standard errors.
+    Slow motion hardly distinguishes viscous from Coulomb friction. A penalty rho |Y_b b|^2 therefore shrinks the
+    viscous torque: the strongest whose error in block cross-validation is within one standard error of the smallest
+    (Breiman et al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks
+    are the same).
     """
     penalty = PENALTIES[choose_penalty(_cross_validation_errors(regression))]
     note = f"viscous torque shrunk with a penalty of {penalty:g}, the most that prediction of left-out blocks allows"
@@ -224,8 +205,8 @@ def parsimonious(regression: Regression) -> Estimate:
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
     known = _known(regression)
-    regression = without_known(regression)
-    return _shrunk(reduced_problem(regression.y, regression.tau, regression.prior), penalty, known)
+    rest = without_known(regression)
+    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, known)
 
 
 def _known(regression: Regression) -> Array:

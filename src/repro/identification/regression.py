@@ -2,16 +2,22 @@
 
 At rest static friction carries any torque up to its limit, and tanh(lambda dq) of Eq. 1 is zero. A standing sample of
 one joint is therefore no information about that joint's row of Eq. 1, and is masked; the other row still counts.
+
+A Gaussian prior of the parameters adds rows (generalised least squares). A row beta_k = m_k has the standard deviation
+s_k of the prior. The errors of a log are correlated from row to row: n rows are worth n / c independent ones, with c
+the integrated autocorrelation time of the residual over the sampling period. The rows of the prior are therefore
+multiplied by sigma sqrt(c) / s_k, with sigma the residual of the log alone. A parameter with s_k = 0 is known: its
+torque is subtracted, and its column is set to zero.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.identification.prior import Prior
 from repro.model.parameters import Array
 
 #: Speed below which a joint stands still, rad/s.
@@ -22,6 +28,46 @@ MIN_MOVING_FRACTION = 0.2
 IDLE_FRACTION = 0.01
 #: Fields of a regression with a sample on their second axis.
 SIGNALS = ("y", "tau", "q", "dq", "ddq", "mask")
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """Means and standard deviations of the nine parameters."""
+
+    mean: Array  # (9,), SI; 0 where nothing is known
+    sd: Array  # (9,); infinity where nothing is known, 0 where the value is known
+    variance: float = 1.0  # of the torque errors of the log next to it, N^2 m^2
+    correlated: float = 1.0  # rows of that log that are worth one independent row
+    inflation: float | Array = 1.0  # whole over sampling variance of the log's own estimates (9,)
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Whether each parameter (9,) is known."""
+        return np.asarray(self.sd == 0.0)
+
+    @property
+    def informative(self) -> list[int]:
+        """Parameters with a standard deviation that is neither 0 nor infinite, by number."""
+        return [int(k) for k in np.flatnonzero(np.isfinite(self.sd) & ~self.known)]
+
+    @property
+    def precision(self) -> Array:
+        """Weight (9,) of each squared error of the prior next to squared errors of rows of variance 1."""
+        weight = np.zeros(len(self.sd))
+        inflation = np.broadcast_to(self.inflation, weight.shape)
+        weight[self.informative] = self.correlated * inflation[self.informative] / self.sd[self.informative] ** 2
+        return weight
+
+    @property
+    def values(self) -> Array:
+        """The known parameters (9,), 0 for the others."""
+        return np.where(self.known, self.mean, 0.0)
+
+    def shifted(self, k: int) -> "Prior":
+        """Move the mean of a parameter by its standard deviation."""
+        mean = self.mean.copy()
+        mean[k] += self.sd[k]
+        return replace(self, mean=mean)
 
 
 @dataclass(frozen=True, eq=False)  # identity hash, so that results can be cached per instance
@@ -41,6 +87,11 @@ class Regression:
     even_odd: Array | None = None
     prior: Prior | None = None  # of the parameters
 
+    def change(self, function: Callable[[Array], Array], **changes: Any) -> "Regression":  # noqa: ANN401
+        """Apply a function to the regressor (2, n, 9) and to those of odd and even samples; replace other fields."""
+        halves = None if self.even_odd is None else np.stack([function(half) for half in self.even_odd])
+        return replace(self, y=function(self.y), even_odd=halves, **changes)
+
     def take(self, rows: NDArray[np.intp]) -> "Regression":
         """Select samples by number, in their order; one may come more than once."""
         even_odd = None if self.even_odd is None else self.even_odd[:, :, rows]
@@ -54,12 +105,9 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
         return parts[0]
     factors = weights or [1.0] * len(parts)
     begins = np.cumsum([0.0, *(part.t[-1] - part.t[0] + part.h for part in parts[:-1])])
-    pairs = list(zip(parts, factors, strict=True))
-    halves = [part.even_odd * factor for part, factor in pairs if part.even_odd is not None]
-    signals: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in SIGNALS
-    }
-    signals |= {name: np.concatenate([getattr(p, name) * f for p, f in pairs], axis=1) for name in ("y", "tau")}
+    scaled = [p.change(partial(np.multiply, f), tau=p.tau * f) for p, f in zip(parts, factors, strict=True)]
+    halves = [part.even_odd for part in scaled if part.even_odd is not None]
+    signals: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in scaled], axis=1) for name in SIGNALS}
     return replace(
         parts[0],
         t=np.concatenate([part.t - part.t[0] + begin for part, begin in zip(parts, begins, strict=True)]),
@@ -69,28 +117,16 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
 
 
 def _masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
-    """Set the rows outside the mask to zero on both sides."""
-    factor = mask[..., None]
-    return replace(
-        regression,
-        y=regression.y * factor,
-        tau=regression.tau * mask,
-        even_odd=None if regression.even_odd is None else regression.even_odd * factor,
-        mask=mask,
-    )
+    """Set the rows outside of the mask to zero."""
+    return regression.change(lambda y: y * mask[..., np.newaxis], tau=regression.tau * mask, mask=mask)
 
 
 def without_known(regression: Regression) -> Regression:
     """Subtract the torque of the parameters that the prior knows, and set their columns to zero."""
-    prior, halves = regression.prior, regression.even_odd
+    prior = regression.prior
     if prior is None or not prior.known.any():
         return regression
-    return replace(
-        regression,
-        y=regression.y * ~prior.known,
-        tau=regression.tau - regression.y @ prior.values,
-        even_odd=None if halves is None else halves * ~prior.known,
-    )
+    return regression.change(lambda y: y * ~prior.known, tau=regression.tau - regression.y @ prior.values)
 
 
 def drop_idle_joints(regression: Regression) -> Regression:
@@ -112,15 +148,11 @@ def joint_variance(regression: Regression, beta: Array) -> Array:
     count = np.maximum(regression.mask.sum(-1, keepdims=True), 1)
     floor = np.finfo(np.float64).eps * np.sum(regression.tau**2, axis=-1, keepdims=True) / count
     floor = np.where(floor > 0.0, floor, 1.0)
-    variance: Array = np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor)
-    return variance
+    return np.asarray(np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor))
 
 
 def correlation_time(error: Array, h: float) -> float:
-    """Time over which residuals (2, n), `h` apart, stay correlated, s, the longer of both joints.
-
-    It is the sum of the autocorrelation up to its first zero.
-    """
+    """Sum the autocorrelation of residuals (2, n), `h` apart, up to its first zero, s; the longer of both joints."""
     n = error.shape[-1]
     centred = error - error.mean(-1, keepdims=True)
     power = np.abs(np.fft.rfft(centred, 2 * n, axis=-1)) ** 2
@@ -137,8 +169,7 @@ def correlation_time(error: Array, h: float) -> float:
 def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float) -> tuple[float, float]:
     """Autocorrelation of each joint's residual at a lag of one period of the cut-off (Hz).
 
-    It is 0 for white residuals and near 1 for residuals that Eq. 1 or the delay does not explain. Filtering alone
-    correlates neighbouring samples, but not samples a whole period of the cut-off apart.
+    Filtering alone correlates neighbouring samples, but not samples a whole period of the cut-off apart.
     """
     error = regression.tau - regression.y @ beta
     error = error - error.mean(-1, keepdims=True)

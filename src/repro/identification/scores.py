@@ -26,10 +26,7 @@ MAX_STEPS_PER_SAMPLE = 40
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
-    """Compute the similarity (**metr2ev**) of a torque (2, N) and its rebuilding from a regressor (2, N, 9).
-
-    `estimates` have the parameters of each method in ``beta``. Columns ``method, joint, time, frequency, total``.
-    """
+    """Compute the similarity (**metr2ev**) of a torque (2, N) and its rebuilding by each ``beta``."""
     rows = []
     for method, estimate in estimates.items():
         s = metr2ev(tau, rebuild_torque(y, np.array(estimate["beta"])), metric)
@@ -38,10 +35,9 @@ def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSett
 
 
 def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
-    """Compute the RMS torque error over the RMS torque of each joint, or over the torques that it is made of.
+    """Compute the RMS torque error of each joint over the RMS torque, or over the torques that it is made of.
 
-    An arm that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it: where
-    the torque is less than `MIN_DRIVE_RATIO` of these, the error is relative to them.
+    A joint that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it.
     """
     error = np.sqrt(np.mean((regression.tau - regression.y @ beta) ** 2, axis=-1))
     whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
@@ -55,8 +51,7 @@ def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:
 
 
 def _rms(tau: Array) -> Array:
-    size: Array = np.sqrt(np.mean(tau**2, axis=-1))
-    return size
+    return np.asarray(np.sqrt(np.mean(tau**2, axis=-1)))
 
 
 def _rms_of_parts(regression: Regression, beta: Array) -> Array:
@@ -74,12 +69,11 @@ def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
 
 
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
-    """Compute the RMS error of the re-simulated position for parameter sets (m, 9) on a uniformly sampled log.
+    """Compute the RMS error of the re-simulated position, rad, for parameter sets (m, 9) on a uniformly sampled log.
 
-    An arm without its controller, above all one that hangs and swings, forgets where it started within seconds for any
-    parameters. The simulation therefore restarts from the recorded state at the beginning of each window. The error is
-    the median over the windows of the RMS within one, of each joint, rad; None where M(q) is not positive definite or
-    nearly singular, or the model diverges in half of the windows. Negative friction is simulated as it is.
+    An arm without its controller forgets where it started within seconds. The simulation therefore restarts from the
+    recorded state at the beginning of each window; the error is the median of the windows' RMS. It is None where M(q)
+    is not positive definite or nearly singular, or the model diverges in half of the windows.
     """
     h = period(log)
     steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])
@@ -158,8 +152,7 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
                 squares[diverged] = np.inf
                 x[diverged], v[diverged] = 0.0, 0.0
             squares += (x - q[:, starts + k + 1].T) ** 2
-    error: Array = np.median(np.sqrt(squares / length), axis=1)
-    return error
+    return np.median(np.sqrt(squares / length), axis=1)
 
 
 def _runge_kutta(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ digits remain, and a method can be repeated hundreds of times for its standard e
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.identification.prior import Prior
+from repro.identification.regression import Prior
 from repro.model.parameters import Array
 
 #: Singular values below this fraction of the largest count as zero, for columns of unit length.
@@ -19,10 +19,7 @@ UNDETERMINED_WEIGHT, REGULARISATION_WEIGHT = 1e-3, 1e-7
 
 
 def unit_columns(y: Array) -> tuple[Array, Array]:
-    """Scale a regressor (2, n, 9) to rows (2 n, 9) with columns of unit length.
-
-    beta = z / scale (9,) solves the problem that z solves for the rows. A column that is nothing but rounding is zero.
-    """
+    """Scale a regressor (2, n, 9) to rows (2 n, 9) with columns of unit length, or zero; beta = z / scale (9,)."""
     a = y.reshape(-1, y.shape[-1])
     length = np.sqrt(np.einsum("np,np->p", a, a))
     moved = length > MIN_COLUMN_RATIO * length.max(initial=0.0)
@@ -35,8 +32,7 @@ def pseudo_solve(gram: Array, right: Array) -> Array:
     values, vectors = np.linalg.eigh(gram)
     nonzero = np.abs(values) > RANK_TOLERANCE**2 * np.abs(values).max()
     inverse = np.divide(1.0, values, out=np.zeros_like(values), where=nonzero)
-    solution: Array = vectors @ (inverse * (vectors.T @ right))
-    return solution
+    return np.asarray(vectors @ (inverse * (vectors.T @ right)))
 
 
 def solve_normal(gram: Array, right: Array, length: Array) -> Array:
@@ -49,32 +45,26 @@ def solve_normal(gram: Array, right: Array, length: Array) -> Array:
 def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None = None) -> Array:
     """Compute the parameters (9,) with the smallest sum of squared torque errors, from y (2, n, 9) and tau (2, n).
 
-    `weight` of each squared error broadcasts to (2, n). Where the parameters are not unique, they are those of the
-    smallest length in units of the columns' length; a parameter that the motion does not move is 0. Weights next to a
-    prior are those of rows of variance 1.
+    `weight` of each squared error broadcasts to (2, n); next to a prior, weighted rows have a variance of 1. Parameters
+    that are not unique are the shortest in units of the columns' length; one that the motion does not move is 0.
     """
+    if weight is None and prior is None:
+        a, scale = unit_columns(y)
+        gram = a.T @ a
+        return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
+    flat = y.reshape(-1, y.shape[-1])
+    weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
+    gram, right = weighted.T @ flat, weighted.T @ tau.reshape(-1)
     if prior is not None:
-        flat = y.reshape(-1, y.shape[-1])
-        weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
         added = prior.precision * (prior.variance if weight is None else 1.0)
-        gram, right = weighted.T @ flat + np.diag(added), weighted.T @ tau.reshape(-1) + added * prior.mean
-        return solve_normal(gram, right, np.sqrt(gram.diagonal()))
-    if weight is not None:  # one pass less over the rows; the same to rounding
-        flat = y.reshape(-1, y.shape[-1])
-        weighted = flat * np.broadcast_to(weight, tau.shape).reshape(-1, 1)
-        gram = weighted.T @ flat
-        return solve_normal(gram, weighted.T @ tau.reshape(-1), np.sqrt(gram.diagonal()))
-    a, scale = unit_columns(y)
-    gram = a.T @ a
-    return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
+        gram, right = gram + np.diag(added), right + added * prior.mean
+    return solve_normal(gram, right, np.sqrt(gram.diagonal()))
 
 
 def reduced_problem(y: Array, tau: Array, prior: Prior | None = None) -> tuple[Array, Array, Array]:
-    """Reduce least squares to few rows: |R z - c|^2 is |Y beta - tau|^2 but for a constant, with beta = z / scale.
+    """Reduce |Y beta - tau|^2, but for a constant, to |R z - c|^2 with R (k, 9), c (k,) and beta = z / scale (9,).
 
-    Further rows make the solution unique: undetermined directions are pulled to zero, and so is all of z, too weakly to
-    matter where anything else determines it. The rows of a prior are among them. Returns R (k, 9), c (k,) and
-    scale (9,).
+    Further rows are those of the prior, and rows that pull undetermined directions, and more weakly all of z, to zero.
     """
     a, scale = unit_columns(y)
     gram, product = a.T @ a, a.T @ tau.reshape(-1)

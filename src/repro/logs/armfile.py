@@ -2,19 +2,17 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from repro.documents import Loader, read_yaml
+from repro.documents import Loader, read_yaml, spelled, violation
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
-from repro.schema import spelled, violation
 
 #: One value for each joint.
 Pair = tuple[float, float]
@@ -26,6 +24,7 @@ _LARGEST, _SMALLEST = 1e9, 1e-6
 #: Keys whose numbers divide.
 _POSITIVE = ("speed_limit", "torque_limit", "counts_per_turn", "torque_constant", "torque_scale")
 _FLOAT = "tag:yaml.org,2002:float"
+_SCHEMA: dict[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class Arm:
     torque_limit: Pair | None = None  # largest torque of each joint, N m
     position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
     speed_limit: Pair | None = None  # largest speed of each joint, rad/s
-    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.signals.kinematics`
+    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.model.dynamics`
     workspace: tuple[Pair, Pair] | None = None
     plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
@@ -86,13 +85,6 @@ def _plain(value: object) -> object:
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     raise TypeError(type(value).__name__)
-
-
-@cache
-def _schema() -> Mapping[str, Any]:
-    """Schema of an arm file."""
-    schema: Mapping[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
-    return schema
 
 
 class _Loader(Loader):
@@ -140,12 +132,13 @@ def read_arm(path: str | Path | None) -> Arm:
 
 def _check(content: Mapping[str, Any], file: str) -> None:
     """Refuse what the schema or the meaning of a key forbids."""
-    if wrong := violation(content, _schema()):
+    if wrong := violation(content, _SCHEMA):
         place, found, expected = wrong
         raise InputError.at(f"{file}: {spelled(place)}", found, expected)
     for key, value in content.items():
         least = _SMALLEST if key in _POSITIVE else 0.0
-        if any(not least <= abs(number) <= _LARGEST for number in _numbers(value)):
+        sizes = np.abs(np.ravel(value)) if isinstance(value, (list, int, float)) else np.empty(0)
+        if np.any((sizes < least) | (sizes > _LARGEST)):
             expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
             raise InputError.at(f"{file}: {key}", repr(value)[:60], expected)
     columns = content.get("columns", {})
@@ -165,15 +158,6 @@ def _check(content: Mapping[str, Any], file: str) -> None:
                 f"radians within a turn, whatever the unit of the log (if it is in degrees: {np.radians(zero):.5g})"
             )
             raise InputError.at(f"{file}: zero.{joint}", zero, expected)
-
-
-def _numbers(value: object) -> Iterator[float]:
-    """Numbers of a list and of the lists in it."""
-    if isinstance(value, list):
-        for item in value:
-            yield from _numbers(item)
-    elif isinstance(value, (int, float)):
-        yield value
 
 
 def _value(key: str, value: Any) -> Any:  # noqa: ANN401

@@ -5,7 +5,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from repro.errors import InputError
@@ -63,12 +63,14 @@ _FACTORS: Final = {
     **{"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2},
 }
 
-_POSITION = ("q", "pos", "position", "theta", "angle")
-_VELOCITY = ("dq", "qd", "qdot", "dotq", "vel", "velocity", "dtheta", "thetadot", "omega", "speed")
-_TORQUE = ("tau", "torque", "effort", "trq", "u")
-_CURRENT = ("current", "cur")
-_PWM = ("pwm",)
-_JOINT_NAMES = ("shoulder", "elbow")
+#: Names of a signal without its joint, and the unit that they imply.
+_WORDS: Final[tuple[tuple[str, tuple[str, ...], str | None], ...]] = (
+    ("q", ("q", "pos", "position", "theta", "angle"), None),
+    ("dq", ("dq", "qd", "qdot", "dotq", "vel", "velocity", "dtheta", "thetadot", "omega", "speed"), None),
+    ("tau", ("tau", "torque", "effort", "trq", "u"), None),
+    ("tau", ("current", "cur"), "A"),
+    ("tau", ("pwm",), "counts"),
+)
 #: Longest header that a message proposes as a column.
 _LONG_HEADER = 80
 
@@ -94,22 +96,14 @@ def _names() -> dict[str, tuple[Signal, str | None]]:
     names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(
         ("time", "t", "timestamp", "timestamps"), ("time", None)
     )
-    for signals, words, unit in (
-        (("q1", "q2"), _POSITION, None),
-        (("dq1", "dq2"), _VELOCITY, None),
-        (("tau1", "tau2"), _TORQUE, None),
-        (("tau1", "tau2"), _CURRENT, "A"),
-        (("tau1", "tau2"), _PWM, "counts"),
-    ):
-        for joint, signal in enumerate(signals, 1):
-            own = _JOINT_NAMES[joint - 1]
+    for joint, own in ((1, "shoulder"), (2, "elbow")):
+        for signal, words, unit in _WORDS:
             for word in words:
                 for name in (f"{word}{joint}", f"joint{joint}{word}", f"{word}joint{joint}", own + word, word + own):
                     for spelt in (name, f"{name}meas", f"{name}measured", name.replace(word, f"{word}meas")):
-                        names[spelt] = (signal, unit)  # type: ignore[assignment]
-    for joint, signal in ((1, "dq1"), (2, "dq2")):
+                        names[spelt] = (f"{signal}{joint}", unit)  # type: ignore[assignment]
         for name in (f"q{joint}dot", f"theta{joint}dot"):
-            names[name] = (signal, None)  # type: ignore[assignment]
+            names[name] = (f"dq{joint}", None)  # type: ignore[assignment]
     return names
 
 
@@ -268,14 +262,14 @@ def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dic
     for signal, kind in KINDS.items():
         if signal not in found:
             continue
-        column, unit, assumed_unit = found[signal], found[signal].unit, found[signal].unit is None
-        if unit is None:
-            unit = si_unit(kind)
+        column = found[signal]
+        if column.unit is None:
             for twin in (twin for name, twin in found.items() if KINDS[name] == kind and twin.unit):
                 expected = f"its unit, as {twin.header} is in {twin.unit}; or units.{kind} in the arm file"
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
-            assumed.setdefault(unit, []).append(column.header)
-        complete[signal] = Column(column.index, column.header, unit, assumed_unit)
+            assumed.setdefault(si_unit(kind), []).append(column.header)
+            column = replace(column, unit=si_unit(kind), assumed=True)
+        complete[signal] = column
     if assumed:
         units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
         notes.append(f"the header states no unit for some columns; assumed: {units}")
@@ -305,17 +299,9 @@ def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> floa
     """Give the SI value of one `unit` of a signal; InputError if it needs a constant that the arm file lacks."""
     if unit in _FACTORS:
         return _FACTORS[unit]
-    joint = int(signal[-1]) - 1
-    if KINDS[signal] == "torque":
-        constant = _needed(arm, "torque_constant", arm.torque_constant, f"{signal} of {log} is in {unit}")
-        return constant[joint] * (1e-3 if unit == "mA" else 1.0)
-    return (
-        2.0 * math.pi / _needed(arm, "counts_per_turn", arm.counts_per_turn, f"{signal} of {log} is in {unit}")[joint]
-    )
-
-
-def _needed(arm: Arm, key: str, value: Pair | None, reason: str) -> Pair:
-    """Give a value of the arm file that a unit needs."""
-    if value is None:
-        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {reason}")
-    return value
+    key = "torque_constant" if KINDS[signal] == "torque" else "counts_per_turn"
+    pair: Pair | None = getattr(arm, key)
+    if pair is None:
+        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {signal} of {log} is in {unit}")
+    value = pair[int(signal[-1]) - 1]
+    return 2.0 * math.pi / value if key == "counts_per_turn" else value * (1e-3 if unit == "mA" else 1.0)

@@ -3,6 +3,7 @@
 Small errors of zero, offset and scale are estimated in `repro.identification`.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -84,32 +85,12 @@ class _Smoothed:
         return [joint + 1 for joint in (0, 1) if size[joint] <= np.linalg.norm(self.noise[joint, self.chosen])]
 
 
-@dataclass(frozen=True)
-class _Fit:
-    """Quality of a least-squares fit."""
-
-    residual: float  # over the torque, RMS
-    n_impossible: int  # noticeable terms of a sign that no arm has
-
-
-def _noise_message(joints: list[int]) -> str | None:
-    """Report joints whose torque does not exceed its noise."""
-    if len(joints) == 2:
-        return "the torque is little more than noise: this log can only test the motion that parameters predict"
-    if joints:
-        return (
-            f"the torque of joint {joints[0]} is little more than noise: the log hardly determines its load; "
-            "if the joint was driven, its torque was not recorded"
-        )
-    return None
-
-
 def quiet_joints(log: Log) -> list[int]:
     """List joints whose torque does not exceed its noise."""
     return _smoothed(log).noisy_joints()
 
 
-def better_convention(log: Log, second_joint_absolute: bool) -> str | None:
+def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
     Ordinary least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong
@@ -118,41 +99,44 @@ def better_convention(log: Log, second_joint_absolute: bool) -> str | None:
     smoothed = _smoothed(log)
     size = np.linalg.norm(smoothed.tau[:, smoothed.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
-        return None
+        return
     if smoothed.noisy_joints(_MOST_NOISE):
-        return _noise_message(smoothed.noisy_joints())
-    given = _fit(smoothed, Convention("", ""))
+        noisy = smoothed.noisy_joints()
+        if len(noisy) == 2:
+            yield "the torque is little more than noise: this log can only test the motion that parameters predict"
+        elif noisy:
+            yield (
+                f"the torque of joint {noisy[0]} is little more than noise: the log hardly determines its load; "
+                "if the joint was driven, its torque was not recorded"
+            )
+        return
+    given, n_impossible = _fit(smoothed, Convention("", ""))
     in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
     others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
-    fits = [(_fit(smoothed, convention), convention) for convention in others]
-    bound = given.residual * (_RESIDUAL_RATIO if given.residual > _BAD_RESIDUAL else 0.0)
-    least = min(fit.residual for fit, _ in fits)
-    if least < bound:
-        best_fits = [pair for pair in fits if pair[0].residual < _EQUAL_RATIO * least]
-        best, convention = min(best_fits, key=lambda pair: pair[0].n_impossible)
-        return _advice(convention, f"torque residual {_percent(best)} instead of {_percent(given)}")
-    if given.residual > _USELESS_RESIDUAL:
-        return (
-            f"Eq. 1 explains little of the torque (residual {_percent(given)}) with any single change of "
+    fits = [(*_fit(smoothed, convention), convention) for convention in others]
+    least = min(residual for residual, _, _ in fits)
+    if given > _BAD_RESIDUAL and least < _RESIDUAL_RATIO * given:
+        equal = [fit for fit in fits if fit[0] < _EQUAL_RATIO * least]
+        best, _, convention = min(equal, key=lambda fit: fit[1])
+        yield _advice(convention, f"torque residual {100.0 * best:.0f} % instead of {100.0 * given:.0f} %")
+    elif given > _USELESS_RESIDUAL:
+        yield (
+            f"Eq. 1 explains little of the torque (residual {100.0 * given:.0f} %) with any single change of "
             "how the log is read: check units, signs, zeros and which column is which"
         )
-    possible = [
-        convention
-        for fit, convention in fits
-        if fit.residual < _SAME_RATIO * given.residual and fit.n_impossible == 0 < given.n_impossible
-    ]
-    if possible:
-        return _advice(possible[0], "as given, inertia, gravity or friction come out negative")
-    return None
+    elif n_impossible:
+        possible = [convention for residual, n, convention in fits if residual < _SAME_RATIO * given and n == 0]
+        for convention in possible[:1]:
+            yield _advice(convention, "as given, inertia, gravity or friction come out negative")
 
 
-def late_torque(log: Log) -> str | None:
+def late_torque(log: Log) -> Iterator[str]:
     """Report a torque that fits the motion far better when it is shifted in time."""
     smoothed = _smoothed(log)
     reach = round(_LARGEST_DELAY / smoothed.h)
     inner = smoothed.chosen[(smoothed.chosen >= reach) & (smoothed.chosen < smoothed.q.shape[1] - reach)]
     if inner.size < 20 or smoothed.noisy_joints():
-        return None
+        return
     y = regressor(smoothed.q[:, inner], smoothed.dq[:, inner], smoothed.ddq[:, inner]).reshape(-1, 9)
     basis = np.linalg.qr(y).Q
     shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / smoothed.h)))
@@ -160,23 +144,18 @@ def late_torque(log: Log) -> str | None:
     given = _residual(basis, smoothed.tau[:, inner].ravel())
     best = int(np.argmin(residuals))
     delay = float(shifts[best]) * smoothed.h
-    if abs(delay) < _SMALLEST_DELAY or residuals[best] > _RESIDUAL_RATIO * given:
-        return None
-    side = "later" if delay > 0 else "earlier"
-    return (
-        f"the torque fits the motion best {abs(delay):.3f} s {side} than recorded (residual "
-        f"{100 * residuals[best]:.0f} % instead of {100 * given:.0f} %): check the time stamps, or give delay in the "
-        "arm file"
-    )
+    if abs(delay) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
+        side = "later" if delay > 0 else "earlier"
+        yield (
+            f"the torque fits the motion best {abs(delay):.3f} s {side} than recorded (residual "
+            f"{100 * residuals[best]:.0f} % instead of {100 * given:.0f} %): check the time stamps, or give delay in "
+            "the arm file"
+        )
 
 
 def _advice(convention: Convention, reason: str) -> str:
     added = "" if convention.remedy.startswith(("swap", "second", "units")) else ", on top of what is there"
     return f"the log reads better with {convention.name} ({reason}): if so, {convention.remedy} in the arm file{added}"
-
-
-def _percent(fit: _Fit) -> str:
-    return f"{100.0 * fit.residual:.0f} %"
 
 
 def _smoothed(log: Log) -> _Smoothed:
@@ -191,8 +170,8 @@ def _smoothed(log: Log) -> _Smoothed:
     return _Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
 
 
-def _fit(smoothed: _Smoothed, convention: Convention) -> _Fit:
-    """Fit Eq. 1 by least squares under a convention."""
+def _fit(smoothed: _Smoothed, convention: Convention) -> tuple[float, int]:
+    """Fit Eq. 1 by least squares: residual over torque, RMS, and number of noticeable terms of an impossible sign."""
     k = smoothed.chosen
     position, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
     q = position @ smoothed.q[:, k] + np.array(convention.offset)[:, np.newaxis]
@@ -208,7 +187,7 @@ def _fit(smoothed: _Smoothed, convention: Convention) -> _Fit:
     drives = (np.sum(friction * dq, axis=1) < 0.0) & (
         np.linalg.norm(friction, axis=1) > _NOTICEABLE_TERM * np.linalg.norm(tau, axis=1)
     )
-    return _Fit(residual, int(negative.sum()) + int(drives.sum()))
+    return residual, int(negative.sum() + drives.sum())
 
 
 def _residual(basis: Array, torque: Array) -> float:

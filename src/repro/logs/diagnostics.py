@@ -1,6 +1,6 @@
 """What a log contains, and what may be wrong with it: facts and warnings, before anything is identified."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -83,57 +83,49 @@ def _fraction_at_extremes(tau: Array) -> float:
     return fraction
 
 
-def still_joint(log: Log) -> str | None:
-    """Report a joint that does not move."""
-    for joint, moved in enumerate(np.ptp(log.q, axis=1), 1):
-        if moved < STILL:
-            return (
-                f"joint {joint} does not move ({moved:.2g} rad), so its friction and inertia are not excited: "
-                "record a motion of both joints"
-            )
-    return None
+def still_joint(log: Log) -> Iterator[str]:
+    """Report the first joint that does not move."""
+    still = [(joint, moved) for joint, moved in enumerate(np.ptp(log.q, axis=1), 1) if moved < STILL]
+    for joint, moved in still[:1]:
+        yield (
+            f"joint {joint} does not move ({moved:.2g} rad), so its friction and inertia are not excited: "
+            "record a motion of both joints"
+        )
 
 
-def large_range(log: Log) -> str | None:
+def large_range(log: Log) -> Iterator[str]:
     """Report positions of many turns."""
     joint = int(np.argmax(np.ptp(log.q, axis=1)))
     moved = float(np.ptp(log.q[joint]))
-    if moved <= 4.0 * _TURN:
-        return None
-    return (
-        f"joint {joint + 1} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
-        "give units.position in the arm file"
-    )
+    if moved > 4.0 * _TURN:
+        yield (
+            f"joint {joint + 1} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
+            "give units.position in the arm file"
+        )
 
 
-def odd_speed(log: Log) -> str | None:
-    """Report a speed that hardly any arm has."""
+def odd_speed(log: Log) -> Iterator[str]:
+    """Report a speed that hardly any arm has, and a motion that is too fast for the rate."""
     top = float(np.percentile(np.abs(speed(log)), 99.9, axis=1).max())
     if top > 100.0:
-        return (
+        yield (
             f"a joint turns at {top:.3g} rad/s: check the units of position and time (units.position, units.time "
             "in the arm file)"
         )
     if top < 0.05:
-        return (
+        yield (
             f"the fastest motion is {top:.2g} rad/s, too slow to show inertia: check the unit of time, or record a "
             "faster motion"
         )
-    return None
-
-
-def slow_sampling(log: Log) -> str | None:
-    """Report a motion that is too fast for the rate."""
     step = float(np.percentile(np.abs(np.diff(log.q, axis=1)), 99.0, axis=1).max())
-    if step <= 0.3:
-        return None
-    return (
-        f"joints turn by up to {step:.2g} rad from one sample to the next ({1.0 / period(log):.4g} Hz): "
-        "record at a higher rate"
-    )
+    if step > 0.3:
+        yield (
+            f"joints turn by up to {step:.2g} rad from one sample to the next ({1.0 / period(log):.4g} Hz): "
+            "record at a higher rate"
+        )
 
 
-def position_jump(log: Log) -> str | None:
+def position_jump(log: Log) -> Iterator[str]:
     """Report a position that jumps, other than by a full turn."""
     dt = np.diff(log.t)
     for joint, q in enumerate(log.q, 1):
@@ -142,35 +134,33 @@ def position_jump(log: Log) -> str | None:
         jumps = np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))
         if jumps.size:
             k = int(jumps[0])
-            return (
+            yield (
                 f"the position of joint {joint} jumps by {steps[k]:.3g} rad at {log.t[k + 1]:.4g} s "
                 f"({jumps.size} such): check the encoder, or cut the log there"
             )
-    return None
+            return
 
 
-def velocity_disagrees(log: Log) -> str | None:
+def velocity_disagrees(log: Log) -> Iterator[str]:
     """Report velocities that are not the derivative of the positions."""
     if log.dq is None:
-        return None
+        return
     w = half_window(log)
     derived = speed(log)
     recorded = uniform_filter1d(log.dq, 2 * w + 1, axis=1)[:, w:-w]
     match = np.array([[_correlation(r, d) for d in derived] for r in recorded])
     if min(match[0, 1], match[1, 0]) > 0.9 > max(match[0, 0], match[1, 1]):
-        return (
+        yield (
             "the velocity columns of joints 1 and 2 are swapped (each is the derivative of the other position): "
             "give columns.dq1 and columns.dq2 in the arm file"
         )
-    for joint in range(2):
-        problem = _velocity_problem(match[joint, joint], recorded[joint], derived[joint])
-        if problem:
-            return f"velocity of joint {joint + 1}: {problem}"
-    return None
+        return
+    problems = [_velocity_problem(match[joint, joint], recorded[joint], derived[joint]) for joint in range(2)]
+    yield from [f"velocity of joint {joint}: {problem}" for joint, problem in enumerate(problems, 1) if problem][:1]
 
 
-def _velocity_problem(match: float, recorded: Array, derived: Array) -> str | None:
-    """Compare the velocity of one joint with its differentiated position."""
+def _velocity_problem(match: float, recorded: Array, derived: Array) -> str:
+    """Compare the velocity of one joint with its differentiated position; empty if they agree."""
     if match < -0.8:
         return "the opposite sign of the differentiated position: check the signs of both columns"
     if match < 0.8:
@@ -180,7 +170,7 @@ def _velocity_problem(match: float, recorded: Array, derived: Array) -> str | No
         )
     ratio = float(recorded @ derived / (derived @ derived))
     if 0.8 < ratio < 1.25:
-        return None
+        return ""
     for known, cause in _RATIOS:
         if 0.9 < ratio / known < 1.1:
             return f"{ratio:.3g} times the differentiated position, as with {cause}"
@@ -194,54 +184,39 @@ def _correlation(a: Array, b: Array) -> float:
     return float(a @ b) / size if size > 0.0 else 0.0
 
 
-def torque_in_counts(log: Log) -> str | None:
-    """Report torques that look like counts or mN m."""
+def odd_torque(log: Log) -> Iterator[str]:
+    """Report a torque that looks like counts or mN m, and one at the drive's limit."""
     for joint, tau in enumerate(log.tau, 1):
         largest = float(np.abs(tau).max())
         if largest > 100.0 and np.array_equal(tau, np.rint(tau)):
-            return (
+            yield (
                 f"the torque of joint {joint} is whole numbers up to {largest:.0f}, taken for N m: if these are "
                 "counts, give units.torque: counts and torque_constant in the arm file"
             )
+            break
         if largest > 1000.0:
-            return (
+            yield (
                 f"the torque of joint {joint} is up to {largest:.4g} N m: if this is mN m, give units.torque: mN m in "
                 "the arm file"
             )
-    return None
-
-
-def saturated(log: Log) -> str | None:
-    """Report torques at the drive's limit."""
+            break
     fractions = saturated_fraction(log)
     joint = int(np.argmax(fractions))
-    if fractions[joint] <= 0.05:
-        return None
-    return (
-        f"the torque of joint {joint + 1} is saturated in {100.0 * fractions[joint]:.0f} % of the samples, where the "
-        "recorded torque may not be the one that acted: record a slower motion"
-    )
-
-
-#: Checks of single signals, in the order of the warnings.
-IN_SIGNALS: Final[tuple[Callable[[Log], str | None], ...]] = (
-    still_joint,
-    large_range,
-    odd_speed,
-    slow_sampling,
-    position_jump,
-    torque_in_counts,
-    saturated,
-)
+    if fractions[joint] > 0.05:
+        yield (
+            f"the torque of joint {joint + 1} is saturated in {100.0 * fractions[joint]:.0f} % of the samples, where "
+            "the recorded torque may not be the one that acted: record a slower motion"
+        )
 
 
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
-    warnings = [check(log) for check in IN_SIGNALS]
-    jumps = position_jump(log) is not None and large_range(log) is None  # degrees seem to jump, too
-    if not (jumps or still_joint(log)):  # which would mislead checks of signals against each other
-        warnings += [velocity_disagrees(log), better_convention(log, arm.second_joint_absolute), late_torque(log)]
-    return tuple(warning for warning in warnings if warning is not None)
+    still, turns, jumps = (list(check(log)) for check in (still_joint, large_range, position_jump))
+    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log)]
+    # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
+    if not still and (turns or not jumps):
+        warnings += [*velocity_disagrees(log), *better_convention(log, arm.second_joint_absolute), *late_torque(log)]
+    return tuple(warnings)
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,7 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     ((2, 4150), True)
     """
     arm = arm or Arm()
-    if isinstance(source, str):
-        source = Path(source)
+    source = Path(source) if isinstance(source, str) else source
     if not isinstance(source, Path | pd.DataFrame | Log):
         raise InputError.at("source", type(source).__name__, "a path, a DataFrame or a Log")
     if isinstance(source, Log):
@@ -109,17 +108,9 @@ def _from_capture(path: Path, arm: Arm) -> Log:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
     if recording.n_interpolated:
         notes.append(f"{recording.n_interpolated} lost samples are interpolated")
-    simulated = metadata.source == "simulated"
-    limit = np.array(metadata.control.full_torque)
-    return Log(
-        name=path.name,
-        t=t,
-        q=recording.q,
-        tau=recording.tau,
-        notes=tuple(notes),
-        simulated=simulated,
-        torque_limit=limit,
-    )
+    simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
+    log = Log(name=path.name, t=t, q=recording.q, tau=recording.tau, notes=tuple(notes), simulated=simulated)
+    return replace(log, torque_limit=limit)
 
 
 def _from_table(table: Table, name: str, arm: Arm) -> Log:
@@ -182,9 +173,8 @@ def to_eq1(log: Log, arm: Arm) -> Log:
     tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * (log.tau - offset) / scale
     dq = None if log.dq is None else sign * log.dq
     notes = list(log.notes)
-    for joint, count in enumerate(wraps, 1):
-        if count:
-            notes.append(f"position of joint {joint} wraps by a full turn {count} times; unwrapped")
+    wrapped = ((joint, count) for joint, count in enumerate(wraps, 1) if count)
+    notes += [f"position of joint {joint} wraps by a full turn {count} times; unwrapped" for joint, count in wrapped]
     if arm.second_joint_absolute:
         q = np.stack([q[0], q[1] - q[0]])
         dq = None if dq is None else np.stack([dq[0], dq[1] - dq[0]])

@@ -204,7 +204,8 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
     """Resample a piece without long gaps at even times, with notes; itself if it is even."""
     n, h = piece.t.size, period(piece)
     notes: list[str] = []
-    even = _linear_fit(piece.t)
+    k = np.arange(n) - 0.5 * (n - 1)
+    even = piece.t.mean() + k * (k @ piece.t) / (k @ k)  # the line through the times by least squares
     deviation = float(np.abs(piece.t - even).max())
     step = _resolution(piece.t)
     if deviation <= _EVEN * h:
@@ -225,12 +226,6 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
     dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
     notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
     return replace(piece, t=t, q=q, tau=tau, dq=dq), notes
-
-
-def _linear_fit(t: Array) -> Array:
-    """Fit evenly spaced instants by least squares."""
-    k = np.arange(t.size) - 0.5 * (t.size - 1)
-    return np.asarray(t.mean() + k * (k @ t) / (k @ k))
 
 
 def _resolution(t: Array) -> float:

@@ -4,9 +4,12 @@ import codecs
 import csv
 import math
 import re
+import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from itertools import islice
+from functools import partial
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +55,6 @@ class Table:
     file: str  # for messages
     header: tuple[str, ...]
     blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
-    size: int  # lines of the file
     notes: tuple[str, ...] = ()  # how it was read, where not as usual
 
     def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
@@ -68,19 +70,21 @@ class Table:
                 column.add([(line, cells[index]) for line, cells in rows])
         self._check(readers)
         values = np.stack([np.concatenate(column.values) for column in readers])
-        notes = ("numbers have a decimal comma",) if any(column.comma for column in readers) else ()
+        notes = ("numbers have a decimal comma",) if any("comma" in column.first for column in readers) else ()
         return values, np.array(lines), notes
 
     def _check(self, columns: Sequence["_Column"]) -> None:
         """Refuse cells that are no finite numbers, and commas that could be for decimals or for groups of digits."""
-        commas = [column.comma for column in columns if column.comma]
-        underscores = [column.underscore for column in columns if column.underscore]
+        commas, underscores, wrong = (
+            [column.first[kind] for column in columns if kind in column.first]
+            for kind in ("comma", "underscore", "wrong")
+        )
         if commas and any(column.point for column in columns):
             cell, expected = commas[0], "a point, as in other numbers"
         elif commas and all(column.grouped for column in columns):
             cell = commas[0]
             expected = "commas that are clearly for decimals, not for groups of digits: write a point"
-        elif invalid := underscores or [column.wrong for column in columns if column.wrong]:
+        elif invalid := underscores or wrong:
             cell, expected = invalid[0], "a finite number"
         else:
             return
@@ -96,36 +100,32 @@ class _Column:
     values: list[Array] = field(default_factory=list)
     point: bool = False  # whether a cell has one
     grouped: bool = True  # whether each comma could be for groups of digits
-    comma: _Cell | None = None
-    underscore: _Cell | None = None  # python takes 1_000 for a number
-    wrong: _Cell | None = None
+    # Of each kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
+    first: dict[str, _Cell] = field(default_factory=dict)
 
     def add(self, cells: list[tuple[int, str]]) -> None:
         """Append the cells of some lines."""
-        text = "".join(cell for _, cell in cells)
+        text, values = "".join(cell for _, cell in cells), np.array([math.nan])
         if "_" not in text and text.isascii():  # the usual case: numbers alone
-            try:
+            with suppress(ValueError):
                 values = np.array([float(cell) for _, cell in cells])
-            except ValueError:
-                pass
-            else:
-                if np.isfinite(values).all():
-                    self.point = self.point or "." in text
-                    self.values.append(values)
-                    return
-        self.values.append(np.array([self._read(line, cell.strip()) for line, cell in cells]))
+        if np.isfinite(values).all():
+            self.point = self.point or "." in text
+        else:
+            values = np.array([self._read(line, cell.strip()) for line, cell in cells])
+        self.values.append(values)
 
     def _read(self, line: int, cell: str) -> float:
         place = (line, self.name, cell)
         self.point = self.point or "." in cell
         if _COMMA.fullmatch(cell):
-            self.comma = self.comma or place
+            self.first.setdefault("comma", place)
             self.grouped = self.grouped and _GROUPS.fullmatch(cell) is not None
         if "_" in cell:
-            self.underscore = self.underscore or place
+            self.first.setdefault("underscore", place)
         value = math.nan if cell.lower() in _EMPTY else _number(cell.replace(",", "."), math.inf)
         if math.isinf(value):
-            self.wrong = self.wrong or place
+            self.first.setdefault("wrong", place)
         return value
 
 
@@ -140,34 +140,33 @@ def read_table(path: Path) -> Table:
         raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")
     (place, header), (begin, row) = _head(path)
     separator = _separator(f"{path}: line {place}", header, row)
-    names = tuple(cell.strip() for cell in _cells(header, separator))
-    if place == begin and len(names) != len(_cells(row, separator)):
+    cells = _cells(header, separator)
+    if place == begin and len(cells) != len(_cells(row, separator)):
         raise _unnamed(path, begin, row)
-    if len(names) > MOST_COLUMNS:
-        raise InputError.at(f"{path}: header", f"{len(names)} columns", f"at most {MOST_COLUMNS}")
-    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
-    if twice:
-        raise InputError.at(f"{path}: header", f"the column {twice[0]!r} twice", "names that differ")
-
-    def blocks() -> Iterator[Rows]:
-        return _blocks(path, begin, separator, len(names))
-
+    if len(cells) > MOST_COLUMNS:
+        raise InputError.at(f"{path}: header", f"{len(cells)} columns", f"at most {MOST_COLUMNS}")
+    names, blocks = _names(str(path), cells), partial(_blocks, path, begin, separator, len(cells))
     next(blocks())  # rows of another length are a clearer error than a missing column
     notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
-    return Table(str(path), names, blocks, size, notes)
+    return Table(str(path), names, blocks, notes)
+
+
+def _names(file: str, header: Sequence[object]) -> tuple[str, ...]:
+    """Give the names of the columns; refuse a name that is there twice."""
+    names = tuple(str(name).strip() for name in header)
+    if twice := [name for k, name in enumerate(names) if name and name in names[:k]]:
+        raise InputError.at(f"{file}: header", f"the column {twice[0]!r} twice", "names that differ")
+    return names
 
 
 def table_of(frame: pd.DataFrame, file: str) -> Table:
     """Take a DataFrame as a table, its rows numbered from 1."""
-    names = tuple(str(name).strip() for name in frame.columns)
-    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
-    if twice:
-        raise InputError.at(f"{file}: header", f"the column {twice[0]!r} twice", "names that differ")
+    names = _names(file, list(frame.columns))
     columns = [[_cell(value) for value in frame[name]] for name in frame.columns]
     rows = [(number, list(cells)) for number, cells in enumerate(zip(*columns, strict=True), 1)]
     if not rows:
         raise InputError.at(file, "no rows", _EXPECTED)
-    return Table(file, names, lambda: [rows], len(rows))
+    return Table(file, names, lambda: [rows])
 
 
 def _cell(value: object) -> str:
@@ -299,9 +298,9 @@ def check_text(path: Path) -> int:
         raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
 
 
-def _check_blocks(name: str, blocks: Iterator[bytes]) -> int:
+def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
     decoder, offset, lines, incomplete = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
-    for block in blocks:
+    for block in chain(blocks, [b""]):
         if not offset:
             for beginnings, (found, expected) in _OTHER_FORMATS.items():
                 if block.startswith(beginnings):
@@ -310,23 +309,15 @@ def _check_blocks(name: str, blocks: Iterator[bytes]) -> int:
             byte, place = block[control.start()], offset + control.start()
             raise InputError.at(name, f"binary data (byte 0x{byte:02x} at offset {place})", _EXPECTED)
         try:
-            decoder.decode(block)
+            decoder.decode(block, final=not block)
         except UnicodeDecodeError as error:
-            raise _not_utf8(name, incomplete + block, error, lines) from error
+            data, line = incomplete + block, lines + (incomplete + block).count(b"\n", 0, error.start)
+            found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
+            raise InputError.at(name, found, "UTF-8 text, a CSV table") from error
         if len(block) == LONGEST_LINE and b"\n" not in block and b"\r" not in block:
             raise InputError.at(f"{name}: line {lines}", f"{LONGEST_LINE} bytes without a line end", _EXPECTED)
         incomplete, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
-    try:
-        decoder.decode(b"", final=True)
-    except UnicodeDecodeError as error:
-        raise _not_utf8(name, incomplete, error, lines) from error
     return lines
-
-
-def _not_utf8(name: str, data: bytes, error: UnicodeDecodeError, lines: int) -> InputError:
-    line = lines + data.count(b"\n", 0, error.start)
-    found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
-    return InputError.at(name, found, "UTF-8 text, a CSV table")
 
 
 #: Most messages, of which each takes some kilobytes of memory.
@@ -348,9 +339,18 @@ def read_bag(path: Path, topic: str | None) -> Table:
     for file in files:
         check_size(file, LARGEST, "a file of a ROS 2 bag")
     require("rosbags", "bags", str(path))
-    from rosbags.highlevel import AnyReader  # noqa: PLC0415
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+    from apsw import Error as DatabaseError  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
+    from backports.zstd import ZstdError  # noqa: PLC0415
+    from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415
+    from rosbags.rosbag2 import ReaderError  # noqa: PLC0415
+    from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
+    # The last row is what parsing of damaged bytes raises in Python and in the library's own code.
+    damage = (
+        *(AnyReaderError, ReaderError, TypesysError, DatabaseError, ZstdError, struct.error),
+        *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError),
+        *(RuntimeError, TypeError, ValueError),
+    )
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
             topics = sorted({c.topic for c in reader.connections if c.msgtype == _TYPE})
@@ -365,7 +365,7 @@ def read_bag(path: Path, topic: str | None) -> Table:
             return _table(path, chosen[0], messages)
     except InputError:
         raise
-    except Exception as error:  # a damaged bag: the library has no error of its own for all that can be wrong
+    except damage as error:
         found = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError.at(str(path), found, "a whole ROS 2 bag") from error
 
@@ -388,4 +388,4 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
         rows.append(row)
     header = tuple(dict.fromkeys(name for row in rows for name in row))
     cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
-    return Table(str(path), header, lambda: [cells], len(cells), tuple(notes))
+    return Table(str(path), header, lambda: [cells], tuple(notes))

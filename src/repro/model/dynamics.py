@@ -1,8 +1,11 @@
-"""Eq. 1 of the paper: tau = M(q) ddq + C(q, dq) dq + g(q) + B dq + K tanh(lambda dq).
+"""Eq. 1 of the paper, tau = M(q) ddq + C(q, dq) dq + g(q) + B dq + K tanh(lambda dq), and the kinematics of Fig. 1.
 
 The paper prints ``tanh(lambda q)``; Coulomb friction opposes velocity, so the velocity is meant.
-``q = 0`` hangs down and ``q2`` is relative to link 1. Arrays are ``(..., 2, N)``: joint, then time.
+``q = 0`` hangs down and ``q2`` is relative to link 1. Joint 1 is the origin, x points right and y up. Arrays are
+``(..., 2, N)``: joint, then time.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +14,8 @@ from repro.model.parameters import Array, check_beta
 
 #: Steepness of the Coulomb friction's tanh, s/rad (Section IV-A).
 LAMBDA = 20.0
+#: A point this fraction of the reach outside the workspace is outside by rounding.
+_ROUNDING = 1e-12
 
 
 def check_motion(*signals: ArrayLike) -> tuple[Array, ...]:
@@ -110,8 +115,6 @@ def inverse_dynamics(
 def rebuild_torque(y: Array, beta: ArrayLike) -> Array:
     """Compute the torque Y beta (..., 2, N), N m, from a regressor (2, N, 9) and parameter sets (..., 9)."""
     beta = check_beta(beta)
-    if y.ndim < 1 or y.shape[-1] != 9:
-        raise ValueError(f"y: the last axis of a regressor must hold 9 columns, got shape {y.shape}.")
     flat = beta @ y.reshape(-1, 9).T  # (..., 2N)
     return flat.reshape((*beta.shape[:-1], *y.shape[:-1]))
 
@@ -128,10 +131,7 @@ def mass_matrix(q: Array, beta: Array) -> Array:
 
 
 def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:
-    """Solve Eq. 1 for the acceleration (..., 2), rad/s^2, from states and torques (..., 2) and parameters (..., 9).
-
-    Nothing is checked: an integrator needs a value, finite or not, for a state that diverges.
-    """
+    """Solve Eq. 1 for the acceleration (..., 2); unchecked, as an integrator needs a value when a state diverges."""
     i1, i2, i3, g1, g2 = (beta[..., k] for k in range(5))
     q1, q2, dq1, dq2 = q[..., 0], q[..., 1], dq[..., 0], dq[..., 1]
     driving = tau - beta[..., 5:7] * dq - beta[..., 7:9] * np.tanh(friction_steepness * dq)
@@ -140,5 +140,45 @@ def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_stee
     r2 = driving[..., 1] - swing * dq1**2 - load
     m11, m12 = i1 + i2 * np.cos(q2), i3 + 0.5 * i2 * np.cos(q2)
     determinant = m11 * i3 - m12**2
-    ddq: Array = np.stack([i3 * r1 - m12 * r2, m11 * r2 - m12 * r1], axis=-1) / determinant[..., None]
-    return ddq
+    return np.stack([i3 * r1 - m12 * r2, m11 * r2 - m12 * r1], axis=-1) / determinant[..., None]
+
+
+@dataclass(frozen=True)
+class ArmGeometry:
+    """Link lengths, m."""
+
+    l1: float
+    l2: float
+
+    @property
+    def reach(self) -> float:
+        """Length of the straight arm, m."""
+        return self.l1 + self.l2
+
+
+def forward_kinematics(q: Array, geometry: ArmGeometry) -> tuple[Array, Array]:
+    """Compute the positions of elbow and tip, m, each (..., 2, N) with x and y, for joint positions (..., 2, N)."""
+    (q,) = check_motion(q)
+    q1, q12 = q[..., 0, :], q[..., 0, :] + q[..., 1, :]
+    elbow = geometry.l1 * np.stack([np.sin(q1), -np.cos(q1)], -2)
+    return elbow, elbow + geometry.l2 * np.stack([np.sin(q12), -np.cos(q12)], -2)
+
+
+def inverse_kinematics(tip: Array, geometry: ArmGeometry) -> Array:
+    """Compute joint positions (..., 2, N), -pi < q1 <= pi and q2 >= 0, that put the tip on points (..., 2, N), m."""
+    (tip,) = check_motion(tip)
+    x, y = tip[..., 0, :], tip[..., 1, :]
+    l1, l2, reach = geometry.l1, geometry.l2, geometry.reach
+    r = np.hypot(x, y)
+    outside = (r > reach * (1.0 + _ROUNDING)) | (r < abs(l1 - l2) - reach * _ROUNDING)
+    if outside.any():
+        raise ValueError(
+            f"tip: every point must be {abs(l1 - l2):.4g} to {reach:.4g} m from joint 1, "
+            f"got one at {r[outside].flat[0]:.4g} m."
+        )
+    # Law of cosines in half angles: cos q2 itself would lose digits where the arm is nearly straight or folded.
+    folded = np.sqrt(np.clip((reach - r) * (reach + r), 0.0, None))
+    straight = np.sqrt(np.clip((r - abs(l1 - l2)) * (r + abs(l1 - l2)), 0.0, None))
+    q2 = 2.0 * np.arctan2(folded, straight)
+    q1 = np.arctan2(x, -y) - np.arctan2(l2 * np.sin(q2), l1 + l2 * np.cos(q2))
+    return np.stack([np.pi - np.mod(np.pi - q1, 2.0 * np.pi), q2], -2)

@@ -8,45 +8,27 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-NAMES = ("I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2")
-
 # Tables 4 and 5 print kg m^2/s^2, which is N m, for g and k. They print kg m^2 s for b; B dq is a torque, so b is in
 # N m s/rad.
-UNITS = ("kg m^2",) * 3 + ("N m",) * 2 + ("N m s/rad",) * 2 + ("N m",) * 2
-
-DESCRIPTIONS = (
-    "inertia of both links seen by joint 1",
-    "inertial coupling of the links",
-    "inertia of link 2 seen by joint 2",
-    "gravity load of both links on joint 1",
-    "gravity load of link 2",
-    "viscous friction of joint 1",
-    "viscous friction of joint 2",
-    "Coulomb friction of joint 1",
-    "Coulomb friction of joint 2",
+_TABLE = (
+    ("I1", "kg m^2", "inertia of both links seen by joint 1", "m1 lc1^2 + J1 + m2 l1^2 + m2 lc2^2 + J2"),
+    ("I2", "kg m^2", "inertial coupling of the links", "2 m2 l1 lc2"),
+    ("I3", "kg m^2", "inertia of link 2 seen by joint 2", "m2 lc2^2 + J2"),
+    ("g1", "N m", "gravity load of both links on joint 1", "(m1 lc1 + m2 l1) g"),
+    ("g2", "N m", "gravity load of link 2", "m2 lc2 g"),
+    ("b1", "N m s/rad", "viscous friction of joint 1", "b1"),
+    ("b2", "N m s/rad", "viscous friction of joint 2", "b2"),
+    ("k1", "N m", "Coulomb friction of joint 1", "k1"),
+    ("k2", "N m", "Coulomb friction of joint 2", "k2"),
 )
-
-EXPRESSIONS = (
-    "m1 lc1^2 + J1 + m2 l1^2 + m2 lc2^2 + J2",
-    "2 m2 l1 lc2",
-    "m2 lc2^2 + J2",
-    "(m1 lc1 + m2 l1) g",
-    "m2 lc2 g",
-    "b1",
-    "b2",
-    "k1",
-    "k2",
-)
+NAMES, UNITS, DESCRIPTIONS, EXPRESSIONS = (tuple(row[k] for row in _TABLE) for k in range(4))
 
 STANDARD_GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
 class Links:
-    """Geometry and mass of the two links (Fig. 1): numbers, or arrays of one common shape S.
-
-    The length of link 2 does not enter the dynamics.
-    """
+    """Geometry and mass of the links (Fig. 1), numbers or arrays of a shape S; the length of link 2 has no effect."""
 
     m1: Array | float  # masses, kg
     m2: Array | float

@@ -3,17 +3,17 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
-from repro.identification.bootstrap import Uncertainty, bootstrap
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
-from repro.identification.prior import Prior
 from repro.identification.regression import Regression, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
+from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem
@@ -37,8 +37,8 @@ from repro.streams import Stream, stream
 
 _LOG = logging.getLogger(__name__)
 
-#: Called with what is done, steps done, steps in all and a note.
-Progress = Callable[[str, int, int, str], None]
+#: Called with what is done, steps done, steps in all and perhaps a note.
+Progress = Callable[..., None]
 Position = tuple[float, float] | None
 
 #: Parameters that may be negative: they depend on where masses and the zero position are.
@@ -69,31 +69,21 @@ def resolve(options: Options, progress: Progress) -> list[Method]:
         search = NetworkSearch(options.cache, training, seed=options.seed)
         if "algorithm1+refinement" not in options.methods:
             search = replace(search, refinement=replace(search.refinement, passes=0))
-        for method in methods(search, lambda done, total, note: progress("training the CNN", done, total, note)):
-            known[method.name] = method
+        known |= {method.name: method for method in methods(search, partial(progress, "training the CNN"))}
     return [known[name] for name in options.methods]
 
 
-def fit_all(
-    problem: IdentificationProblem,
-    methods: Sequence[Method],
-    seed: int,
-    progress: Progress,
-    fitted: Callable[[Fit], None],
-) -> list[Fit]:
+def fit_all(problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: Progress) -> list[Fit]:
     """Fit the methods one after another; one without a solution is left out with a warning."""
     fits = []
     for method in methods:
-
-        def report(k: int, n: int, title: str = method.title) -> None:
-            progress(f"standard errors, {title}", k, n, "")
-
+        report = partial(progress, f"standard errors, {method.title}")
         try:
             fits.append(fit(method, problem, seed, method.name not in NETWORKS, report))
         except NoSolutionError as error:
             _LOG.warning("%s: no result, %s", method.title, error)
         else:
-            fitted(fits[-1])
+            _LOG.info("%s", "; ".join((f"{method.title}: done", *fits[-1].estimate.notes)))
     return fits
 
 
@@ -103,23 +93,20 @@ def fit(
     """Compute the estimate, its standard errors and the scores of the halves."""
     r = problem.regression if method.needs_all_samples else problem.moving
     estimate = method.estimate(r)
-    spread = None
+    spread, parts = None, []
     if method.claims_intervals:
         rng = stream(seed, Stream.OWN_BOOTSTRAP)
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
-    scores = []
     if len(problem.logs) > 1 and method.claims_intervals:
-        for k, log in enumerate(problem.logs):
-            others = join_logs([*problem.logs[:k], *problem.logs[k + 1 :]], problem.prior)[0]
-            beta = method.estimate(others).beta
-            scores.append(score(log.loaded.name, log.regression, beta, None))
+        for log in problem.logs:
+            others = join_logs([other for other in problem.logs if other is not log], problem.prior)[0]
+            parts.append((log.loaded.name, others, log.regression))
     elif halves:
-        middle = r.t.size // 2
-        first, second = np.arange(middle), np.arange(middle, r.t.size)
+        first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
-            beta = method.estimate(r.take(used)).beta
-            scores.append(score(name, problem.regression.take(predicted), beta, None))
-    return Fit(method, estimate, spread, tuple(scores), _prior_weight(method, r, estimate))
+            parts.append((name, r.take(used), problem.regression.take(predicted)))
+    scores = tuple(score(name, unseen, method.estimate(used).beta, None) for name, used, unseen in parts)
+    return Fit(method, estimate, spread, scores, _prior_weight(method, r, estimate))
 
 
 def _prior_weight(method: Method, regression: Regression, estimate: Estimate) -> Array:
@@ -147,46 +134,36 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
         score(loaded.name, regression, beta, position)
         for (loaded, regression), position in zip(problem.validation, positions[n:], strict=True)
     )
-    consistent = bool(is_positive_definite(beta))
     return MethodResult(
         method=fitted.method.name,
         title=fitted.method.title,
-        parameters=_parameters(fitted, torque_fraction(problem.moving, beta), problem),
+        parameters=_parameters(fitted, problem),
         claims_intervals=fitted.spread is not None,
-        consistent=consistent,
-        why_not_consistent="" if consistent else inconsistency(beta),
+        consistent=bool(is_positive_definite(beta)),
+        why_not_consistent=inconsistency(beta),
         fit=score(name, r, beta, positions[0] if n == 1 else None),
         validation=validation,
         halves=fitted.halves,
-        whiteness=residual_autocorrelation(r, beta, problem.settings.cutoff),
+        whiteness=residual_autocorrelation(r, beta, problem.first.settings.cutoff),
         notes=fitted.estimate.notes,
         citation=fitted.method.citation,
     )
 
 
-def _parameters(fitted: Fit, share: Array, problem: IdentificationProblem) -> tuple[Parameter, ...]:
+def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter, ...]:
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
+    excited = torque_fraction(problem.moving, beta) > MIN_TORQUE_FRACTION
     rough_joints = {term.name[-1] for log in problem.logs for term in log.terms if not term.taken}
     known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
     for k, name in enumerate(NAMES):
         at_bound = bool(beta[k] == 0.0 or known[k])
-        error, low, high = (
-            (None, None, None)
-            if spread is None or at_bound or not determined[k] or problem.doubt
-            else (float(spread.standard_error[k]), float(spread.low[k]), float(spread.high[k]))
-        )
-        text = verdict(
-            float(beta[k]),
-            low,
-            high,
-            bool(share[k] > MIN_TORQUE_FRACTION),
-            at_bound,
-            determined[k],
-            name in EITHER_SIGN or beta[k] > 0.0,
-            problem.doubt if spread is not None else "",
-        )
+        error, low, high = None, None, None
+        if spread is not None and determined[k] and not (at_bound or problem.doubt):
+            error, low, high = (float(each[k]) for each in (spread.standard_error, spread.low, spread.high))
+        possible, doubt = name in EITHER_SIGN or beta[k] > 0.0, problem.doubt if spread is not None else ""
+        text = verdict(float(beta[k]), low, high, bool(excited[k]), at_bound, determined[k], possible, doubt)
         weight = float(fitted.prior_weight[k])
         if known[k]:
             text = FIXED
@@ -201,52 +178,36 @@ def _parameters(fitted: Fit, share: Array, problem: IdentificationProblem) -> tu
 def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> tuple[Result, Curves]:
     """Evaluate the fits and recommend one."""
     betas = np.stack([f.estimate.beta for f in fits])
-    logs = (*(log.loaded for log in problem.logs), *(loaded for loaded, _ in problem.validation))
-    filters = (*(log.settings for log in problem.logs), *(problem.settings for _ in problem.validation))
-    positions = [position_errors(loaded.log, one, betas) for loaded, one in zip(logs, filters, strict=True)]
+    s, r, why = problem.first.settings, problem.regression, problem.first.cutoff.reason
+    logs = [(log.loaded, log.regression, log.settings) for log in problem.logs]
+    logs += [(loaded, regression, s) for loaded, regression in problem.validation]
+    positions = [position_errors(loaded.log, filters, betas) for loaded, _, filters in logs]
     methods = tuple(evaluate(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(fits))
     methods = compare_networks(methods, NETWORKS)
     recommended, reason = recommend(methods)
     excitation = _excitation(problem, betas[[m.method for m in methods].index(recommended)])
-    s, r = problem.settings, problem.regression
-    preparation = Preparation(
-        filter=FILTERS[s.name].description,
-        cutoff=s.cutoff,
-        cutoff_reason=problem.cutoff.reason,
-        delay=s.delay,
-        friction_steepness=s.friction_steepness,
-        rate=1.0 / r.h,
-        samples=r.t.size,
-        cut=s.cut,
-    )
+    filtering = (FILTERS[s.name].description, s.cutoff, why, s.delay, s.friction_steepness)
+    prior = problem.prior
+    known = [] if prior is None else zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
     result = Result(
         arm=arm.name,
-        simulated=any(loaded.log.simulated for loaded in logs),
-        log=problem.fitted.description,
+        simulated=any(loaded.log.simulated for loaded, _, _ in logs),
+        log=problem.first.loaded.description,
         more_logs=tuple(log.loaded.description for log in problem.logs[1:]),
         validation_logs=tuple(loaded.description for loaded, _ in problem.validation),
-        preparation=preparation,
+        preparation=Preparation(*filtering, 1.0 / r.h, r.t.size, s.cut),
         excitation=excitation,
         methods=methods,
         recommended=recommended,
         reason=reason,
-        warnings=(
-            *calibration_warnings(problem.logs, arm),
-            *warnings(problem, methods, recommended, excitation),
-        ),
+        warnings=(*calibration_warnings(problem.logs, arm), *warnings(problem, methods, recommended, excitation)),
         setup=tuple(log.faults for log in problem.logs),
         hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),
-        prior=_prior_rows(problem.prior),
+        prior={name: {"value": mean, "sd": sd} for name, mean, sd in known if np.isfinite(sd)},
     )
-    return result, _curves(problem, methods, betas)
-
-
-def _prior_rows(prior: Prior | None) -> dict[str, dict[str, float]]:
-    if prior is None:
-        return {}
-    rows = zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
-    return {name: {"value": mean, "sd": sd} for name, mean, sd in rows if np.isfinite(sd)}
+    signals = tuple(_signals(loaded.name, regression, methods, betas) for loaded, regression, _ in logs)
+    return result, Curves(signals, problem.first.cutoff)
 
 
 def add_self_test(
@@ -273,52 +234,29 @@ def add_runs(
     method = next(m for m in methods if m.name == result.recommended)
     runs = []
     for log in problem.logs:
-        name = log.loaded.name
-        alone = single_problem(problem, log)
-
-        def report(k: int, n: int, name: str = name) -> None:
-            progress(f"{name} alone", k, n, "")
-
+        name, alone = log.loaded.name, single_problem(problem, log)
         try:
-            fitted = fit(method, alone, seed, False, report)
+            fitted = fit(method, alone, seed, False, partial(progress, f"{name} alone"))
         except NoSolutionError as error:
             _LOG.warning("%s alone: no result, %s", name, error)
-            continue
-        share = torque_fraction(alone.moving, fitted.estimate.beta)
-        runs.append(SingleFit(name, _parameters(fitted, share, alone)))
+        else:
+            runs.append(SingleFit(name, _parameters(fitted, alone)))
     return replace(result, runs=tuple(runs))
 
 
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:
-    excited, share = problem.excited, torque_fraction(problem.moving, beta)
+    of, share = problem.excited, torque_fraction(problem.moving, beta)
     still = torque_fraction(problem.moving, np.ones(9)) == 0.0
     weak = (share <= MIN_TORQUE_FRACTION) & (beta != 0.0)
-    return Excitation(
-        excited.rank,
-        excited.condition,
-        tuple(share.tolist()),
-        excited.friction_correlation,
-        tuple(name for name, none in zip(NAMES, still | weak, strict=True) if none),
-        excited.base_parameters,
-    )
-
-
-def _curves(problem: IdentificationProblem, methods: Sequence[MethodResult], betas: Array) -> Curves:
-    pairs = (*((log.loaded, log.regression) for log in problem.logs), *problem.validation)
-    return Curves(tuple(_signals(loaded.name, r, methods, betas) for loaded, r in pairs), problem.cutoff)
+    unexcited = tuple(np.array(NAMES)[still | weak].tolist())
+    shares = tuple(share.tolist())
+    return Excitation(of.rank, of.condition, shares, of.friction_correlation, unexcited, of.base_parameters)
 
 
 def _signals(name: str, r: Regression, methods: Sequence[MethodResult], betas: Array) -> Signals:
     """Give torques over time and frequency; the amplitude of a DCT-II band is sqrt(2/n) times its coefficient."""
     rebuilt = {m.method: r.y @ beta for m, beta in zip(methods, betas, strict=True)}
     n = r.t.size
-    size = np.sqrt(2.0 / n)
-    return Signals(
-        name,
-        r.t,
-        r.tau,
-        rebuilt,
-        np.arange(n) / (2.0 * n * r.h),
-        size * np.abs(spectrum(r.tau)),
-        {key: size * np.abs(spectrum(tau)) for key, tau in rebuilt.items()},
-    )
+    size, frequency = np.sqrt(2.0 / n), np.arange(n) / (2.0 * n * r.h)
+    spectra = {key: size * np.abs(spectrum(tau)) for key, tau in rebuilt.items()}
+    return Signals(name, r.t, r.tau, rebuilt, frequency, size * np.abs(spectrum(r.tau)), spectra)

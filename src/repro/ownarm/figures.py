@@ -66,7 +66,8 @@ _REACH = 12.0
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
-    titles, methods = ordered_titles(result), drawn_methods(result)
+    titles = ordered_titles(result)
+    methods = list(titles)[:MOST_METHODS]
     logs = list(zip((*result.fitted_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
     with style.house_style():
         figures = {"parameters": _png(draw_parameters(result))}
@@ -77,11 +78,6 @@ def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
             figures[f"overlay-{place}"] = _png(draw_overlay(signals, methods, titles, simulated))
             figures[f"spectra-{place}"] = _png(draw_spectra(signals, methods[:1], titles, simulated))
     return figures
-
-
-def drawn_methods(result: Result) -> list[str]:
-    """Choose the methods whose curves are drawn: the recommended one and the first others, `MOST_METHODS` in all."""
-    return list(ordered_titles(result))[:MOST_METHODS]
 
 
 def _png(figure: Figure) -> bytes:
@@ -121,7 +117,6 @@ def draw_overlay(
     signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
 ) -> Figure:
     """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
-    _check(signals.rebuilt, methods)
     figure = style.new_figure(style.PAGE, 5.3)
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
     grid = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios)
@@ -154,14 +149,6 @@ def draw_overlay(
     return figure
 
 
-def _check(curves: Mapping[str, Array], methods: Sequence[str]) -> None:
-    if not methods:
-        raise ValueError("methods: at least one must be drawn.")
-    for method in methods:
-        if method not in curves:
-            raise ValueError(f"methods: there is no curve of {method!r}, only of {', '.join(curves) or 'none'}.")
-
-
 def _close_up(t: Array) -> tuple[float, float]:
     """Find start and end of the close-up in the middle of the log, s."""
     length = float(t[-1] - t[0])
@@ -178,7 +165,6 @@ def draw_spectra(
     Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are left
     out.
     """
-    _check(signals.rebuilt_spectrum, methods)
     figure = style.new_figure(style.PAGE, 2.5)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in methods)])
@@ -262,9 +248,8 @@ def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) 
     for place, (method, parameter) in enumerate(estimates.items()):
         colour = stroke(titles, method)["color"]
         if low <= parameter.estimate <= high:
-            filled = "full" if place == 0 else "none"
-            mark: dict[str, Any] = {"marker": MARKS[place % len(MARKS)], "markersize": 4.0, "fillstyle": filled}
-            axes.plot(parameter.estimate, place, color=colour, ls="none", zorder=3, **mark)
+            look: dict[str, Any] = {"marker": MARKS[place % len(MARKS)], "fillstyle": "none" if place else "full"}
+            axes.plot(parameter.estimate, place, color=colour, ls="none", ms=4.0, zorder=3, **look)
             if parameter.low is not None and parameter.high is not None:
                 axes.hlines(place, max(parameter.low, low), min(parameter.high, high), color=colour, lw=1.3)
         else:
@@ -281,32 +266,20 @@ def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) 
 
 def _arrow(axes: Axes, value: float, place: int, right: bool, colour: str) -> None:
     """Mark at the edge an estimate that is outside the panel."""
-    edge, inwards = (1.0, -1) if right else (0.0, 1)
-    mark = ">" if right else "<"
+    edge, inwards, mark, side = (1.0, -1, ">", "right") if right else (0.0, 1, "<", "left")
     transform = axes.get_yaxis_transform()
     axes.plot(edge, place, mark, color=colour, ms=4.0, transform=transform, clip_on=False, zorder=3)
-    axes.annotate(
-        f"{value:.3g}",
-        (edge, place),
-        xycoords=transform,
-        xytext=(6 * inwards, 0),
-        textcoords="offset points",
-        ha="right" if right else "left",
-        va="center",
-        size=style.SMALL_SIZE,
-        color=colour,
-    )
+    where: dict[str, Any] = {"xycoords": transform, "xytext": (6 * inwards, 0), "textcoords": "offset points"}
+    axes.annotate(f"{value:.3g}", (edge, place), **where, ha=side, va="center", size=style.SMALL_SIZE, color=colour)
 
 
 def _view(estimates: list[Parameter]) -> tuple[float, float]:
     """Find the limits of a panel: all intervals and estimates but outliers, which would squeeze the others."""
-    points = np.array([p.estimate for p in estimates if np.isfinite(p.estimate)])
-    given = [end for p in estimates for end in (p.low, p.high, p.estimate) if end is not None]
-    ends = np.array([end for end in given if np.isfinite(end)])
+    values = np.array([(p.estimate, p.low, p.high) for p in estimates], dtype=np.float64)  # NaN where there is none
+    values[np.isinf(values)] = np.nan
+    points, ends, widths = (x[~np.isnan(x)] for x in (values[:, 0], values, values[:, 2] - values[:, 1]))
     middle = float(np.median(points)) if points.size else 0.0
-    bars = [p.high - p.low for p in estimates if p.low is not None and p.high is not None]
-    widths = [width for width in bars if np.isfinite(width)]
-    spread = max(float(np.median(np.abs(points - middle))), 0.5 * float(np.median(widths)) if widths else 0.0)
+    spread = max(float(np.median(np.abs(points - middle))), 0.5 * float(np.median(widths)) if widths.size else 0.0)
     reach = _REACH * (spread or 0.1 * abs(middle) or 1.0)
     inside = ends[np.abs(ends - middle) <= reach]
     low, high = float(inside.min(initial=middle)), float(inside.max(initial=middle))

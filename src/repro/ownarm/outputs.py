@@ -1,36 +1,36 @@
-"""Write the files of a result."""
+"""Write the files of a result; the report is one HTML text that opens anywhere and fetches nothing."""
 
+import base64
 import re
-from collections.abc import Iterable, Sequence
+import struct
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
+from markupsafe import Markup, escape
 
-from repro.export.links import horizontal_links_of, links_of
-from repro.export.models import mjcf, urdf
+from repro.exhibits.markup import unit
+from repro.export import horizontal_links_of, links_of, mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.logs.armfile import Arm
-from repro.ownarm.figures import figures_of
-from repro.ownarm.page import render_page
+from repro.logs.diagnostics import Description
+from repro.ownarm import tables, text
+from repro.ownarm.figures import MOST_METHODS, figures_of, ordered_titles
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
-from repro.ownarm.tables import parameters_table, residuals_table, runs_table, scores_table
-from repro.ownarm.text import COMBINED, NOT_EXCITED
 from repro.pipeline.provenance import write_provenance
+from repro.report.embed import Picture, environment, policy
 
-PAGE = "report.html"
 #: BibTeX entries of the methods.
 METHODS_FILE = Path(__file__).with_name("methods.bib")
 #: Files that are written or not, as the result has it.
 OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}
-#: File next to a result with the versions that computed it.
-SIDECAR = "provenance.json"
 
-#: BibTeX keys of every result, of the intervals, and of the solvers of some methods.
-ALWAYS = ("cnn_identification",)
+#: BibTeX keys of the intervals, and of the solvers of some methods.
 INTERVALS = ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "baranchik1970family", "cook1994simex")
 SOLVERS = {
     "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
@@ -46,21 +46,21 @@ def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: It
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
     write_json(folder / "parameters.json", _jsonable(asdict(result)))
-    write_csv(folder / "parameters.csv", parameters_table(result))
-    write_csv(folder / "scores.csv", scores_table(result))
-    write_csv(folder / "residuals.csv", residuals_table(result, curves))
+    write_csv(folder / "parameters.csv", tables.parameters_table(result))
+    write_csv(folder / "scores.csv", tables.scores_table(result))
+    write_csv(folder / "residuals.csv", tables.residuals_table(result, curves))
     if result.spread:
-        write_csv(folder / "runs.csv", runs_table(result))
+        write_csv(folder / "runs.csv", tables.runs_table(result))
     write_text(folder / "methods.bib", bibtex(citations(result)))
     _write_links(folder, result, arm)
     names = sorted(path.name for path in folder.iterdir())
-    write_text(folder / PAGE, render_page(result, curves, figures_of(result, curves), names))
-    write_provenance(folder / SIDECAR, Path(__file__).parent, 1, fingerprint())
+    write_text(folder / "report.html", render_page(result, curves, figures_of(result, curves), names))
+    write_provenance(folder / "provenance.json", Path(__file__).parent, 1, fingerprint())
 
 
 def citations(result: Result) -> list[str]:
     """List the BibTeX keys of everything that a result relies on."""
-    keys = [*ALWAYS]
+    keys = ["cnn_identification"]
     for method in result.methods:
         keys += [method.citation, *SOLVERS.get(method.method, ())]
     if any(method.claims_intervals for method in result.methods):
@@ -80,15 +80,12 @@ def entries() -> dict[str, str]:
 def bibtex(keys: Sequence[str]) -> str:
     """Write the entries of some keys."""
     known = entries()
-    missing = [key for key in keys if key not in known]
-    if missing:
-        raise ValueError(f"keys: no BibTeX entry {missing[0]!r}; there are {', '.join(known)}.")
     return "".join(f"{known[key]}\n\n" for key in dict.fromkeys(keys)).removesuffix("\n")
 
 
 def _write_links(folder: Path, result: Result, arm: Arm) -> None:
     """Write URDF and MJCF if a set of two links has these parameters, else a file with the reason."""
-    unknown = [p.name for p in result.best.parameters[:5] if p.verdict in (NOT_EXCITED, COMBINED)]
+    unknown = [p.name for p in result.best.parameters[:5] if p.verdict in (text.NOT_EXCITED, text.COMBINED)]
     beta = np.array([p.estimate for p in result.best.parameters])
     reason = f"The motion does not determine {', '.join(unknown)}, which masses and lengths depend on."
     if not unknown:
@@ -117,3 +114,89 @@ def _jsonable(value: Any) -> Any:  # noqa: ANN401
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
+
+
+#: Contents of the files next to the page.
+FILES = {
+    "parameters.json": "everything on this page, for programs",
+    "parameters.csv": "the parameters of every method, a row each",
+    "runs.csv": "the parameters from each log alone, a row each, with their range",
+    "residuals.csv": "measured and rebuilt torque over time",
+    "scores.csv": "the errors of every method on every log, a row each",
+    "arm.urdf": "two links with these inertias, for ROS and most simulators",
+    "arm.xml": "the same links for MuJoCo",
+    "no-links.txt": "why there is no URDF or MJCF",
+    "methods.bib": "sources of the methods, to cite",
+}
+
+#: Screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size.
+_SHOWN = 1.25 * 96.0 / 200.0
+#: A parameter's name in a text.
+_SYMBOL = re.compile(r"\b([Igbk])([123])\b")
+
+
+def render_page(
+    result: Result, curves: Curves, figures: Mapping[str, bytes], files: Sequence[str] = tuple(FILES)
+) -> str:
+    """Lay out the report, the recommended method before the others."""
+    best = result.best
+    result = replace(result, methods=(best, *(method for method in result.methods if method is not best)))
+    package, logs = Path(__file__).parent, (*result.fitted_logs, *result.validation_logs)
+    # The styles of the reproduction's report, then those of this page.
+    paths = (package.parent / "report" / "report.css", package / "page.css")
+    style = Markup("".join(path.read_text(encoding="utf-8") for path in paths))
+    jinja = environment(package)
+    jinja.filters |= {
+        "unit": lambda text: unit(text).md,
+        "symbols": symbols,
+        "sentence": sentence,
+        "friction": text.friction_line,
+        "rounded": tables.rounded,
+        "percent": tables.percent,
+        "significant": tables.significant,
+        "rows": text.self_test_rows,
+        "spread": text.spread_rows,
+        "conclusion": text.self_test_verdict,
+    }
+    return jinja.get_template("page.html").render(
+        result=result,
+        best=best,
+        style=style,
+        policy=policy(style),
+        logs=logs,
+        fitted=len(result.fitted_logs),
+        detection_limits=text.detection_limits(result),
+        facts=_facts(logs),
+        predictions=tables.predictions(best),
+        columns=tables.method_columns(result),
+        blocks=tables.blocks(result),
+        pictures={name: _picture(content) for name, content in figures.items()},
+        overlays=sum(name.startswith("overlay-") for name in figures),
+        drawn=list(ordered_titles(result).values())[:MOST_METHODS],
+        lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
+        allowed=text.ALLOWED,
+        files=[(name, quote(name), FILES.get(name, "")) for name in files],
+        largest_share=max(1.0, *result.excitation.share),
+    )
+
+
+def symbols(text: str) -> Markup:
+    """Escape a text and lower the digit of every parameter's name in it: I1 becomes I with index 1."""
+    return Markup(re.sub(_SYMBOL, r"<i>\1</i><sub>\2</sub>", str(escape(text))))
+
+
+def sentence(text: str) -> str:
+    """Begin a text with a capital, unless a parameter's name comes first, and end it with a full stop."""
+    start = text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
+    return start if not start or start[-1] in ".!?:" else f"{start}."
+
+
+def _picture(png: bytes) -> Picture:
+    width, height = (round(_SHOWN * pixels) for pixels in struct.unpack(">II", png[16:24]))
+    return Picture(f"data:image/png;base64,{base64.b64encode(png).decode()}", width, height)
+
+
+def _facts(logs: Sequence[Description]) -> list[tuple[str, list[str]]]:
+    """Give the name of every fact and its value in each log, empty where a log has none."""
+    names = dict.fromkeys(name for log in logs for name, _ in log.facts)
+    return [(name, [dict(log.facts).get(name, "") for log in logs]) for name in names]

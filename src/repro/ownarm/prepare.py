@@ -1,11 +1,13 @@
 """Prepare logs: options and filters chosen from the fitted log, calibration errors corrected, the problem to solve."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from repro.documents import read_json
 from repro.errors import InputError
 from repro.identification.calibration import (
     CALIBRATION,
@@ -24,6 +26,7 @@ from repro.identification.extra_terms import (
     values_of,
 )
 from repro.identification.filtering import (
+    FILTERS,
     MAX_DELAY,
     Cutoff,
     FilterSettings,
@@ -32,23 +35,15 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.prior import Prior
-from repro.identification.regression import Regression, drop_idle_joints, drop_standstill, joined, joint_variance
-from repro.identification.sensitivity import (
-    Perturbation,
-    attach_prior,
-    perturbations,
-    project_out,
-    unmodelled_effects,
-)
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.solve import solve
+from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
-from repro.model.parameters import Array
-from repro.ownarm.prior import with_plane
+from repro.model.parameters import NAMES, UNITS, Array
 
 
 @dataclass(frozen=True)
@@ -63,6 +58,22 @@ class Options:
     steps: int = 1500  # training steps of the CNN
     prior: Prior | None = None  # of the parameters
     friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
+
+    def __post_init__(self) -> None:
+        """Refuse what the command line refuses, too."""
+        if not isinstance(self.filter, str) or self.filter not in FILTERS:
+            raise InputError.at("filter", repr(self.filter), f"one of {', '.join(FILTERS)}")
+        limits: tuple[tuple[str, Any, float, float], ...] = (
+            ("cutoff", (int, float, np.number), 0.1, 1000.0),
+            ("seed", (int, np.integer), 0, 2**32 - 1),
+            ("steps", (int, np.integer), 1, 10**7),
+        )
+        for name, kind, low, high in limits:
+            value = getattr(self, name)
+            number = isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
+            if not number and not (name == "cutoff" and value is None):
+                whole = "whole " * (name != "cutoff")
+                raise InputError.at(name, repr(value)[:60], f"a {whole}number from {low:g} to {high:.10g}")
 
 
 @dataclass(frozen=True)
@@ -90,9 +101,7 @@ class PreparedLog:
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
-    hidden: dict[str, float | None] = field(
-        default_factory=dict
-    )  # detection limits of others, see `calibration_limits`
+    hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
     terms: tuple[FrictionTerm, ...] = ()  # friction terms beyond Eq. 1
     load: Array | None = None  # (9,), parameters that give the load of that friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
@@ -114,22 +123,12 @@ class IdentificationProblem:
     @property
     def doubt(self) -> str:
         """Why no interval is claimed; empty if it is from one of the logs."""
-        return self.logs[0].doubt if all(log.doubt for log in self.logs) else ""
+        return self.first.doubt if all(log.doubt for log in self.logs) else ""
 
     @property
-    def fitted(self) -> LoadedLog:
-        """The first log to fit."""
-        return self.logs[0].loaded
-
-    @property
-    def settings(self) -> FilterSettings:
-        """Filters of the first log."""
-        return self.logs[0].settings
-
-    @property
-    def cutoff(self) -> Cutoff:
-        """How the cut-off of the first log was chosen."""
-        return self.logs[0].cutoff
+    def first(self) -> PreparedLog:
+        """The first log to fit, whose filters are those of the validation logs."""
+        return self.logs[0]
 
 
 def load_log(source: Source, arm: Arm) -> LoadedLog:
@@ -258,14 +257,10 @@ def _correct_as(log: Log, first: PreparedLog) -> Log:
 
 
 def make_problem(
-    fitted: LoadedLog,
-    validation: tuple[LoadedLog, ...],
-    arm: Arm,
-    options: Options,
-    more: tuple[LoadedLog, ...] = (),
+    fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog], arm: Arm, options: Options
 ) -> IdentificationProblem:
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
-    logs = _prepare_logs((fitted, *more), arm, options)
+    logs = _prepare_logs(fitted, arm, options)
     first = logs[0]
     validation = tuple(replace(loaded, log=_correct_as(loaded.log, first)) for loaded in validation)
     for loaded in validation:
@@ -281,18 +276,86 @@ def make_problem(
 def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
     """Give the problem of one of its logs by itself, prepared as it is among the others."""
     moving, as_good = join_logs((log,), problem.prior)
-    excited = excitation(moving)
-    return replace(
-        problem,
-        logs=(log,),
-        regression=log.regression,
-        moving=moving,
-        as_good=as_good,
-        validation=(),
-        excited=excited,
-    )
+    alone = replace(problem, logs=(log,), regression=log.regression, validation=(), excited=excitation(moving))
+    return replace(alone, moving=moving, as_good=as_good)
 
 
 def at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
     return abs(delay) >= 0.99 * MAX_DELAY
+
+
+#: Largest parameter, and smallest standard deviation that is not zero.
+LARGEST, SMALLEST_SD = 1e9, 1e-6
+#: Parameters that no arm has below zero.
+NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
+#: Half of a 95 % interval over its standard deviation.
+HALF_95 = 1.96
+#: Names of the gravity loads.
+GRAVITY = ("g1", "g2")
+
+
+def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN401
+    """Give the nine parameters of the recommended method of a result."""
+    try:
+        index = [method["method"] for method in content["methods"]].index(content["recommended"])
+        parameters = list(content["methods"][index]["parameters"])
+    except (KeyError, ValueError, TypeError) as error:
+        raise InputError.at(place, "no recommended method", "parameters.json of repro identify") from error
+    place = f"{place}: methods[{index}].parameters"
+    if len(parameters) != len(NAMES):
+        raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
+    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
+        row = parameter if isinstance(parameter, dict) else {}
+        for key, wanted in (("name", name), ("unit", unit)):
+            if row.get(key) != wanted:
+                raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
+        _number(f"{place}[{k}].estimate", row.get("estimate"), -LARGEST)
+    return parameters
+
+
+def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
+    """Read a prior: a result, of which each 95 % interval counts, or ``{"g1": {"value": 1.0, "sd": 0.1}}``."""
+    place, content = ("prior", source) if isinstance(source, Mapping) else (str(source), read_json(Path(source)))
+    mean, sd = np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)
+    if isinstance(content, Mapping) and "methods" in content:
+        for k, parameter in enumerate(read_result(place, content)):
+            low, high = (parameter.get(end) for end in ("low", "high"))
+            if low is not None and high is not None:
+                ends = [_number(f"{place}: {NAMES[k]}.{end}", parameter[end], -LARGEST) for end in ("low", "high")]
+                mean[k], sd[k] = parameter["estimate"], max((ends[1] - ends[0]) / (2.0 * HALF_95), SMALLEST_SD)
+    elif isinstance(content, Mapping):
+        for name, entry in content.items():
+            if name not in NAMES:
+                raise InputError.at(f"{place}: {str(name)[:40]}", "no parameter", f"one of {', '.join(NAMES)}")
+            if not isinstance(entry, Mapping) or set(entry) != {"value", "sd"}:
+                expected = "value and sd, such as {'value': 1, 'sd': 0.1}"
+                raise InputError.at(f"{place}: {name}", ascii(entry)[:60], expected)
+            k, least = NAMES.index(name), 0.0 if name in NOT_NEGATIVE else -LARGEST
+            mean[k] = _number(f"{place}: {name}.value", entry["value"], least)
+            sd[k] = _number(f"{place}: {name}.sd", entry["sd"], 0.0)
+            if 0.0 < sd[k] < SMALLEST_SD:
+                expected = f"0 for a known value, or {SMALLEST_SD:g} and more"
+                raise InputError.at(f"{place}: {name}.sd", entry["sd"], expected)
+    if not np.isfinite(sd).any():
+        raise InputError.at(place, "no parameter with a standard deviation", "a result with intervals, or value and sd")
+    return Prior(mean, sd)
+
+
+def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
+    """Add that gravity turns no joint in a horizontal plane."""
+    if arm.plane != "horizontal":
+        return prior
+    gravity = np.isin(NAMES, GRAVITY)
+    mean, sd = (np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)) if prior is None else (prior.mean, prior.sd)
+    if prior is not None and np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
+        raise InputError.at("prior: g1, g2", mean[gravity].tolist(), "none, because the plane of the arm is horizontal")
+    return Prior(np.where(gravity, 0.0, mean), np.where(gravity, 0.0, sd))
+
+
+def _number(place: str, value: object, least: float) -> float:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not (number and least <= value <= LARGEST):  # type: ignore[operator]
+        sizes = f"of at most {LARGEST:g}" if least < 0.0 else f"from 0 to {LARGEST:g}"
+        raise InputError.at(place, repr(value)[:60], f"a number {sizes}")
+    return float(value)  # type: ignore[arg-type]

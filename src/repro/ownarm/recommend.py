@@ -96,8 +96,7 @@ def warnings(
         *undriven(problem, best),
         *disagreeing(problem, best),
         *_poor_scores(best),
-        *_weak_excitation(excitation),
-        *_mixed_friction(excitation, best),
+        *_poor_excitation(excitation, best),
         *_short(problem),
     )
 
@@ -111,11 +110,9 @@ def unusable(method: MethodResult) -> str:
 
 
 def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
-    if best.consistent and (reason := unusable(best)):
-        yield f"{reason}: do not use the parameters, nor their URDF and MJCF"
-    if not best.consistent:
+    if reason := unusable(best):
         remedy = "" if any(m.method == "consistent" for m in methods) else f"; give {option('method', 'consistent')}"
-        yield f"{unusable(best)}{remedy}"
+        yield reason + (": do not use the parameters, nor their URDF and MJCF" if best.consistent else remedy)
 
 
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -133,15 +130,6 @@ def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterat
             )
 
 
-def _weak_excitation(excitation: Excitation) -> Iterator[str]:
-    if excitation.rank < 9:
-        yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
-    elif excitation.condition > CONDITION:
-        yield (
-            f"the motion hardly distinguishes the parameters (condition number {excitation.condition:.3g}): {EXCITE}"
-        )
-
-
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
     """Warn of joints without torque in a log."""
     beta = np.array([parameter.estimate for parameter in method.parameters])
@@ -155,20 +143,22 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
                 )
 
 
-def _mixed_friction(excitation: Excitation, method: MethodResult) -> Iterator[str]:
+def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
+    if excitation.rank < 9:
+        yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
+    elif excitation.condition > CONDITION:
+        yield (
+            f"the motion hardly distinguishes the parameters (condition number {excitation.condition:.3g}): {EXCITE}"
+        )
     for joint, correlation in enumerate(excitation.friction_correlation, start=1):
-        if abs(correlation) > CORRELATION and not _known(method, 4 + joint, 6 + joint):
+        parameters = (method.parameters[4 + joint], method.parameters[6 + joint])
+        known = all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in parameters)
+        if abs(correlation) > CORRELATION and not known:
             yield (
                 f"viscous and Coulomb friction of joint {joint} are hard to distinguish "
                 f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give "
                 f"{option('method', 'parsimonious')}"
             )
-
-
-def _known(method: MethodResult, *places: int) -> bool:
-    """Whether a method's intervals of these parameters are smaller than the parameters."""
-    known = [method.parameters[place] for place in places]
-    return all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in known)
 
 
 def _poor_scores(method: MethodResult) -> Iterator[str]:

@@ -13,13 +13,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
-from repro.identification.bootstrap import bootstrap
 from repro.identification.calibration import correct_calibration
 from repro.identification.extra_terms import values_of
 from repro.identification.filtering import SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.method import Method
 from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
+from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period, segments, uniform
@@ -55,9 +55,9 @@ def _measured(signal: Array, recorded: Array, noise: Array, rng: np.random.Gener
 
 def _inverse(errors: Mapping[str, float]) -> dict[str, float]:
     """Give the corrections that add estimated calibration errors again."""
-    scale = errors.get("scale2", 1.0)
-    factor = {"offset2": 1.0 / scale}
-    return {name: 1.0 / value if name == "scale2" else -factor.get(name, 1.0) * value for name, value in errors.items()}
+    scale = 1.0 / errors.get("scale2", 1.0)
+    inverse = {name: -(scale if name == "offset2" else 1.0) * value for name, value in errors.items()}
+    return inverse | ({"scale2": scale} if "scale2" in errors else {})
 
 
 def _from_zero(log: Log) -> Log:
@@ -79,12 +79,8 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
     # Rounded time stamps say when a sample was written; it was measured at the even instant.
     at = even.t if even.t.size == piece.t.size and np.array_equal(even.q, piece.q) else piece.t
     q, tau = (CubicSpline(even.t, x, axis=1)(np.clip(at, 0.0, even.t[-1])) for x in (right.q, right.tau))
-    raw = replace(
-        piece,
-        q=_measured(q, piece.q, _level(even.q, h, 0.25 / h, np.inf), rng),
-        tau=_measured(tau, piece.tau, np.minimum(*noise), rng),
-        dq=None,
-    )
+    q = _measured(q, piece.q, _level(even.q, h, 0.25 / h, np.inf), rng)
+    raw = replace(piece, q=q, tau=_measured(tau, piece.tau, np.minimum(*noise), rng), dq=None)
     return LoadedLog(uniform(raw), prepared.loaded.description, raw)
 
 
@@ -94,14 +90,18 @@ def self_test(
     beta: Array,
     arm: Arm,
     options: Options,
-    report: Callable[[str, int, int, str], None],
+    report: Callable[..., None],
     draws: int = DRAWS,
 ) -> SelfTest:
     """Simulate logs with the parameters that a method estimated, and solve them by that method as the real ones."""
     betas, inside, claimed, errors = [], [], [], []
     for draw in range(draws):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
-        logs = tuple(_prepare_synthetic(log, beta, arm, options, rng) for log in problem.logs)
+        logs = []
+        for log in problem.logs:
+            as_real = replace(options, cutoff=log.settings.cutoff, friction=False)
+            arm = replace(arm, friction_steepness=log.settings.friction_steepness)
+            logs.append(prepare_log(synthetic_log(log, beta, rng), arm, as_real))
         moving, as_good = join_logs(logs, problem.prior)
         estimate = method.estimate(moving)
         spread = bootstrap(method, moving, estimate, as_good, rng)
@@ -109,28 +109,12 @@ def self_test(
         claimed.append(estimate.beta != 0.0)
         inside.append((spread.low <= beta) & (beta <= spread.high) & claimed[-1])
         errors.append(relative_rms(joined([log.regression for log in logs]), estimate.beta))
-        report("self-test", draw + 1, draws, "")
+        report("self-test", draw + 1, draws)
     real = relative_rms(problem.regression, beta)
-    error = np.median(errors, axis=0)
-    noise = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0)
+    error1, error2 = error = np.median(errors, axis=0)
+    noise1, noise2 = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0).tolist()
     columns = (beta, np.median(betas, 0), np.min(betas, 0), np.max(betas, 0), np.sum(inside, 0), np.sum(claimed, 0))
     rows = zip(NAMES, *(column.tolist() for column in columns), strict=True)
     parameters = tuple(RecoveredParameter(*row) for row in rows)
-    return SelfTest(
-        method.name,
-        draws,
-        parameters,
-        (float(error[0]), float(error[1])),
-        real,
-        (float(noise[0]), float(noise[1])),
-        bool(noise.min() < NOISE),
-    )
-
-
-def _prepare_synthetic(
-    log: PreparedLog, beta: Array, arm: Arm, options: Options, rng: np.random.Generator
-) -> PreparedLog:
-    """Simulate a log and prepare it as the real one."""
-    arm = replace(arm, friction_steepness=log.settings.friction_steepness)
-    options = replace(options, cutoff=log.settings.cutoff, friction=False)
-    return prepare_log(synthetic_log(log, beta, rng), arm, options)
+    wrong = min(noise1, noise2) < NOISE
+    return SelfTest(method.name, draws, parameters, (float(error1), float(error2)), real, (noise1, noise2), wrong)

@@ -1,7 +1,7 @@
 """Parameters and scores as tables: tidy for the CSV files, rounded and side by side for the report."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -26,33 +26,21 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def parameters_table(result: Result) -> pd.DataFrame:
     """Tabulate the parameters of every method, one a row."""
-    rows = [
-        (method.method, p.name, p.unit, p.estimate, p.standard_error, p.low, p.high, p.verdict)
-        for method in result.methods
-        for p in method.parameters
-    ]
+    rows = [(method.method, *_row(parameter)) for method in result.methods for parameter in method.parameters]
     numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
     return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
+
+
+def _row(p: Parameter) -> tuple[str | float | None, ...]:
+    return p.name, p.unit, p.estimate, p.standard_error, p.low, p.high, p.verdict
 
 
 def runs_table(result: Result) -> pd.DataFrame:
     """Tabulate the parameters from each log alone, a row each, with their range and agreement over the logs."""
     rows = [
-        (
-            escape_formula(run.log),
-            p.name,
-            p.unit,
-            p.estimate,
-            p.standard_error,
-            p.low,
-            p.high,
-            p.verdict,
-            spread.range,
-            spread.agree,
-        )
+        (escape_formula(run.log), *_row(run.parameters[k]), spread.range, spread.agree)
         for k, spread in enumerate(result.spread)
         for run in result.runs
-        for p in (run.parameters[k],)
     ]
     return pd.DataFrame(rows, columns=["log", *PARAMETER_COLUMNS[1:], "range", "agree"])
 
@@ -60,18 +48,10 @@ def runs_table(result: Result) -> pd.DataFrame:
 def scores_table(result: Result) -> pd.DataFrame:
     """Tabulate the scores of every method on every log, one joint a row."""
     rows = [
-        (
-            method.method,
-            escape_formula(score.log),
-            part,
-            joint + 1,
-            score.relative_rms[joint],
-            score.similarity[joint],
-            score.position_rms[joint] if score.position_rms else None,
-        )
+        (method.method, escape_formula(score.log), part, joint, *numbers)
         for method in result.methods
         for part, score in method.scores
-        for joint in range(2)
+        for joint, numbers in enumerate(zip(*_numbers(score), strict=True), 1)
     ]
     numbers = dict.fromkeys(SCORE_COLUMNS[4:], "float64")
     return pd.DataFrame(rows, columns=list(SCORE_COLUMNS)).astype(numbers)
@@ -83,14 +63,8 @@ def residuals_table(result: Result, curves: Curves) -> pd.DataFrame:
     for signals in curves.signals:
         for joint in range(2):
             tau, rebuilt = signals.tau[joint], signals.rebuilt[result.recommended][joint]
-            columns = {
-                "log": escape_formula(signals.name),
-                "time_s": signals.t,
-                "joint": joint + 1,
-                "torque_nm": tau,
-                "rebuilt_nm": rebuilt,
-                "residual_nm": tau - rebuilt,
-            }
+            columns = {"log": escape_formula(signals.name), "time_s": signals.t, "joint": joint + 1}
+            columns |= {"torque_nm": tau, "rebuilt_nm": rebuilt, "residual_nm": tau - rebuilt}
             frames.append(pd.DataFrame(columns))
     return pd.concat(frames, ignore_index=True)
 
@@ -100,31 +74,17 @@ def escape_formula(name: str) -> str:
     return f"'{name}" if name.startswith(("=", "+", "-", "@")) else name
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A rounded number, and whether it is the best of its column in its block."""
-
-    text: str
-    best: bool = False
-
-
-@dataclass(frozen=True)
-class Block:
-    """Scores of all methods on one log."""
-
-    heading: str  # which log and its use
-    # Methods that have this score; cells are relative RMS, similarity and position error, joint 1 and 2 of each
-    rows: list[tuple[MethodResult, list[Cell]]]
+#: A rounded number, and whether it is the best of its column in its block.
+Cell = tuple[str, bool]
+#: A heading that names a log and its use, and the methods that have scores on it: each with the cells of relative RMS,
+#: similarity and position error, joint 1 and 2 of each.
+Block = tuple[str, list[tuple[MethodResult, tuple[Cell, ...]]]]
 
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
     """Give the scores of one method on each log, unseen logs first."""
-    order = {"validation": 0, "half": 1, "log": 1, "fit": 2}
-    ordered = sorted(method.scores, key=lambda item: order[item[0]])
-    return [
-        (_HEADINGS[part].format(score.log), [_text(place, number) for place, number in enumerate(_numbers(score))])
-        for part, score in ordered
-    ]
+    ordered = sorted(method.scores, key=lambda item: -list(_HEADINGS).index(item[0]))
+    return [(_HEADINGS[part].format(score.log), _texts(score)) for part, score in ordered]
 
 
 def method_columns(result: Result) -> list[tuple[str, str, str, list[str]]]:
@@ -138,42 +98,41 @@ def blocks(result: Result) -> list[Block]:
 
     The best of a column is marked for predictions only, not for the fit, and only if the rounded numbers differ.
     """
-    scores: dict[tuple[int, int], tuple[str, list[tuple[MethodResult, Score]]]] = {}
-    order = list(_HEADINGS)
+    scores: dict[tuple[int, int], list[tuple[MethodResult, Score]]] = {}
+    kinds = list(_HEADINGS)
     for method in result.methods:
-        count = dict.fromkeys(order, 0)
-        for part, score in method.scores:  # by number, because two logs may have one name
-            heading = _HEADINGS[part].format(score.log)
-            scores.setdefault((order.index(part), count[part]), (heading, []))[1].append((method, score))
-            count[part] += 1
+        parts = [kinds.index(part) for part, _ in method.scores]
+        for k, (_, score) in enumerate(method.scores):  # by number, because two logs may have one name
+            scores.setdefault((parts[k], parts[:k].count(parts[k])), []).append((method, score))
     filled = []
-    for (part_number, _), (heading, pairs) in sorted(scores.items()):
-        marked = order[part_number] != "fit"
-        columns = [_column(place, [_numbers(score)[place] for _, score in pairs], marked) for place in range(6)]
-        rows = [(method, list(row)) for (method, _), row in zip(pairs, zip(*columns, strict=True), strict=True)]
-        filled.append(Block(heading, rows))
+    for (part, _), pairs in sorted(scores.items()):
+        kind = kinds[part]
+        columns = [_column(place, [score for _, score in pairs], kind != "fit") for place in range(6)]
+        rows = zip((method for method, _ in pairs), zip(*columns, strict=True), strict=True)
+        filled.append((_HEADINGS[kind].format(pairs[0][1].log), list(rows)))
     return filled
 
 
-def _numbers(score: Score) -> list[float | None]:
-    return [*score.relative_rms, *score.similarity, *(score.position_rms or (None, None))]
+def _numbers(score: Score) -> tuple[tuple[float | None, float | None], ...]:
+    return score.relative_rms, score.similarity, score.position_rms or (None, None)
 
 
-def _text(place: int, number: float | None) -> str:
-    """Round the number of one of the six columns: four in percent, two in rad."""
-    if number is None:
-        return NOTHING
-    return percent(number) if place < 4 else significant(number)
+def _texts(score: Score) -> list[str]:
+    """Round the six numbers: relative RMS and similarity in percent, position error in rad."""
+    forms: tuple[Callable[[float], str], ...] = (percent, percent, significant)
+    pairs = zip(_numbers(score), forms, strict=True)
+    return [NOTHING if number is None else form(number) for pair, form in pairs for number in pair]
 
 
-def _column(place: int, numbers: Sequence[float | None], marked: bool) -> list[Cell]:
+def _column(place: int, scores: Sequence[Score], marked: bool) -> list[Cell]:
     """Fill one column; a larger similarity is better, a smaller error is."""
-    texts = [_text(place, number) for number in numbers]
-    known = [number for number in numbers if number is not None]
+    texts = [_texts(score)[place] for score in scores]
+    numbers = [_numbers(score)[place // 2][place % 2] for score in scores]
+    known = [(number, text) for number, text in zip(numbers, texts, strict=True) if number is not None]
     if not marked or not known or len(set(texts)) == 1:
-        return [Cell(text) for text in texts]
-    best = _text(place, max(known) if place in (2, 3) else min(known))
-    return [Cell(text, text == best) for text in texts]
+        return [(text, False) for text in texts]
+    _, best = max(known) if place in (2, 3) else min(known)
+    return [(text, text == best) for text in texts]
 
 
 @dataclass(frozen=True)
@@ -208,13 +167,9 @@ def rounded(parameter: Parameter) -> Rounded:
         shown, spread, low, high = ("" if value is None else significant(value) for value in values)
         return Rounded(shown, spread, low, high, "")
     largest = max(abs(estimate), error or 0.0)
-    power = _power(largest) if largest > 0.0 else 0
-    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
-    scale = 10.0**power if scaled else 1.0
-    last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)  # power of the last digit shown
-    decimals = min(max(0, (power if scaled else 0) - last), 12)
-    shown, spread, low, high = (_fixed(None if value is None else value / scale, decimals) for value in values)
-    return Rounded(shown, "0" if error == 0.0 else spread, low, high, _times_power(power) if scaled else "")
+    last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)
+    (shown, spread, low, high), times = _print(values, _power(largest) if largest > 0.0 else 0, last)
+    return Rounded(shown, "0" if error == 0.0 else spread, low, high, times)
 
 
 def significant(value: float, digits: int = 3) -> str:
@@ -222,9 +177,8 @@ def significant(value: float, digits: int = 3) -> str:
     if value == 0.0 or not math.isfinite(value):
         return f"{value + 0.0:g}"  # no negative zero
     power = _power(float(f"{value:.{digits - 1}e}"))
-    if _LOWEST_POWER <= power <= _HIGHEST_POWER:
-        return _fixed(value, max(0, digits - 1 - power))
-    return _fixed(value / 10.0**power, digits - 1) + _times_power(power)
+    (text,), times = _print([value], power, power - digits + 1)
+    return text + times
 
 
 def percent(fraction: float) -> str:
@@ -236,10 +190,12 @@ def _power(value: float) -> int:
     return math.floor(math.log10(abs(value)))
 
 
-def _times_power(power: int) -> str:
-    return f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}"
+def _print(values: Sequence[float | None], power: int, last: int) -> tuple[list[str], str]:
+    """Print numbers (None is empty) to the digit of a power of ten, over `power` if that is far from 1, and that power.
 
-
-def _fixed(value: float | None, decimals: int) -> str:
-    """Write with this many decimals; empty for None, and never a negative zero."""
-    return "" if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+    No number is a negative zero.
+    """
+    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
+    scale, decimals = 10.0**power if scaled else 1.0, min(max(0, (power if scaled else 0) - last), 12)
+    texts = ["" if value is None else f"{round(value / scale, decimals) + 0.0:.{decimals}f}" for value in values]
+    return texts, f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}" if scaled else ""

@@ -8,7 +8,7 @@ import numpy as np
 from repro.errors import option
 from repro.identification.calibration import CalibrationError
 from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
-from repro.identification.sensitivity import UNMODELLED_EFFECTS
+from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
@@ -43,31 +43,13 @@ def verdict(
     estimate: float,
     low: float | None,
     high: float | None,
-    excited: bool,
-    at_bound: bool,
-    determined: bool = True,
-    possible: bool = True,
-    doubt: str = "",
+    excited: bool,  # whether it moves a considerable part of a torque
+    at_bound: bool,  # whether a condition of the method keeps it at zero
+    determined: bool = True,  # whether the motion determines it by itself
+    possible: bool = True,  # whether an arm can have such a value
+    doubt: str = "",  # why there is no interval; empty where the method claims none
 ) -> str:
-    """Summarise an estimate and its 95 % interval in one phrase.
-
-    Parameters
-    ----------
-    estimate : float
-        Value.
-    low, high : float or None
-        Ends of the interval, if there is one.
-    excited : bool
-        Whether the parameter moves a considerable part of a torque.
-    at_bound : bool
-        Whether a condition of the method keeps it at zero.
-    determined : bool
-        Whether the motion determines it by itself.
-    possible : bool
-        Whether an arm can have such a value.
-    doubt : str
-        Why there is no interval; empty where the method claims none.
-    """
+    """Summarise an estimate and its 95 % interval in one phrase."""
     if not determined:
         return COMBINED if excited else NOT_EXCITED
     if at_bound:
@@ -107,15 +89,13 @@ def inconsistency(beta: Array) -> str:
 
 def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
     """Report calibration errors and friction that was not subtracted, with the name of the log if there are several."""
-    lines = [
-        f"in {log.loaded.name} {line}" if len(logs) > 1 else line
-        for log in logs
-        for line in (
-            *calibration_lines(log.faults, arm),
-            *(friction_line(term) for term in log.terms if not term.taken),
-        )
-    ]
-    return (*lines, *([] if all(_same_errors(log.faults, logs[0].faults) for log in logs) else [DIFFERENT_ERRORS]))
+    lines = []
+    for log in logs:
+        friction = (friction_line(term) for term in log.terms if not term.taken)
+        where = f"in {log.loaded.name} " if len(logs) > 1 else ""
+        lines += [f"{where}{line}" for line in (*calibration_lines(log.faults, arm), *friction)]
+    same = all(_same_errors(log.faults, logs[0].faults) for log in logs)
+    return tuple(lines) if same else (*lines, DIFFERENT_ERRORS)
 
 
 def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
@@ -182,12 +162,6 @@ def friction_line(term: FrictionTerm) -> str:
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
-def log_warnings(result: Result) -> tuple[str, ...]:
-    """List what may be wrong with the logs as read; their names come first if there are several."""
-    logs = (*result.fitted_logs, *result.validation_logs)
-    return tuple(f"{log.name}: {line}" if len(logs) > 1 else line for log in logs for line in log.warnings)
-
-
 def detection_limits(result: Result) -> tuple[str, ...]:
     """Report which calibration errors each fitted log could contain undetected."""
     lines = []
@@ -221,16 +195,11 @@ def spread_rows(result: Result) -> list[tuple[str, ...]]:
 
 def self_test_rows(test: SelfTest) -> list[tuple[str, ...]]:
     """Print the self-test: parameter, true value, median, range, coverage."""
-    return [
-        (
-            p.name,
-            f"{p.true:.4g}",
-            f"{p.median:.4g}",
-            f"{p.low:.4g} to {p.high:.4g}",
-            f"{p.hold} of {p.intervals}" if p.intervals else "none claimed",
-        )
-        for p in test.parameters
-    ]
+    rows: list[tuple[str, ...]] = []
+    for p in test.parameters:
+        coverage = f"{p.hold} of {p.intervals}" if p.intervals else "none claimed"
+        rows.append((p.name, f"{p.true:.4g}", f"{p.median:.4g}", f"{p.low:.4g} to {p.high:.4g}", coverage))
+    return rows
 
 
 def self_test_verdict(test: SelfTest) -> str:
@@ -257,7 +226,7 @@ def summary(result: Result) -> str:
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
-        errors = ", ".join(f"{_score_name(part, score)} {_errors(score)}" for part, score in m.scores)
+        errors = ", ".join(_errors(part, score) for part, score in m.scores)
         mark = "*" if m is best else " "
         lines.append(f" {mark}{m.method}{'' if m.consistent else ' (not physically consistent)'}: {errors}")
     if rows := spread_rows(result):
@@ -269,15 +238,17 @@ def summary(result: Result) -> str:
         heads = ("", "true", "median", "range", "in the interval")
         lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *self_test_rows(test))]
         lines.append(self_test_verdict(test))
-    lines += [f"WARNING: {warning}" for warning in (*log_warnings(result), *result.warnings)]
+    logs_read = (*result.fitted_logs, *result.validation_logs)
+    for log in logs_read:
+        where = f"{log.name}: " if len(logs_read) > 1 else ""
+        lines += [f"WARNING: {where}{warning}" for warning in log.warnings]
+    lines += [f"WARNING: {warning}" for warning in result.warnings]
     return "\n".join(lines)
 
 
-def _score_name(part: str, score: Score) -> str:
-    return {"fit": "fit", "log": f"{score.log} from the others"}.get(part, score.log)
-
-
-def _errors(score: Score) -> str:
-    """Give the torque error of both joints, and that of the re-simulated position if there is one."""
+def _errors(part: str, score: Score) -> str:
+    """Give a score's name, the torque error of both joints, and that of the re-simulated position if there is one."""
+    name = {"fit": "fit", "log": f"{score.log} from the others"}.get(part, score.log)
     torque = "/".join(f"{100 * error:.1f}" for error in score.relative_rms)
-    return torque if score.position_rms is None else "{} ({:.2g}/{:.2g} rad)".format(torque, *score.position_rms)
+    position = "" if score.position_rms is None else " ({:.2g}/{:.2g} rad)".format(*score.position_rms)
+    return f"{name} {torque}{position}"

@@ -123,14 +123,6 @@ def corner(c: Check) -> Finding:
     return c.equals(c.rho * lambda_q, c.potential, tolerance, trace=trace, scale=scale, lambda_q=lambda_q)
 
 
-def condition(c: Check) -> Finding:
-    """Compare the ratio of the eigenvalues of R1 with the limit that R2 = rho epsilon R1 gives."""
-    scale = c.rho * c.epsilon
-    r1_max = c.r2_max / scale
-    ratio, limit = r1_max / c.r1_min, 1.0 / scale
-    return c.compares(ratio, limit, ratio < limit, r1_max=r1_max)
-
-
 def arm(c: Check) -> Finding:
     """Count the printed numbers that one physical arm gives."""
     try:

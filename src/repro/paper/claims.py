@@ -42,11 +42,6 @@ class Basis(StrEnum):
 EVIDENCE = (Basis.NUMERIC, Basis.ARM)
 _OF_KIND = {SETTING: Basis.SETTING, "exact": Basis.ARITHMETIC, "deterministic": Basis.CONSTRUCTION}
 
-COLUMNS = (
-    "id", "place", "quantity", "unit", "kind", "basis", "published", "ours", "difference", "tolerance",
-    "tolerance_from", "verdict", "must", "asserted", "cause", "target", "note",
-)  # fmt: skip
-
 #: Where a tolerance comes from.
 PRINT = "print precision"
 EQUIVALENCE = "equivalence margin"
@@ -147,27 +142,20 @@ def _verdict(
 def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
     basis = ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
-    row: dict[str, object] = {
+    if ours.value is None:
+        value, tolerance, tolerance_from = math.nan, math.nan, ""
+        verdict = CONTRADICTS if ours.contradicts else HARDWARE
+    else:
+        value, (tolerance, tolerance_from) = ours.value, _tolerance(printed, ours)
+        verdict = _verdict(printed, ours, basis, value, tolerance, others)
+    return {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
         "kind": printed.kind, "basis": str(basis), "published": printed.printed,
-        "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
-        "cause": "", "target": ours.target, "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
+        "ours": value, "difference": value - printed.value, "tolerance": tolerance, "tolerance_from": tolerance_from,
+        "verdict": verdict, "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
+        "cause": ours.cause if verdict == DIFFERS else "", "target": ours.target,
+        "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
     }  # fmt: skip
-    if ours.value is None:
-        verdict = CONTRADICTS if ours.contradicts else HARDWARE
-        blank = {"ours": math.nan, "difference": math.nan, "tolerance": math.nan, "tolerance_from": ""}
-        return {**row, **blank, "verdict": verdict}
-    tolerance, tolerance_from = _tolerance(printed, ours)
-    verdict = _verdict(printed, ours, basis, ours.value, tolerance, others)
-    return {
-        **row,
-        "ours": ours.value,
-        "difference": ours.value - printed.value,
-        "tolerance": tolerance,
-        "tolerance_from": tolerance_from,
-        "verdict": verdict,
-        "cause": ours.cause if verdict == DIFFERS else "",
-    }
 
 
 def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...]]:
@@ -192,7 +180,7 @@ def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -
     for name, side in ours.items():
         number = by_id[name.partition(EXTENSION)[0]]
         rows.append({**judge(number, side, others.get(number.id, ())), "id": name})
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def broken(claims: pd.DataFrame) -> pd.DataFrame:
@@ -281,13 +269,10 @@ def _published(row: Mapping[Hashable, Any]) -> str:
     return f"{row['published']} {row['unit']}".removesuffix(" 1").removesuffix(" not printed")
 
 
-def _cell(text: object) -> str:
-    return str(text).replace("|", r"\|")
-
-
 def _table(header: tuple[str, ...], rows: list[tuple[object, ...]]) -> list[str]:
     lines = [f"| {' | '.join(header)} |", f"|{'---|' * len(header)}"]
-    return [*lines, *(f"| {' | '.join(_cell(c) for c in row)} |" for row in rows), ""]
+    cells = ([str(cell).replace("|", r"\|") for cell in row] for row in rows)
+    return [*lines, *(f"| {' | '.join(row)} |" for row in cells), ""]
 
 
 def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:

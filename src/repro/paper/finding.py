@@ -1,44 +1,48 @@
 """Findings of the audit. ``findings.csv`` has their texts, in the order of the table; `Check` computes a row of it.
 
-Texts are templates. Their names are those of the row's published numbers (``name=id`` in the column ``numbers``), what
-the check computed (``found``, ``printed``), and further names that it passes. The column ``verdict`` is the verdict of
-a check that fails, or of a row without a calculation. If the place is empty, the published number with the id of the
-row gives place and unit.
+The columns ``found``, ``relation`` and ``printed`` contain a calculation as expressions on the row's published numbers,
+which the column ``numbers`` names (``name=id``). ``=`` compares to the last digit of the published number with the id
+of the row, ``==`` exactly. Other calculations are functions of `repro.paper.audit`.
+
+Texts are templates. Their fields are the row's numbers, ``found``, ``printed``, names that a function passes, or
+expressions. The column ``verdict`` is the verdict of a check that fails, or of a row without a calculation. If the
+place is empty, the published number with the id of the row gives place and unit.
 """
 
 import math
-from collections.abc import Iterable
+import operator
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
-import pandas as pd
-
 from repro.files import read_rows
-from repro.paper.published import Published, PublishedValue
+from repro.paper.published import Published, PublishedValue, evaluate
 
+#: Columns with texts.
+TEXTS = ("id", "place", "what", "arithmetic", "unit", "verdict", "note")
 FINDINGS_FILE = Path(__file__).with_name("findings.csv")
 
 #: Outcomes of a check.
 CONSISTENT = "consistent"
 CONTRADICTS = "contradicts itself"
 NOT_POSSIBLE = "not possible"
-OUTSIDE = "outside its own range"
-IN_PART = "holds in part"
-MISPRINT = "misprint"
 QUESTIONABLE = "questionable"
-OPEN = "cannot be decided"
 
 VERDICTS = {
     CONSISTENT: "the printed numbers agree",
     CONTRADICTS: "two statements of the paper exclude each other",
     NOT_POSSIBLE: "no arm, or no signal, can have the printed value",
-    OUTSIDE: "the value lies outside the range that the paper gives for it",
-    IN_PART: "true for some of the cases it is said of",
-    MISPRINT: "a symbol, unit or reference that the rest of the paper corrects",
+    "outside its own range": "the value lies outside the range that the paper gives for it",
+    "holds in part": "true for some of the cases it is said of",
+    "misprint": "a symbol, unit or reference that the rest of the paper corrects",
     QUESTIONABLE: "no contradiction, but a reader should know",
-    OPEN: "the part of the paper that would decide it is lost or was not printed",
+    "cannot be decided": "the part of the paper that would decide it is lost or was not printed",
 }
+
+#: Relations of two numbers that a row can state, besides their equality.
+RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 
 #: Rounding of binary numbers, relative to the tolerance.
 _ROUNDING = 1e-9
@@ -61,6 +65,17 @@ class Finding:
     numbers: tuple[str, ...] = ()  # ids of the published numbers that the check uses
 
 
+class _Texts(Formatter):
+    """Templates whose fields are names, or arithmetic on the values of numbers."""
+
+    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:  # noqa: ANN401
+        """Look a field up, or else evaluate it."""
+        try:
+            return super().get_field(field_name, args, kwargs)
+        except LookupError:
+            return evaluate(field_name, kwargs["values"]), field_name
+
+
 class Check:
     """One row of ``findings.csv`` with its published numbers, whose values are attributes by their names in the row."""
 
@@ -70,6 +85,7 @@ class Check:
         self._row = row
         names = [entry.partition("=") for entry in row["numbers"].split()]
         self.numbers: dict[str, PublishedValue] = {name: published[id_] for name, _, id_ in names}
+        self._values = {"pi": math.pi, **{name: number.value for name, number in self.numbers.items()}}
 
     def __getattr__(self, name: str) -> float:
         """Value of a published number of the row."""
@@ -105,8 +121,8 @@ class Check:
         **texts: Any,  # noqa: ANN401
     ) -> Finding:
         """Report a calculated number next to a printed one, for example a limit, with the outcome of the check."""
-        named = {"found": found, "printed": printed, **self.numbers, **texts}
-        text = {name: template.format(**named) for name, template in self._row.items() if name != "numbers"}
+        named = {"found": found, "printed": printed, "values": self._values, **self.numbers, **texts}
+        text = {name: _Texts().vformat(self._row[name], (), named) for name in TEXTS}
         if not text["place"]:
             subject = self.published[self.id]
             text |= {"place": subject.place, "unit": text["unit"] or subject.unit}
@@ -116,18 +132,16 @@ class Check:
         ids = tuple(number if isinstance(number, str) else number.id for number in used)
         return Finding(**text, found=found, printed=printed, tolerance=tolerance, numbers=ids)
 
-    def remark(self) -> Finding:
-        """Report on words or symbols, which have no numbers to compare."""
-        return self.compares(math.nan, math.nan, consistent=False)
+    def calculated(self) -> Finding:
+        """Evaluate the expressions of the row; one without them is about words or symbols."""
+        sides = (self._row["found"], self._row["printed"])
+        found, printed = (float(evaluate(side, self._values)) if side else math.nan for side in sides)
+        relation = self._row["relation"]
+        if relation in ("=", "=="):
+            return self.equals(found, printed, 0.0 if relation == "==" else None)
+        return self.compares(found, printed, relation != "" and RELATIONS[relation](found, printed))
 
 
 def read_checks(published: Published) -> list[Check]:
     """Read the rows of ``findings.csv``."""
     return [Check(row, published) for row in read_rows(FINDINGS_FILE)]
-
-
-def findings_frame(findings: Iterable[Finding]) -> pd.DataFrame:
-    """Tidy table of findings."""
-    return pd.DataFrame(
-        [{**vars(f), "numbers": " ".join(f.numbers)} for f in findings], columns=list(Finding.__dataclass_fields__)
-    )

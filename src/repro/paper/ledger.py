@@ -106,9 +106,7 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def write_sources(
-    path: Path, files: Iterable[Path], folders: Iterable[Path], root: Path = Path(), published: Path = PUBLISHED_FILE
-) -> None:
+def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], root: Path = Path()) -> None:
     """Write the check sums of files, of every file in folders, and of the published numbers.
 
     The first line is the check sum of all others, and the next ones name the folders. ``sha256sum --check`` reads both
@@ -117,8 +115,10 @@ def write_sources(
     whole = sorted(folder.as_posix() for folder in folders)
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
     inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
-    for name in sorted({PUBLISHED_NAME, *(_name(file, root) for file in files), *inside}):
-        file = published if name == PUBLISHED_NAME else root / name
+    # Relative to the project's folder, if they are in there.
+    single = {(file.relative_to(root) if file.is_relative_to(root) else file).as_posix() for file in files}
+    for name in sorted({PUBLISHED_NAME, *single, *inside}):
+        file = PUBLISHED_FILE if name == PUBLISHED_NAME else root / name
         try:
             lines.append(f"{_digest(file)}  {name}\n")
         except OSError as error:
@@ -135,11 +135,6 @@ def _files_in(name: str, folder: Path, path: Path) -> set[str]:
     own = os.path.realpath(path)
     inside = (file for file in folder.rglob("*") if file.is_file() and os.path.realpath(file) != own)
     return {f"{name}/{file.relative_to(folder).as_posix()}" for file in inside}
-
-
-def _name(file: Path, root: Path) -> str:
-    """Name a file as the list does: relative to the project's folder if it is in there."""
-    return (file.relative_to(root) if file.is_relative_to(root) else file).as_posix()
 
 
 def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
@@ -161,9 +156,7 @@ def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
     return folders, sums
 
 
-def changed_sources(
-    path: Path, root: Path = Path(), published: Path = PUBLISHED_FILE, stored: Iterable[Path] = ()
-) -> list[str]:
+def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()) -> list[str]:
     """List the files that are missing or changed, and files in the list's folders that it does not contain.
 
     Nothing is read but the results, ``data``, ``docs`` and the `stored` folders of the configuration.
@@ -180,7 +173,7 @@ def changed_sources(
     def place(name: str) -> Path:
         if own is not None and Path(name).is_relative_to(own):
             return path.parent / Path(name).relative_to(own)
-        return published if name == PUBLISHED_NAME else root / name
+        return PUBLISHED_FILE if name == PUBLISHED_NAME else root / name
 
     inside = {name for folder in folders for name in _files_in(folder, place(folder), path)}
     problems = []
@@ -211,7 +204,6 @@ def write_ledger(
     config: Mapping[str, Any],
     files: Sequence[Path],
     root: Path = Path(),
-    published: Path = PUBLISHED_FILE,
     *,
     folders: Sequence[Path] = (),
 ) -> pd.DataFrame:
@@ -220,24 +212,24 @@ def write_ledger(
     The list contains the files, every file in the folders and in those of stored recordings and networks, and the
     ledger itself.
     """
-    numbers = load_published(published)
+    numbers = load_published(PUBLISHED_FILE)
     claims = compute(numbers, config, Results(results))
     text = csv_text(claims)
     write_text(results / CLAIMS, text)
     write_text(results / PAGE, _page(text, numbers))
     files = [*files, results / CLAIMS, results / PAGE]
-    write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root, published)
+    write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root)
     return claims
 
 
 def verify_ledger(
-    results: Path, config: Mapping[str, Any], root: Path = Path(), published: Path = PUBLISHED_FILE
+    results: Path, config: Mapping[str, Any], root: Path = Path()
 ) -> tuple[pd.DataFrame | None, list[str]]:
     """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
-    problems = changed_sources(results / SOURCES, root, published, _stored_folders(config))
+    problems = changed_sources(results / SOURCES, root, _stored_folders(config))
     try:
-        numbers = load_published(published)
+        numbers = load_published(PUBLISHED_FILE)
         claims = compute(numbers, config, Results(results))
     except (ValueError, LookupError) as error:  # published numbers that were changed are named among the problems
         return None, [*problems, str(error)]

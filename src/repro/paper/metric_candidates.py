@@ -30,29 +30,15 @@ class Signal:
     def __init__(self, values: Array) -> None:
         self.values = values
         self.n = values.shape[-1]
-        magnitude = np.abs(values)
+        self.low, self.high = np.asarray(values.min(-1)), np.asarray(values.max(-1))
+        self.peak = np.maximum(self.high, -self.low)
+        self.mean = np.asarray(values.mean(-1))
+        self.norm1 = np.asarray(np.abs(values).sum(-1))
         self.square = np.asarray(np.einsum("...n,...n->...", values, values))
-        self.norm1 = magnitude.sum(-1)
-        self.peak = magnitude.max(-1)
         self.norm = np.sqrt(self.square)
         self.mean_square = np.asarray(self.square / self.n)
         self.rms = np.sqrt(self.mean_square)
         self.mean_absolute = np.asarray(self.norm1 / self.n)
-
-    @cached_property
-    def mean(self) -> Array:
-        """Mean."""
-        return np.asarray(self.values.mean(-1))
-
-    @cached_property
-    def low(self) -> Array:
-        """Smallest sample."""
-        return np.asarray(self.values.min(-1))
-
-    @cached_property
-    def high(self) -> Array:
-        """Largest sample."""
-        return np.asarray(self.values.max(-1))
 
     def normalised(self, name: str) -> Array:
         """Return the values normalised in one of the ways of `_NORMALISATIONS`."""

@@ -20,7 +20,7 @@ import pandas as pd
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
-from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published
+from repro.paper.published import NUMERIC_CASES, Published, load_published
 from repro.signals.dct import spectrum
 from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
@@ -220,16 +220,20 @@ def compare_motions(scores: Scores) -> pd.DataFrame:
     )
 
 
-_FACTORS = ("time", "frequency")
 _CELL = ("place", "case", "method", "joint")
 
 
-def _triples(numbers: Published) -> list[tuple[PublishedValue, PublishedValue, PublishedValue]]:
-    """Time, Freq. and Total of each cell of Tables 7 and 10."""
-    totals = (t for place in ("Table 7", "Table 10") for t in numbers.select(place=place, quantity="total"))
-    return [
-        (numbers[t.id.replace("/total/", "/time/")], numbers[t.id.replace("/total/", "/frequency/")], t) for t in totals
-    ]
+def _cells(numbers: Published) -> pd.DataFrame:
+    """Time, Freq. and Total of each cell of Tables 7 and 10, each with half a unit of its last digit."""
+    rows = []
+    for total in numbers:
+        if total.quantity == "total" and total.place in ("Table 7", "Table 10"):
+            row: dict[str, object] = {"id": total.id, **{name: getattr(total, name) for name in _CELL}}
+            for factor in ("time", "frequency", "total"):
+                number = numbers[total.id.replace("/total/", f"/{factor}/")]
+                row |= {factor: number.value, f"{factor}_step": number.half_step}
+            rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def composition(published: Published | None = None) -> pd.DataFrame:
@@ -238,28 +242,18 @@ def composition(published: Published | None = None) -> pd.DataFrame:
     If the power 0.4 is part of the printed factors, Total = Time x Freq. If it is applied to their product, Total =
     (Time x Freq.)^0.4. A Total agrees if the difference is within the rounding of all three printed numbers.
     """
-    numbers = published or load_published()
-    rows = []
-    for time, frequency, total in _triples(numbers):
-        product = time.value * frequency.value / 100.0
-        # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
-        spread = (time.half_step * frequency.value + frequency.half_step * time.value) / 100.0
-        power_last = 100.0 * (product / 100.0) ** EXPONENT
-        rows.append(
-            {
-                "id": total.id,
-                **{name: getattr(total, name) for name in _CELL},
-                "time": time.value,
-                "frequency": frequency.value,
-                "total": total.value,
-                "product": product,
-                "difference": total.value - product,
-                "tolerance": total.half_step + spread,
-                "agrees": abs(total.value - product) <= total.half_step + spread,
-                "agrees_power_last": abs(total.value - power_last) <= total.half_step + spread,
-            }
-        )
-    return pd.DataFrame(rows)
+    t = _cells(published or load_published())
+    product = t["time"] * t["frequency"] / 100.0
+    power_last = 100.0 * (product / 100.0) ** EXPONENT
+    # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
+    tolerance = t["total_step"] + (t["time_step"] * t["frequency"] + t["frequency_step"] * t["time"]) / 100.0
+    return t[["id", *_CELL, "time", "frequency", "total"]].assign(
+        product=product,
+        difference=t["total"] - product,
+        tolerance=tolerance,
+        agrees=(t["total"] - product).abs() <= tolerance,
+        agrees_power_last=(t["total"] - power_last).abs() <= tolerance,
+    )
 
 
 def abstract_check(published: Published | None = None, settings: MetricSettings = PUBLISHED_METRIC) -> pd.DataFrame:
@@ -275,15 +269,14 @@ def abstract_check(published: Published | None = None, settings: MetricSettings 
     return pd.DataFrame({"case": np.repeat(NUMERIC_CASES, 2), "joint": np.tile([1, 2], n), **columns})
 
 
-def _time_error(time: PublishedValue, step: float = 0.0) -> float:
-    """Error of a printed Time value, with the value moved by `step` half steps of its last digit."""
-    return float(1.0 - ((time.value + step * time.half_step) / 100.0) ** (1.0 / EXPONENT))
+def _error(percent: pd.Series) -> pd.Series:
+    """Error of a printed similarity."""
+    return 1.0 - (percent / 100.0) ** (1.0 / EXPONENT)
 
 
-def _least_energy_error(frequency: PublishedValue, step: float = 0.0) -> float:
-    """Least |x-y|^2 / |x|^2 that a printed Freq. value permits, with the value moved by `step` half steps."""
-    distance = 1.0 - ((frequency.value + step * frequency.half_step) / 100.0) ** (1.0 / EXPONENT)
-    return float(1.0 - (1.0 - 0.5 * distance**2) ** 2)
+def _least_energy_error(percent: pd.Series) -> pd.Series:
+    """Least |x-y|^2 / |x|^2 that a printed Freq. value permits."""
+    return 1.0 - (1.0 - 0.5 * _error(percent) ** 2) ** 2
 
 
 def pair_bounds(published: Published | None = None) -> pd.DataFrame:
@@ -294,23 +287,15 @@ def pair_bounds(published: Published | None = None) -> pd.DataFrame:
     least 1 - c^2 for any torque. A time error mean((x-y)^2) has no such limit, but it bounds the torque: rms(x) <=
     sqrt(error / (1 - c^2)). With unsigned spectra |X| instead of X the true c is smaller, and both bounds remain valid.
     """
-    numbers = published or load_published()
-    rows = []
-    for time, frequency, _ in _triples(numbers):
-        error, least = _time_error(time, -1.0), _least_energy_error(frequency, 1.0)
-        rows.append(
-            {
-                "id": time.id.replace("/time/", "/"),
-                **{name: getattr(time, name) for name in _CELL},
-                "time": time.value,
-                "frequency": frequency.value,
-                "time_error": error,
-                "least_energy_error": least,
-                "energy_possible": error >= least,
-                "largest_rms": np.sqrt(error / least),
-            }
-        )
-    return pd.DataFrame(rows)
+    t = _cells(published or load_published())
+    error, least = _error(t["time"] - t["time_step"]), _least_energy_error(t["frequency"] + t["frequency_step"])
+    return t[["id", *_CELL, "time", "frequency"]].assign(
+        id=t["id"].str.replace("/total/", "/"),
+        time_error=error,
+        least_energy_error=least,
+        energy_possible=error >= least,
+        largest_rms=np.sqrt(error / least),
+    )
 
 
 def torque_bounds(published: Published | None = None) -> pd.DataFrame:
@@ -328,7 +313,7 @@ def torque_bounds(published: Published | None = None) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
-def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
+def least_squares_torque() -> pd.DataFrame:
     """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
 
     The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
@@ -336,12 +321,13 @@ def least_squares_torque(published: Published | None = None) -> pd.DataFrame:
     best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
     below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
     """
-    numbers = published or load_published()
-    bounds = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
-    rows = []
-    for joint in (1, 2):
-        time, frequency = (numbers[f"table10/ID/least-squares/{factor}/joint{joint}"] for factor in _FACTORS)
-        low, estimate, high = (_time_error(time, -s) / _least_energy_error(frequency, s) for s in (-1.0, 0.0, 1.0))
-        possible = bool(low <= bounds[f"table10/ID/algorithm1/joint{joint}"])
-        rows.append({"joint": joint, "mean_square": estimate, "low": low, "high": high, "possible": possible})
-    return pd.DataFrame(rows)
+    numbers = load_published()
+    bound = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
+    t = _cells(numbers).query("case == 'ID' and method == 'least-squares'")
+    low, estimate, high = (
+        _error(t["time"] - s * t["time_step"]) / _least_energy_error(t["frequency"] + s * t["frequency_step"])
+        for s in (-1.0, 0.0, 1.0)
+    )
+    possible = low.to_numpy() <= bound[[f"table10/ID/algorithm1/joint{joint}" for joint in t["joint"]]].to_numpy()
+    table = pd.DataFrame({"joint": t["joint"], "mean_square": estimate, "low": low, "high": high, "possible": possible})
+    return table.reset_index(drop=True)

@@ -9,13 +9,10 @@
 ``bench``                nothing: a property of the authors' arm, board or bench
 ======================= ================================================================================
 
-An expression is arithmetic on names, their attributes and items, calls without arguments, and `FUNCTIONS`. In a note,
-``{EXPR}`` is replaced by its value.
+Expressions are those of `repro.paper.published.evaluate`. In a note, ``{EXPR}`` is replaced by its value.
 """
 
-import ast
 import math
-import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -36,10 +33,9 @@ from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
 from repro.paper import audit as hardware
 from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, OurValue, higher, lower
-from repro.paper.published import NUMERIC_CASES, Published, PublishedValue
+from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
-from repro.signals.metric import metr2ev
 
 CONFIG_FILE = "config/config.yaml"
 #: Modules by their names in the column; what two modules share is looked up where it is defined.
@@ -56,62 +52,6 @@ MODULES: dict[str, ModuleType] = {
     "signals.trajectories": trajectories,
     "signals.validation_motions": validation_motions,
 }
-_OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-    ast.RShift: operator.rshift,
-}
-
-
-def _count(entries: Mapping[str, object], attribute: str) -> int:
-    return sum(getattr(entry, attribute) for entry in entries.values())
-
-
-def _self_similarity() -> float:
-    signal = np.sin(np.arange(1.0, 100.0))
-    return float(metr2ev(signal, signal).total)
-
-
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "count": _count,
-    "len": len,
-    "round": round,
-    "self_similarity": _self_similarity,
-    "sum": sum,
-}
-
-
-def evaluate(expression: str, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    """Evaluate an expression of the grammar above."""
-    return _value(ast.parse(expression, mode="eval").body, names)
-
-
-def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    result: Any
-    match node:
-        case ast.Constant():
-            result = node.value
-        case ast.Name(id=name):
-            result = names[name]
-        case ast.Attribute(value=owner, attr=name) if not name.startswith("_"):
-            parent = _value(owner, names)
-            result = parent[name] if isinstance(parent, Mapping) else getattr(parent, name)
-        case ast.Subscript(value=owner, slice=key):
-            result = _value(owner, names)[_value(key, names)]
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            result = -_value(operand, names)
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            result = _OPERATORS[type(op)](_value(left, names), _value(right, names))
-        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
-            result = FUNCTIONS[name](*(_value(argument, names) for argument in arguments))
-        case ast.Call(func=function, args=[], keywords=[]):
-            result = _value(function, names)()
-        case _:
-            raise ValueError(f"{ast.unparse(node)} is no arithmetic on names")
-    return result
 
 
 def _first_key(expression: str, config: Mapping[str, Any]) -> str:

@@ -13,18 +13,22 @@ because the number of digits shows how finely a value is known: ``500e3`` stands
 apply are empty. The columns ``ours`` and ``note`` declare where our value comes from (`repro.paper.our_values`).
 """
 
+import ast
 import math
+import operator
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from repro.errors import InputError
 from repro.files import read_rows
 from repro.model.parameters import NAMES, Array
+from repro.signals.metric import metr2ev
 
 PUBLISHED_FILE = Path(__file__).with_name("published.csv")
 #: The four numeric test arms of Tables 4 and 5.
@@ -93,10 +97,6 @@ class Published:
     values: tuple[PublishedValue, ...]  # one entry a row; ids are unique
     source: str = PUBLISHED_FILE.name  # the file, for messages
 
-    def __len__(self) -> int:
-        """How many numbers there are."""
-        return len(self.values)
-
     def __iter__(self) -> Iterator[PublishedValue]:
         """Over the numbers, in file order."""
         return iter(self.values)
@@ -110,10 +110,6 @@ class Published:
         if id_ not in self._by_id:
             raise InputError.at(f"{self.source}: id", f"no row {id_!r}", "one row with this id")
         return self._by_id[id_]
-
-    def select(self, **wanted: str | int) -> tuple[PublishedValue, ...]:
-        """Select the numbers that match every field given, in file order."""
-        return tuple(v for v in self.values if all(getattr(v, name) == w for name, w in wanted.items()))
 
     def parameter_sets(self, method: str) -> Array:
         """Parameter sets of the numeric tests (Tables 4 and 5)."""
@@ -141,3 +137,61 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
         joint, printed = int(row.pop("joint") or 0) or None, row.pop("value")
         values[row["id"]] = PublishedValue(joint=joint, printed=printed, **row)
     return Published(tuple(values.values()), path.name)
+
+
+_OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.RShift: operator.rshift,
+}
+
+
+def _count(entries: Mapping[str, object], attribute: str) -> int:
+    return sum(getattr(entry, attribute) for entry in entries.values())
+
+
+def _self_similarity() -> float:
+    signal = np.sin(np.arange(1.0, 100.0))
+    return float(metr2ev(signal, signal).total)
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "count": _count,
+    "len": len,
+    "round": round,
+    "self_similarity": _self_similarity,
+    "sum": sum,
+}
+
+
+def evaluate(expression: str, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    """Evaluate arithmetic on names, their attributes and items, calls without arguments, and `FUNCTIONS`."""
+    return _value(ast.parse(expression, mode="eval").body, names)
+
+
+def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    result: Any
+    match node:
+        case ast.Constant():
+            result = node.value
+        case ast.Name(id=name):
+            result = names[name]
+        case ast.Attribute(value=owner, attr=name) if not name.startswith("_"):
+            parent = _value(owner, names)
+            result = parent[name] if isinstance(parent, Mapping) else getattr(parent, name)
+        case ast.Subscript(value=owner, slice=key):
+            result = _value(owner, names)[_value(key, names)]
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            result = -_value(operand, names)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
+            result = _OPERATORS[type(op)](_value(left, names), _value(right, names))
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
+            result = FUNCTIONS[name](*(_value(argument, names) for argument in arguments))
+        case ast.Call(func=function, args=[], keywords=[]):
+            result = _value(function, names)()
+        case _:
+            raise ValueError(f"{ast.unparse(node)} is no arithmetic on names")
+    return result

@@ -1,7 +1,7 @@
 """Do the intervals of the network's estimate cover? Arms of known parameters, with and without unmodelled torque."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,6 @@ from scipy import stats
 from repro.cnn.dataset import sample_motion
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.conformal import (
-    GuessSpread,
     covered,
     distances,
     normalised_errors,
@@ -22,10 +21,11 @@ from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import Recording, control_constants, true_parameters
-from repro.pipeline.experiment_runs import prepare_recording
+from repro.pipeline.experiment import Recording, read_recordings, true_parameters
+from repro.pipeline.identifications import prepare_recording, read_mean_torque
 from repro.pipeline.job import Config
-from repro.pipeline.tracked import (
+from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.pipeline.simulated_arms import (
     Draw,
     Tracked,
     derived_motion,
@@ -54,78 +54,64 @@ TOGETHER = "all nine"
 GRID = np.linspace(0.0, 1.0, 41)
 
 
-def read_arms(
-    algorithm1: Algorithm1, arms: Tracked, tau_mean: Array, guesses: int, config: Config, which: int
-) -> tuple[Array, Array]:
-    """Estimates of each arm from uniform guesses, and its parameters, in units of the largest torque."""
-    control = control_constants(config)
-    estimates, truth = np.empty((len(arms.position), guesses, 9)), np.empty((len(arms.position), 9))
-    progress = Progress(f"reading {len(truth)} arms")
-    for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
-        recording = Recording.of_counts(arms.program, position, pwm, control)
-        prepared, estimates[k] = _read(algorithm1, recording, tau_mean, guesses, config, which, k)
-        # In canonical time, which is the recorded one here, and in units of the largest torque.
-        truth[k] = arms.parameters[k] / prepared.torque_scale
-        progress(k + 1, len(truth))
-    return estimates, truth
+def check_coverage(
+    captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Config
+) -> list[pd.DataFrame]:
+    """Calibrate the network of tracked motions on arms that training never saw, with torque beyond Eq. 1; test others.
 
-
-def _read(
-    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, config: Config, which: int, k: int
-) -> tuple[PreparedSignals, Array]:
-    search = algorithm1.search
-    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
-    rng = stream(config["coverage"]["seed"], Stream.COVERAGE_GUESSES, which, k)
-    guess = rng.uniform(search.low, search.high, (guesses, 9))
-    return prepared, ResidualEstimator(algorithm1.network, algorithm1.image, prepared).estimate(guess)
-
-
-def coverage(
-    algorithm1: Algorithm1, tracked: Path, recording: Recording, tau_mean: Array, config: Config
-) -> dict[str, pd.DataFrame]:
-    """Calibrate on arms with torque beyond Eq. 1 that training never saw, and test on others."""
+    Shares of arms that intervals cover, distributions of the levels that reach the truth, and intervals of the arm.
+    """
+    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
+    (recording,) = read_recordings(captures, config)
+    algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
     c = config["coverage"]
-    levels, guesses = tuple(c["levels"]), c["guesses"]
+    levels = tuple(c["levels"])
 
     def read(which: int, effects: bool, draw: Draw) -> tuple[Tracked, Array, Array]:
+        """Arms, estimates of each from uniform guesses, and its parameters, in units of the largest torque."""
         arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects, draw)
-        return arms, *read_arms(algorithm1, arms, tau_mean, guesses, config, which)
+        progress, found, right = Progress(f"reading {len(arms.position)} arms"), [], []
+        for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
+            one = Recording.of_counts(arms.program, position, pwm, config)
+            prepared, estimates = _estimate(algorithm1, one, tau_mean, config, which, k)
+            found.append(estimates)
+            right.append(arms.parameters[k] / prepared.torque_scale)  # canonical time is the recorded one here
+            progress(k + 1, len(arms.position))
+        return arms, np.stack(found), np.stack(right)
 
     _, estimates, truth = read(0, True, draw_arms)
     known = spread_of(estimates)
     factors, calibration = stretch_factors(known, truth, levels), normalised_errors(known, truth)
     together = joint_factors(factors, calibration, levels)
-    training = training_motion(config, tracked).torque
+    training = training_motion(config, motions).torque
     beyond = novelty_limit(training)
-    rows: list[dict[str, Any]] = []
-    ranks: list[dict[str, Any]] = []
+    shares, ranks = [], []
     for which, name, effects, draw in TESTED:
         arms, found, right = read(which, effects, draw)
-        spread = spread_of(found)
-        motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
-        warned = float((distances(motions, training) > beyond).mean())
-        rows += [
-            {**row, "warned": warned} for row in _coverage_rows(name, found, right, spread, factors, together, levels)
-        ]
-        ranks += _rank_rows(name, found, right, normalised_errors(spread, right), calibration)
+        own_motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
+        warned = float((distances(own_motions, training) > beyond).mean())
+        shares.append(coverage_shares(name, found, right, factors, together, levels).assign(warned=warned))
+        ranks.append(_rank_shares(name, found, right, calibration))
     near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
-    own = _intervals(algorithm1, recording, tau_mean, guesses, factors[-1], config)
-    return {
-        "coverage": pd.DataFrame(rows),
-        "ranks": pd.DataFrame(ranks),
-        "intervals": own.assign(level=levels[-1], warned=int(near[0] > beyond)),
-    }
-
-
-def _intervals(
-    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, guesses: int, factor: Array, config: Config
-) -> pd.DataFrame:
-    prepared, found = _read(algorithm1, recording, tau_mean, guesses, config, OWN, 0)
-    spread = spread_of(found)
+    prepared, found = _estimate(algorithm1, recording, tau_mean, config, OWN, 0)
+    spread, factor = spread_of(found), factors[-1]
     bounds = (spread.centre, spread.centre - factor * spread.width, spread.centre + factor * spread.width)
     centre, low, high = (prepared.to_recorded_time(x * prepared.torque_scale) for x in bounds)
-    true = true_parameters(config)
-    return pd.DataFrame({"parameter": NAMES, "true": true, "centre": centre, "low": low, "high": high})
+    own = pd.DataFrame(
+        {"parameter": NAMES, "true": true_parameters(config), "centre": centre, "low": low, "high": high}
+    )
+    own = own.assign(level=levels[-1], warned=int(near[0] > beyond))
+    return [pd.concat(shares, ignore_index=True), pd.concat(ranks, ignore_index=True), own]
+
+
+def _estimate(
+    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, config: Config, which: int, k: int
+) -> tuple[PreparedSignals, Array]:
+    """Estimates (guesses, 9) of an arm from uniform guesses."""
+    search, c = algorithm1.search, config["coverage"]
+    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
+    guess = stream(c["seed"], Stream.COVERAGE_GUESSES, which, k).uniform(search.low, search.high, (c["guesses"], 9))
+    return prepared, ResidualEstimator(algorithm1.network, algorithm1.image, prepared).estimate(guess)
 
 
 def _torque(q: Array, program: ReferenceTrajectory, config: Config) -> Array:
@@ -141,60 +127,44 @@ def joint_factors(factors: Array, calibration: Array, levels: tuple[float, ...])
     return stretched
 
 
-def _coverage_rows(
-    name: str,
-    found: Array,
-    right: Array,
-    spread: GuessSpread,
-    factors: Array,
-    together: Array,
-    levels: tuple[float, ...],
-) -> list[dict[str, Any]]:
-    missed, prior = normalised_errors(spread, right), right.var(axis=0)
-    stretched = covered(spread, right, factors)
-    rows: list[dict[str, Any]] = []
+def coverage_shares(
+    name: str, found: Array, right: Array, factors: Array, together: Array, levels: tuple[float, ...]
+) -> pd.DataFrame:
+    """Shares of arms that the intervals of each level cover, of estimates `found` (arms, guesses, 9)."""
+    spread = spread_of(found)
+    missed, prior, stretched = normalised_errors(spread, right), right.var(axis=0), covered(spread, right, factors)
+    rows = []
     for i, level in enumerate(levels):
         low, high = np.quantile(found, [0.5 - level / 2, 0.5 + level / 2], axis=1)
         raw = (low <= right) & (right <= high)
         width = np.median(factors[i] * spread.width, axis=0)
         # Variance of the parameter that the interval leaves, as that of a normal error of this width.
         contraction = 1.0 - (width / stats.norm.ppf(0.5 + level / 2)) ** 2 / prior
-        rows += [
-            {
-                "arms": name, "parameter": parameter, "level": level, "raw": raw[:, j].mean(),
-                "calibrated": stretched[i, j], "factor": factors[i, j], "width": width[j],
-                "contraction": contraction[j],
-            }
-            for j, parameter in enumerate(NAMES)
-        ]  # fmt: skip
+        each = (NAMES, raw.mean(axis=0), stretched[i], factors[i], width, contraction)
         jointly = (missed <= together[i] * factors[i]).all(axis=1).mean()
-        rows.append(
-            {
-                "arms": name, "parameter": TOGETHER, "level": level, "raw": raw.all(axis=1).mean(),
-                "calibrated": jointly, "factor": together[i], "width": np.nan, "contraction": np.nan,
-            }
-        )  # fmt: skip
-    return rows
+        both = (TOGETHER, raw.all(axis=1).mean(), jointly, together[i], np.nan, np.nan)
+        rows += [(name, of[0], level, *of[1:]) for of in (*zip(*each, strict=True), both)]
+    columns = ["arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction"]
+    return pd.DataFrame(rows, columns=columns)
 
 
-def _rank_rows(name: str, found: Array, right: Array, missed: Array, calibration: Array) -> list[dict[str, Any]]:
+def _rank_shares(name: str, found: Array, right: Array, calibration: Array) -> pd.DataFrame:
     """Simulation-based calibration (Talts and others 2018): distribution of the level that first reaches the truth.
 
     Of the range of the guesses that is twice the truth's rank off the middle; of the calibrated interval the rank of
     what it misses by among the arms it was calibrated on. The distribution is uniform where levels are right.
     """
-    n, m = found.shape[1], len(calibration)
+    n, missed, known = found.shape[1], normalised_errors(spread_of(found), right), np.sort(calibration, axis=0)
     below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
-    raw = np.abs(2 * below - n) / n
-    ordered = np.sort(calibration, axis=0)
-    rows = []
-    for j, parameter in enumerate(NAMES):
-        rank = np.searchsorted(ordered[:, j], missed[:, j]) / m
-        rows += [
-            {
-                "arms": name, "parameter": parameter, "level": level, "number": len(right), "known": m,
-                "raw": (raw[:, j] <= level).mean(), "calibrated": (rank <= level).mean(),
-            }
-            for level in GRID
-        ]  # fmt: skip
-    return rows
+    ranks = [np.searchsorted(known[:, j], missed[:, j]) / len(known) for j in range(len(NAMES))]
+    reached = {"raw": np.abs(2 * below - n) / n, "calibrated": np.stack(ranks, axis=1)}
+    return pd.DataFrame(
+        {
+            "arms": name,
+            "parameter": np.repeat(NAMES, len(GRID)),
+            "level": np.tile(GRID, len(NAMES)),
+            "number": len(right),
+            "known": len(known),
+            **{column: (at[..., np.newaxis] <= GRID).mean(axis=0).ravel() for column, at in reached.items()},
+        }
+    )

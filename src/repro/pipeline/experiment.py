@@ -10,20 +10,20 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.files import atomic_write
-from repro.fpga.board import Board
 from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import raw_file, record
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.server import Board
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
+from repro.model.dynamics import ArmGeometry
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
-from repro.signals.kinematics import ArmGeometry
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
 from repro.streams import Stream, stream
 
@@ -103,20 +103,15 @@ def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
     a = config["arm"]
     rng = stream(seed, Stream.PLANT)
     phase = rng.uniform(0.0, 2.0 * np.pi, 2)
-    factor = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2)
+    stribeck, ripple = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2).tolist()
     levels = Unmodelled(
-        stribeck=_scaled(a["stribeck"], factor[0]),
+        stribeck=(a["stribeck"][0] * stribeck, a["stribeck"][1] * stribeck),
         stribeck_velocity=a["stribeck_velocity_rad_s"],
-        ripple=_scaled(a["ripple_nm"], factor[1]),
+        ripple=(a["ripple_nm"][0] * ripple, a["ripple_nm"][1] * ripple),
         ripple_cycles=a["ripple_cycles"],
         dead_band=a["dead_band_counts"],
     )
     return levels, phase
-
-
-def _scaled(levels: Sequence[float], factor: float) -> tuple[float, float]:
-    first, second = levels
-    return float(first * factor), float(second * factor)
 
 
 def board_from_config(config: Config, seed: int | None = None) -> Board:
@@ -143,11 +138,11 @@ class Recording:
     tau: Array
 
     @classmethod
-    def of_counts(
-        cls, program: ReferenceTrajectory, position: Array, pwm: Array, control: ControlConstants
-    ) -> "Recording":
+    def of_counts(cls, program: ReferenceTrajectory, position: Array, pwm: Array, config: Config) -> "Recording":
         """Recording of encoder and PWM counts."""
-        return cls(program, position * RADIANS_PER_COUNT, pwm * control.torque_per_count[:, np.newaxis])
+        return cls(
+            program, position * RADIANS_PER_COUNT, pwm * control_constants(config).torque_per_count[:, np.newaxis]
+        )
 
     def regression(self, signals: SignalSettings) -> Regression:
         """What methods solve: lines 1 to 4 of Algorithm 1."""
@@ -191,14 +186,28 @@ def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Reco
 
 
 def acquire(motion: str, out: Path, config: Config) -> None:
-    """Put the capture of a motion at `out`."""
-    source = config["experiment"]["source"]
-    if source == "stored":
-        _copy(Path(config["experiment"]["captures"]) / f"{motion}.bin", out, config, motion)
-    elif source == "simulated":
-        simulate_capture(out, program_from_config(config, motion), config)
+    """Put the capture of a motion at `out`: stored, simulated or from a serial port."""
+    e, program = config["experiment"], program_from_config(config, motion)
+    if e["source"] == "simulated":
+        simulate_capture(out, program, config)
+    elif e["source"] == "serial":
+        metadata = metadata_for(program, config)
+        with raw_file(out, metadata, overwrite=True) as raw:
+            data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)
+            raw.close()
+            write_capture(out, data, metadata, overwrite=True)
     else:
-        _record(out, program_from_config(config, motion), config)
+        stored = Path(e["captures"]) / f"{motion}.bin"
+        capture = read_capture(stored)
+        check_recorded(capture, program)
+        metadata = capture.metadata
+        expected = "that of this configuration; record it again or set experiment.source: simulated"
+        if metadata.control != control_constants(config):
+            raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
+        if metadata.board is not None and metadata.board != board_from_config(config).identity:
+            raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)
+        for there, here in zip(files_of(stored), files_of(out), strict=True):
+            atomic_write(here, partial(shutil.copyfile, there))
 
 
 def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config) -> Capture:
@@ -213,28 +222,3 @@ def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config) ->
         data += board.tick()
         progress(len(data) // 8, metadata.samples)
     return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
-
-
-def _record(out: Path, program: ReferenceTrajectory, config: Config) -> None:
-    e, metadata = config["experiment"], metadata_for(program, config)
-    with raw_file(out, metadata, overwrite=True) as raw:
-        data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)
-        raw.close()
-        write_capture(out, data, metadata, overwrite=True)
-
-
-def _copy(stored: Path, out: Path, config: Config, motion: str) -> None:
-    capture = read_capture(stored)
-    check_recorded(capture, program_from_config(config, motion))
-    _check_set_up(capture, config)
-    for there, here in zip(files_of(stored), files_of(out), strict=True):
-        atomic_write(here, partial(shutil.copyfile, there))
-
-
-def _check_set_up(capture: Capture, config: Config) -> None:
-    """Refuse a stored capture of other gains, motors or, if it is simulated, another arm than configured."""
-    expected = "that of this configuration; record it again or set experiment.source: simulated"
-    if capture.metadata.control != control_constants(config):
-        raise InputError.at(f"{capture.place}: control", "other gains or motors", expected)
-    if capture.metadata.board is not None and capture.metadata.board != board_from_config(config).identity:
-        raise InputError.at(f"{capture.place}: board", "another simulated arm", expected)

@@ -5,33 +5,23 @@ on, the unit of omega in the filter, the motors' back-EMF, the time factor of th
 the reader (the image CNN with Algorithm 1, or a plain network that reads the torque). Blocks are specimens of the arm.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from repro.config import merged
-from repro.errors import InputError
-from repro.files import read_tensors, write_tensors
-from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
-from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config
 from repro.pipeline.job import Config
-from repro.progress import Progress
+from repro.pipeline.simulated_arms import CONFIRMATION, Specimen, read_blocks
 from repro.settings import signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, TorqueScorer
-from repro.signals.programs import PROGRAMS
-
-#: Name of the block that no effect is estimated from: an arm and a specimen frozen before, scored once.
-CONFIRMATION = "confirmation"
 
 
 @dataclass(frozen=True)
@@ -43,27 +33,14 @@ class Cell:
     omega: str  # unit of omega
     image_motions: tuple[ImageMotion, ...]  # motions of line 18 that it is used with; of a plain network none
 
-    def change(self, seed: int, noise: float) -> dict[str, Any]:
-        """Sections of the configuration that differ from the default."""
-        data: dict[str, Any] = {"motions": self.motions}
-        if self.reader == "plain":
-            data["unmodelled"] = {"noise": noise}
-        changed = {"signals": {"frequency_reading": self.omega}, "data": data, "training": {"seed": seed}}
-        return (
-            changed
-            if len(self.image_motions) != 1
-            else changed | {"algorithm1": {"image_motion": self.image_motions[0]}}
-        )
-
 
 def _cells() -> dict[str, Cell]:
     """Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there."""
-    both: tuple[ImageMotion, ...] = ("measured", "desired")
     found = {}
     for omega in ("rad_per_s", "index"):
-        found[f"cnn-ideal-{omega}"] = Cell("cnn", "ideal", omega, both)
-        for one in both:
-            found[f"cnn-tracked-{one}-{omega}"] = Cell("cnn", "tracked", omega, (one,))
+        found[f"cnn-ideal-{omega}"] = Cell("cnn", "ideal", omega, ("measured", "desired"))
+        found[f"cnn-tracked-measured-{omega}"] = Cell("cnn", "tracked", omega, ("measured",))
+        found[f"cnn-tracked-desired-{omega}"] = Cell("cnn", "tracked", omega, ("desired",))
         for motions in ("ideal", "tracked"):
             found[f"plain-{motions}-{omega}"] = Cell("plain", motions, omega, ())
     return found
@@ -74,75 +51,13 @@ CELLS = _cells()
 
 def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
     """Configuration that a network of the factorial is trained with."""
-    return merged(config, cell.change(seed, config["factorial"]["plain"]["noise"]))
-
-
-@dataclass(frozen=True)
-class Block:
-    """One specimen with one back-EMF."""
-
-    name: str
-    arm: str
-    back_emf: float
-    true: Array
-    recordings: dict[str, Recording]
-
-
-def _specimens(config: Config) -> Iterator[tuple[str, str, int, Array]]:
-    """Block, arm, specimen and parameters without back-EMF; the blocks take the arms in turn."""
-    f = config["factorial"]
-    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"]}
-    for k, seed in enumerate(f["specimens"]):
-        arm = list(arms)[k % len(arms)]
-        yield str(seed), arm, seed, np.array(arms[arm], dtype=np.float64)
-    yield CONFIRMATION, CONFIRMATION, f["confirmation_specimen"], np.array(f["confirmation_arm"], dtype=np.float64)
-
-
-def simulate_blocks(config: Config, out: Path) -> None:
-    """Simulate every block with both back-EMFs on all motions, as one batch."""
-    control, h = control_constants(config), config["signals"]["sampling_period_s"]
-    beta, levels, phases, desired = [], [], [], []
-    for name in PROGRAMS:
-        for _, _, seed, parameters in _specimens(config):
-            effects, phase = disturbance(config, seed)
-            for back_emf in config["factorial"]["back_emf_nm_s_per_rad"]:
-                beta.append(parameters + back_emf * np.isin(np.arange(9), (5, 6)))
-                levels.append(effects)
-                phases.append(phase)
-                desired.append(program_from_config(config, name, seed).q)
-    longest = max(q.shape[-1] for q in desired)
-    held = np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired])
-    plant = Plant(np.stack(beta), h, levels, np.stack(phases))
-    position, pwm = simulate(plant, control, held, Progress(f"simulating {len(beta)} runs"))
-    kept: dict[str, NDArray[Any]] = {"parameters": np.stack(beta)[: len(beta) // len(PROGRAMS)]}
-    for k, name in enumerate(PROGRAMS):
-        own = slice(k * len(kept["parameters"]), (k + 1) * len(kept["parameters"]))
-        n = desired[own.start].shape[-1]
-        kept |= {f"{name}/position": position[own, :, :n], f"{name}/pwm": pwm[own, :, :n]}
-    write_tensors(out, kept)
-
-
-def read_blocks(path: Path, config: Config) -> list[Block]:
-    """Recordings of every block."""
-    kept, _ = read_tensors(path, "the recordings of the factorial")
-    control = control_constants(config)
-    specimens, back_emfs = list(_specimens(config)), config["factorial"]["back_emf_nm_s_per_rad"]
-    blocks = []
-    for k, (name, arm, seed, _) in enumerate(specimens):
-        programs = {motion: program_from_config(config, motion, seed) for motion in PROGRAMS}
-        for j, back_emf in enumerate(back_emfs):
-            index = k * len(back_emfs) + j
-            recordings = {}
-            for motion, program in programs.items():
-                expected = (len(specimens) * len(back_emfs), *program.q.shape)
-                signals = [kept.get(f"{motion}/{what}", np.empty(0)) for what in ("position", "pwm")]
-                if any(signal.shape != expected for signal in signals):
-                    raise InputError.at(f"{path}: {motion}", "another shape or nothing", f"arrays of shape {expected}")
-                position, pwm = (signal[index] for signal in signals)
-                sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
-                recordings[motion] = Recording.of_counts(sent, position, pwm, control)
-            blocks.append(Block(name, arm, back_emf, kept["parameters"][index], recordings))
-    return blocks
+    data: dict[str, Any] = {"motions": cell.motions}
+    if cell.reader == "plain":
+        data["unmodelled"] = {"noise": config["factorial"]["plain"]["noise"]}
+    changed = {"signals": {"frequency_reading": cell.omega}, "data": data, "training": {"seed": seed}}
+    if len(cell.image_motions) == 1:
+        changed["algorithm1"] = {"image_motion": cell.image_motions[0]}
+    return merged(config, changed)
 
 
 METRICS: dict[str, MetricSettings] = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
@@ -152,27 +67,17 @@ COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
 class Scorers:
     """Similarity of parameters on the motions of one block under both metrics."""
 
-    by_metric: Mapping[str, Sequence[TorqueScorer]]  # ID first
-
-    @classmethod
-    def of(cls, block: Block, config: Config) -> "Scorers":
-        """From the recordings of a block."""
-        signals = signal_settings(config)
-        regressions = [recording.regression(signals) for recording in block.recordings.values()]
-        return cls({name: [TorqueScorer(r.tau, r.y, m) for r in regressions] for name, m in METRICS.items()})
+    def __init__(self, block: Specimen, config: Config) -> None:
+        regressions = [recording.regression(signal_settings(config)) for recording in block.recordings.values()]
+        self._by_metric = {name: [TorqueScorer(r.tau, r.y, m) for r in regressions] for name, m in METRICS.items()}
 
     def row(self, metric: str, beta: Array) -> dict[str, float]:
         """Mean total of both joints on ID, and over T1 to T4."""
-        totals = [float(score(beta).total.mean()) for score in self.by_metric[metric]]
+        totals = [float(score(beta).total.mean()) for score in self._by_metric[metric]]
         return {"id": totals[0], "validation": float(np.mean(totals[1:]))}
-
-
-#: Methods without a network that every block is identified by, too.
-REFERENCES = ("ordinary", "bounded")
 
 
 def score_references(recordings: Path, config: Config) -> pd.DataFrame:
@@ -181,17 +86,12 @@ def score_references(recordings: Path, config: Config) -> pd.DataFrame:
     for omega in dict.fromkeys(cell.omega for cell in CELLS.values()):
         c = merged(config, {"signals": {"frequency_reading": omega}})
         for block in read_blocks(recordings, c):
-            scorers = Scorers.of(block, c)
-            regression = block.recordings["ID"].regression(signal_settings(c))
-            estimates = {name: METHODS[name].estimate(regression).beta for name in REFERENCES} | {"true": block.true}
-            for reader, beta in estimates.items():
-                for metric in METRICS:
-                    rows.append(
-                        {
-                            "reader": reader, "omega": omega, "back_emf": block.back_emf, "metric": metric,
-                            "block": block.name, "arm": block.arm, **scorers.row(metric, beta),
-                        }
-                    )  # fmt: skip
+            scorers, regression = Scorers(block, c), block.recordings["ID"].regression(signal_settings(c))
+            estimates = {name: METHODS[name].estimate(regression).beta for name in ("ordinary", "bounded")}
+            estimates["true"] = block.true
+            for (reader, beta), metric in product(estimates.items(), METRICS):
+                own = {"reader": reader, "omega": omega, "back_emf": block.back_emf, "metric": metric}
+                rows.append({**own, "block": block.block, "arm": block.arm, **scorers.row(metric, beta)})
     return pd.DataFrame(rows)
 
 
@@ -210,12 +110,6 @@ OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
 RESPONSES = ("id", "validation", "error")
 #: Share of the distribution that an interval leaves out.
 OUTSIDE = 0.05
-
-
-def with_levels(scores: pd.DataFrame) -> pd.DataFrame:
-    """Scores with the two back-EMFs called low and high, and blocks as text."""
-    low = scores["back_emf"].min()
-    return scores.assign(back_emf=np.where(scores["back_emf"] == low, "low", "high"), block=scores["block"].astype(str))
 
 
 def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
@@ -252,12 +146,13 @@ def interval(values: Array) -> tuple[float, float, float]:
 def effects(scores: pd.DataFrame) -> pd.DataFrame:
     """Every main effect and every interaction of two factors, of the image CNN and of the reader.
 
-    From the columns of `repro.pipeline.factorial_networks.score_cell`. Columns ``of, effect, response, value, low,
+    From the columns of `repro.pipeline.networks.score_cell`. Columns ``of, effect, response, value, low,
     high, blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the
     plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its
     better one.
     """
-    leveled = with_levels(scores)
+    back_emf = np.where(scores["back_emf"] == scores["back_emf"].min(), "low", "high")
+    leveled = scores.assign(back_emf=back_emf, block=scores["block"].astype(str))
     cnn = leveled[leveled["reader"] == "cnn"]
     plain = leveled[leveled["reader"] == "plain"]
     of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])

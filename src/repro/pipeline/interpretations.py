@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from repro.config import merged
@@ -22,83 +21,58 @@ class Variant:
     # sections and keys of the configuration that differ from the default
     change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     network: str = "published"  # network that it starts from
-    trained: bool = False  # whether it needs a network of its own
-    of: str = "default"  # reading whose network it uses otherwise
+    of: str = ""  # reading whose network it uses, where it needs none of its own
     longer: int = 1  # factor on the steps of the training
 
 
+_OMEGA, _SCHEDULE, _MOTIONS = "omega in Eq. 6 and 14", "training recipe", "training motions"
+_NORMALISED = ("divided by its maximum (Eq. 8)", {"signals": {"normalise_motion": True}})
+_UNMODELLED = {"stribeck": 0.5, "ripple": 0.05, "noise": 0.03, "delay_s": 0.002}
+
 #: By the name of their files; the first is what every other one is compared with.
 VARIANTS: dict[str, Variant] = {
-    "default": Variant("default", "as configured", trained=True),
-    "omega-hertz": Variant("omega in Eq. 6 and 14", "Hz", {"signals": {"frequency_reading": "hertz"}}, trained=True),
-    "omega-index": Variant(
-        "omega in Eq. 6 and 14", "DCT index", {"signals": {"frequency_reading": "index"}}, trained=True
-    ),
-    "motion-normalised": Variant(
-        "motion inside f", "divided by its maximum (Eq. 8)", {"signals": {"normalise_motion": True}}, trained=True
-    ),
-    "ranges-published": Variant("training ranges", "as printed", {"data": {"prior": "published"}}, trained=True),
-    "label-physical": Variant("label scale", "SI units", {"data": {"label": "physical"}}, trained=True),
-    "image-constant": Variant("divisor of Z1", "a constant (ours)", {"image": {"scale": "constant"}}, trained=True),
-    "recipe-paper": Variant("training recipe", "the paper's schedule", network="paper-recipe", trained=True),
-    "recipe-ranges": Variant(
-        "training recipe",
-        "the paper's schedule and ranges as printed",
-        network="paper-recipe-ranges",
-        trained=True,
-    ),
-    "desired": Variant("motion of line 18", "desired, network of Eq. 10", network="desired"),
-    "tracked": Variant("training motions", "as arms track Eq. 10 (ours)", network="tracked", trained=True),
-    "tracked-measured": Variant(
-        "training motions", "f of the image on the measured motion", network="tracked-measured", trained=True
-    ),
-    "tracked-few": Variant(
-        "training motions", "of 40 arms instead of 320", {"data": {"tracked": {"arms": 40}}}, "tracked", trained=True
-    ),
+    "default": Variant("default", "as configured"),
+    "omega-hertz": Variant(_OMEGA, "Hz", {"signals": {"frequency_reading": "hertz"}}),
+    "omega-index": Variant(_OMEGA, "DCT index", {"signals": {"frequency_reading": "index"}}),
+    "motion-normalised": Variant("motion inside f", *_NORMALISED),
+    "ranges-published": Variant("training ranges", "as printed", {"data": {"prior": "published"}}),
+    "label-physical": Variant("label scale", "SI units", {"data": {"label": "physical"}}),
+    "image-constant": Variant("divisor of Z1", "a constant (ours)", {"image": {"scale": "constant"}}),
+    "recipe-paper": Variant(_SCHEDULE, "the paper's schedule", network="paper-recipe"),
+    "recipe-ranges": Variant(_SCHEDULE, "the paper's schedule and ranges as printed", network="paper-recipe-ranges"),
+    "desired": Variant("motion of line 18", "desired, network of Eq. 10", network="desired", of="default"),
+    "tracked": Variant(_MOTIONS, "as arms track Eq. 10 (ours)", network="tracked"),
+    "tracked-measured": Variant(_MOTIONS, "f of the image on the measured motion", network="tracked-measured"),
+    "tracked-few": Variant(_MOTIONS, "of 40 arms instead of 320", {"data": {"tracked": {"arms": 40}}}, "tracked"),
     "tracked-unmodelled": Variant(
-        "training motions",
-        "with torque beyond Eq. 1",
-        {"data": {"unmodelled": {"stribeck": 0.5, "ripple": 0.05, "noise": 0.03, "delay_s": 0.002}}},
-        "tracked",
-        trained=True,
+        _MOTIONS, "with torque beyond Eq. 1", {"data": {"unmodelled": _UNMODELLED}}, "tracked"
     ),
-    "tracked-constant": Variant(
-        "training motions",
-        "Z1 divided by a constant",
-        {"image": {"scale": "constant"}},
-        network="tracked",
-        trained=True,
-    ),
-    "tracked-normalised": Variant(
-        "training motions",
-        "divided by its maximum (Eq. 8)",
-        {"signals": {"normalise_motion": True}},
-        "tracked",
-        trained=True,
-    ),
-    "tracked-longer": Variant("training motions", "twice the steps", network="tracked", trained=True, longer=2),
+    "tracked-constant": Variant(_MOTIONS, "Z1 divided by a constant", {"image": {"scale": "constant"}}, "tracked"),
+    "tracked-normalised": Variant(_MOTIONS, *_NORMALISED, "tracked"),
+    "tracked-longer": Variant(_MOTIONS, "twice the steps", network="tracked", longer=2),
     "tracked-guesses": Variant(
-        "guesses of line 17",
-        "up to 1, tracked motions",
-        {"algorithm1": {"guess_high": 1.0}},
-        network="tracked",
-        of="tracked",
+        "guesses of line 17", "up to 1, tracked motions", {"algorithm1": {"guess_high": 1.0}}, "tracked", "tracked"
     ),
-    "metric-energy": Variant("time factor of metr2ev", "energy ratio", {"metric": {"time_formula": "energy"}}),
+    "metric-energy": Variant(
+        "time factor of metr2ev", "energy ratio", {"metric": {"time_formula": "energy"}}, of="default"
+    ),
     "check-definite": Variant(
-        "physically possible", "positive-definite inertia", {"algorithm1": {"feasibility": "positive-definite"}}
+        "physically possible",
+        "positive-definite inertia",
+        {"algorithm1": {"feasibility": "positive-definite"}},
+        of="default",
     ),
-    "limit-20": Variant("L_exe", "20 guesses", {"algorithm1": {"inner_limit": 20}}),
-    "limit-1000": Variant("L_exe", "1000 guesses", {"algorithm1": {"inner_limit": 1000}}),
+    "limit-20": Variant("L_exe", "20 guesses", {"algorithm1": {"inner_limit": 20}}, of="default"),
+    "limit-1000": Variant("L_exe", "1000 guesses", {"algorithm1": {"inner_limit": 1000}}, of="default"),
 }
 
 
 def network_files(reading: str) -> tuple[str, str]:
     """Weights and history of the network that a reading uses, below the results: the tables' own where that is it."""
-    of = reading if VARIANTS[reading].trained else VARIANTS[reading].of
-    owner = VARIANTS[of]
+    own = VARIANTS[reading].of or reading
+    owner = VARIANTS[own]
     if owner.change or owner.longer > 1:
-        return f"ablation/{of}.safetensors", f"ablation/{of}.csv"
+        return f"ablation/{own}.safetensors", f"ablation/{own}.csv"
     suffix = "" if owner.network == "published" else f"-{owner.network}"
     return f"model/cnn{suffix}.safetensors", f"model/training{suffix}.csv"
 
@@ -112,6 +86,8 @@ def configuration_of(config: Config, reading: Variant) -> dict[str, Any]:
 
 #: What is said of the arm: the literal search on ID and T1 to T4, and on T1 to T4 what it is held against.
 ARM = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
+#: What the figure shows of each reading.
+HEADLINES = ("id_mean", "validation_mean", *ARM)
 
 
 def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -119,15 +95,10 @@ def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.
     rows = []
     for reading, result, history in zip(VARIANTS.values(), results, histories, strict=True):
         steps, loss = history[["step", "test_loss"]].iloc[-1]
-        rows.append({"question": reading.question, "reading": reading.name, "steps": steps, "held_out_loss": loss})
-        rows[-1] |= result
-    columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean"]
-    table = pd.DataFrame(rows)[[*columns, *ARM]]
-    return table.astype({"steps": np.int64})
-
-
-#: What the figure shows of each reading.
-HEADLINES = ("id_mean", "validation_mean", *ARM)
+        own = {"question": reading.question, "reading": reading.name, "steps": int(steps), "held_out_loss": loss}
+        rows.append({**own, **result})
+    columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean", *ARM]
+    return pd.DataFrame(rows)[columns]
 
 
 def ablation_figure(table: pd.DataFrame) -> pd.DataFrame:

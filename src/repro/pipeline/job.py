@@ -4,7 +4,7 @@ import fcntl
 import logging
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
@@ -12,9 +12,6 @@ from typing import Any, TextIO
 from repro.errors import InputError
 
 Config = Mapping[str, Any]
-Named = Iterable[tuple[str, str | Sequence[str]]]
-
-
 #: Folder of Snakemake's records.
 STATE = Path(".snakemake")
 
@@ -36,11 +33,6 @@ def share_lock(state: Path = STATE, clear: bool = False) -> TextIO:
     except OSError:
         pass  # a file system without locks: there a killed run needs snakemake --unlock
     return file
-
-
-def paths(named: Named) -> dict[str, list[Path]]:
-    """Named inputs or outputs of a rule as lists of paths."""
-    return {name: [Path(value)] if isinstance(value, str) else [Path(v) for v in value] for name, value in named}
 
 
 def _is_relevant(record: logging.LogRecord) -> bool:

@@ -1,59 +1,79 @@
-"""Networks of the workflow: training of one, with its history and model card, and Algorithm 1 with a trained one."""
+"""What trains or evaluates networks: those of the tables, of the interpretations and of the factorial."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.cnn.network import load_network, on_this_processor, save_network
+from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
+from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
+from repro.model.parameters import FEASIBILITY, Array
+from repro.pipeline.experiment import read_recordings, true_parameters
+from repro.pipeline.factorial import CELLS, COLUMNS, METRICS, Scorers, configured
+from repro.pipeline.identifications import (
+    CASE,
+    identify_arms,
+    identify_recording,
+    least_squares_of,
+    mean_training_torque,
+    prepare_recording,
+    read_mean_torque,
+    score_estimates,
+    score_runs,
+)
+from repro.pipeline.interpretations import VARIANTS, configuration_of
 from repro.pipeline.job import Config
-from repro.pipeline.model_card import model_card
-from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, take_stored
-from repro.pipeline.tracked import describe_motions, training_motion
+from repro.pipeline.monte_carlo import chatters
+from repro.pipeline.simulated_arms import describe_motions, read_blocks, read_spread, training_motion
+from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, model_card, network_name, take_stored
 from repro.progress import Progress
-from repro.settings import data_settings, network_settings, refinement_settings, search_settings, training_settings
+from repro.settings import (
+    data_settings,
+    metric_settings,
+    network_settings,
+    of_network,
+    refinement_settings,
+    search_settings,
+    signal_settings,
+    training_settings,
+)
+from repro.signals.metric import TorqueScorer
+from repro.streams import Stream, stream
 
-
-def algorithm1_of(variant: str, weights: str, config: Config, digest: str) -> Algorithm1:
-    """Algorithm 1 with a trained network, whose weights must state the configuration `digest`."""
-    network = load_network(Path(weights), network_settings(config), digest, training_settings(config).precision)
-    image, search = data_settings(config).image, search_settings(config)
-    return Algorithm1(variant, network, image, search, refinement_settings(config))
-
-
-def for_the_arm(algorithm1: Algorithm1, config: Config) -> Algorithm1:
-    """The same with the threshold of the experiment."""
-    return replace(algorithm1, search=replace(algorithm1.search, threshold=config["experiment"]["threshold"]))
+# --- Networks of the tables ---------------------------------------------------------------------------------------
 
 
 def train_network(
-    name: str, output: Mapping[str, str], checkpoint: str, config: Config, motions: str | None = None
+    suffix: str, weights: Path, history: Path, card: Path, checkpoint: str, config: Config, motions: Path | None = None
 ) -> None:
-    """Write ``weights``, ``history`` and ``card``, stored or trained; training continues from `checkpoint`."""
-    out = {what: Path(file) for what, file in output.items()}
+    """Write weights, history and card, stored or trained; training continues from `checkpoint`."""
+    name = network_name(suffix)
     if config["training"]["source"] == "stored" and not name.startswith("paper-recipe"):
-        take_stored(name, out, config)
+        take_stored(suffix, {"weights": weights, "history": history, "card": card}, config)
         return
-    history, seconds = train_and_keep(name, out["weights"], out["history"], checkpoint, config, motions)
-    network, data, training = network_settings(config), data_settings(config), training_settings(config)
-    training = replace(training, precision=on_this_processor(training.precision))
-    card = model_card(out["weights"], history, network, data, training, seconds, describe_motions(config))
-    write_text(out["card"], card)
+    table, seconds = train_and_keep(name, weights, history, checkpoint, config, motions)
+    precision = on_this_processor(training_settings(config).precision)
+    write_text(card, model_card(weights, table, seconds, precision, describe_motions(config), config))
     Path(checkpoint).unlink(missing_ok=True)
 
 
 def train_and_keep(
-    name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: str | None
+    name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: Path | None
 ) -> tuple[pd.DataFrame, list[float]]:
     """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
     progress = Progress(f"training, {name}")
     trained = train(
-        training_motion(config, Path(motions) if motions else None),
+        training_motion(config, motions),
         data_settings(config),
         network_settings(config),
         training_settings(config),
@@ -64,3 +84,197 @@ def train_and_keep(
     save_network(weights, trained.network, {CONFIGURATION: configuration_digest(config)})
     write_csv(history, table)
     return table, trained.seconds_at.tolist()
+
+
+def algorithm1_of(variant: str, weights: Path, config: Config, digest: str) -> Algorithm1:
+    """Algorithm 1 with a trained network, whose weights must state the configuration `digest`."""
+    network = load_network(weights, network_settings(config), digest, training_settings(config).precision)
+    image, search = data_settings(config).image, search_settings(config)
+    return Algorithm1(variant, network, image, search, refinement_settings(config))
+
+
+def for_the_arm(algorithm1: Algorithm1, config: Config) -> Algorithm1:
+    """The same with the threshold of the experiment."""
+    return replace(algorithm1, search=replace(algorithm1.search, threshold=config["experiment"]["threshold"]))
+
+
+def identify_numeric(
+    suffix: str, weights: Path, mean_torque: Path, seeds: Sequence[int], trained_as: str, config: Config
+) -> list[dict[str, Any]]:
+    """All numeric arms for one network and every seed."""
+    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
+    algorithm1 = algorithm1_of(network_name(suffix), weights, config, trained_as)
+    return [identify_arms(algorithm1, config, tau_mean, seed) for seed in seeds]
+
+
+def identify_experiment(
+    suffix: str,
+    captures: Sequence[Path],
+    weights: Path,
+    mean_torque: Path,
+    seeds: Sequence[int],
+    trained_as: str,
+    config: Config,
+) -> list[dict[str, Any]]:
+    """The arm's parameters by Algorithm 1 and its refinement, one network and every seed."""
+    signals, true = signal_settings(config), true_parameters(config)
+    tau_mean = read_mean_torque(mean_torque, signals)
+    (recording,) = read_recordings(captures, config)
+    algorithm1 = for_the_arm(algorithm1_of(network_name(suffix), weights, config, trained_as), config)
+    return [identify_recording(algorithm1, recording, tau_mean, signals, seed, true) for seed in seeds]
+
+
+def score_spread(
+    recordings: Path,
+    weights: Sequence[Path],
+    mean_torque: Path,
+    index: int,
+    trained_as: Mapping[str, str],
+    config: Config,
+) -> pd.DataFrame:
+    """Similarity of every method on every motion of every specimen, for identification duration `index`."""
+    signals, duration = signal_settings(config), config["spread"]["durations_s"][index]
+    tau_mean, specimens = read_mean_torque(mean_torque, signals), read_spread(recordings, config, index)
+    networks = [
+        for_the_arm(algorithm1_of(name, file, of_network(config, name), digest), config)
+        for file, (name, digest) in zip(weights, trained_as.items(), strict=True)
+    ]
+    progress = Progress(f"spread, identification of {duration:.4g} s")
+    frames = []
+    for k, one in enumerate(specimens):
+        recorded = one.recordings["ID"]
+        runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in networks]
+        runs.append(least_squares_of(recorded, signals, one.true, one.seed))
+        scores = score_runs(runs, list(one.recordings.values()), signals, metric_settings(config))
+        frames.append(scores.assign(duration=duration, arm=one.arm, chatter=int(chatters(recorded))))
+        progress(k + 1, len(specimens))
+    table = pd.concat(frames, ignore_index=True)
+    return table[["case", "joint", "method", "duration", "arm", "chatter", "seed", "time", "frequency", "total"]]
+
+
+# --- Interpretations of the paper ---------------------------------------------------------------------------------
+
+
+def train_variant(trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Config) -> None:
+    """Write weights and history of a network that no table has."""
+    reading = VARIANTS[trained]
+    label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
+    train_and_keep(label, weights, history, checkpoint, c, tracked)
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Config) -> dict[str, float]:
+    """Headline numbers under a reading.
+
+    Of the numeric arms and of the literal search on the arm they are medians of the seeds; one seed is refined.
+    """
+    # Every reading is refined, whatever its network is used for elsewhere.
+    c = {**configuration_of(config, VARIANTS[reading]), "refinement": config["refinement"]}
+    signals, metric, seeds = signal_settings(c), metric_settings(c), c["ablation"]["seeds"]
+    tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
+    algorithm1 = algorithm1_of("published", weights, c, configuration_digest(c))
+    totals = score_estimates([identify_arms(algorithm1.literal, c, tau_mean, seed) for seed in seeds], c, metric)
+    cells = totals.groupby(["trajectory", "case", "joint"])["total"].median()
+
+    refined, recordings, true = for_the_arm(algorithm1, c), read_recordings(captures, c), true_parameters(c)
+    runs = [
+        identify_recording(refined.literal if k else refined, recordings[0], tau_mean, signals, seed, true)
+        for k, seed in enumerate(seeds)
+    ]
+    runs.append(least_squares_of(recordings[0], signals, true, seeds[0]))
+    scores = score_runs(runs, recordings, signals, metric)
+    by_seed = scores[scores["method"] == "algorithm1"].assign(on_id=scores["case"] == CASE)
+    means = scores[scores["case"] != CASE].groupby("method")["total"].mean()
+    medians = by_seed.groupby(["on_id", "seed"])["total"].mean().groupby("on_id").median()
+    return {
+        "id_mean": float(cells["ID"].mean()),
+        "id_lowest": float(cells["ID"].min()),
+        "validation_mean": float(cells["validation"].mean()),
+        "arm_id": float(medians[True]),
+        "arm_validation": float(medians[False]),
+        "arm_refined": float(means["algorithm1+refinement"]),
+        "arm_least_squares": float(means["least-squares"]),
+        "arm_true": float(means["true"]),
+    }
+
+
+# --- Factorial ----------------------------------------------------------------------------------------------------
+
+
+def _plain_settings(config: Config) -> PlainSettings:
+    p = config["factorial"]["plain"]
+    return PlainSettings(p["width"], p["steps"], p["batch"], p["learning_rate"])
+
+
+def train_cell(
+    cell: str, seed: int, weights: Path, checkpoint: str, config: Config, motions: Path | None = None
+) -> None:
+    """Train one network of the factorial."""
+    c = configured(config, CELLS[cell], seed)
+    if CELLS[cell].reader == "plain":
+        motion, progress = training_motion(c, motions), Progress(f"training, {cell}")
+        save_plain(weights, train_plain(motion, data_settings(c), _plain_settings(c), seed, progress))
+        return
+    train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def search_under(
+    reader: ResidualEstimator, prepared: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
+) -> tuple[dict[str, tuple[Array, int]], Array]:
+    """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses.
+
+    An execution's guesses do not depend on the metric, only where it ends, so that the rest is left out afterwards.
+    Returns for each metric the parameters and how many executions met the threshold, and each execution's first
+    estimate.
+    """
+    count, limit = settings.executions, settings.inner_limit
+    guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
+    beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
+    possible = FEASIBILITY[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
+    results: dict[str, tuple[Array, int]] = {}
+    for name, metric in METRICS.items():
+        n_e = np.where(possible, TorqueScorer(prepared.alpha, prepared.y_sub, metric)(beta).total.mean(-1), 0.0)
+        met = n_e >= settings.threshold
+        until_met: NDArray[np.bool_] = (
+            np.cumsum(met, axis=1) - met == 0
+        )  # up to and with the first that meets the threshold
+        selected = select(beta[possible & until_met], prepared, replace(settings, metric=metric))
+        results[name] = (selected.beta, int(met.any(axis=1).sum()))
+    return results, beta[:, 0]
+
+
+def score_cell(
+    cell: str, seed: int, search: int, weights: Path, recordings: Path, mean_torque: Path, config: Config
+) -> pd.DataFrame:
+    """Similarities of one network and one seed of guesses on every block; of a plain network, which has no guesses."""
+    levels = CELLS[cell]
+    c = configured(config, levels, seed)
+    signals, image = signal_settings(c), data_settings(c).image
+    tau_mean, blocks = read_mean_torque(mean_torque, signals), read_blocks(recordings, c)
+    settings = replace(search_settings(c), threshold=c["experiment"]["threshold"])
+    if levels.reader == "plain":
+        plain = load_plain(weights, signals.samples, _plain_settings(c))
+    else:
+        network = load_network(weights, network_settings(c), configuration_digest(c), c["training"]["precision"])
+    progress, rows = Progress(f"{cell}, seed {seed}, guesses {search}"), []
+    common = {"reader": levels.reader, "training": levels.motions, "omega": levels.omega, "training_seed": seed}
+    for k, block in enumerate(blocks):
+        scorers = Scorers(block, c)
+        own = {**common, "block": block.block, "arm": block.arm, "back_emf": block.back_emf, "search_seed": search}
+        for image_motion in levels.image_motions or ("measured",):
+            prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, image_motion)
+            if levels.reader == "plain":
+                first = read_torque(plain, prepared.alpha)[np.newaxis]
+                found = dict.fromkeys(METRICS, (prepared.torque_scale * first[0], 0))
+            else:
+                reader = ResidualEstimator(network, image, prepared)
+                found, first = search_under(reader, prepared, settings, stream(search, Stream.FACTORIAL_SEARCH, k))
+            error = float(np.sqrt(np.mean((first - block.true / prepared.torque_scale) ** 2)))
+            shown = image_motion if levels.image_motions else ""
+            rows += [
+                {**own, "image_motion": shown, "metric": m, **scorers.row(m, beta), "error": error, "met": met}
+                for m, (beta, met) in found.items()
+            ]
+        progress(k + 1, len(blocks))
+    return pd.DataFrame(rows)[list(COLUMNS)]

@@ -35,13 +35,18 @@ PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotli
 ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 
 
+def _git(folder: Path, *arguments: str) -> str | None:
+    """What git prints about a checkout; None if it fails."""
+    try:
+        run = subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return run.stdout.strip()
+
+
 def commit(folder: Path) -> str:
     """Commit of a checkout, with ``-dirty`` if files differ from it; ``unknown`` outside one."""
-    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-    try:
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+    return _git(folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown"
 
 
 def package_versions() -> dict[str, str]:
@@ -59,19 +64,17 @@ def host_fingerprint() -> dict[str, str]:
 
 def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
     """Write the sidecar after a run that succeeded."""
-    write_json(
-        path,
-        {
-            "commit": commit(folder),
-            "cores": cores,
-            "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "machine": f"{platform.machine()} {platform.system()}",
-            "contract": held(os.environ),
-            "fingerprint": dict(fingerprint),
-            "packages": package_versions(),
-            "python": platform.python_version(),
-        },
-    )
+    content = {
+        "commit": commit(folder),
+        "cores": cores,
+        "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "machine": f"{platform.machine()} {platform.system()}",
+        "contract": held(os.environ),
+        "fingerprint": dict(fingerprint),
+        "packages": package_versions(),
+        "python": platform.python_version(),
+    }
+    write_json(path, content)
 
 
 def recorded_fingerprint(results: Path) -> dict[str, str] | None:
@@ -131,17 +134,11 @@ def _leaves(node: object, place: str = "") -> dict[str, str]:
 
 def _config_of(name: str, root: Path) -> dict[str, Any] | None:
     """Read the configuration of a commit: empty if the whole history has none, None if only a part of it is here."""
-    git = ["git", "-C", str(root)]
-    try:
-        shown = subprocess.run([*git, "show", f"{name}:./config/config.yaml"], capture_output=True, check=False)
-        if shown.returncode == 0:
-            content: dict[str, Any] = yaml.safe_load(shown.stdout)
-            return content
-        shallow = [*git, "rev-parse", "--is-shallow-repository"]
-        whole = subprocess.run(shallow, capture_output=True, text=True, check=False).stdout.strip() == "false"
-    except (OSError, yaml.YAMLError):
-        return None
-    return {} if whole else None
+    text = _git(root, "show", f"{name}:./config/config.yaml")
+    if text is not None:
+        content: dict[str, Any] = yaml.safe_load(text)
+        return content
+    return {} if _git(root, "rev-parse", "--is-shallow-repository") == "false" else None
 
 
 #: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
@@ -181,15 +178,9 @@ def _job(name: str, records: Mapping[Path, Any], results: Path) -> Job:
     started, ended = min(r["starttime"] for r in records.values()), max(r["endtime"] for r in records.values())
     benchmark = results / f"benchmarks/{name}.tsv"
     row: Any = pd.read_csv(benchmark, sep="\t", na_values="-").iloc[-1].dropna() if benchmark.exists() else {}
-    return Job(
-        name=name,
-        rule=next(iter(records.values()))["rule"],
-        inputs=tuple(path for path in inputs if path.exists()),
-        outputs=tuple(sorted(records)),
-        started=started,
-        ended=ended,
-        usage={"s": ended - started} | {column: float(row[column]) for column in UNITS if column in row},
-    )
+    usage = {"s": ended - started} | {column: float(row[column]) for column in UNITS if column in row}
+    rule = next(iter(records.values()))["rule"]
+    return Job(name, rule, tuple(filter(Path.exists, inputs)), tuple(sorted(records)), started, ended, usage)
 
 
 def needed(jobs: Mapping[str, Job], name: str) -> dict[str, Job]:
@@ -236,13 +227,12 @@ RECORD = "ro-crate-metadata.json"
 PROJECT = "arcp://name,repro/"
 LICENCE = "https://creativecommons.org/licenses/by/4.0/"
 #: What the record says, in words of schema.org and a few of others.
-SCHEMA = (
-    *("ComputerLanguage", "CreateAction", "CreativeWork", "Dataset", "PropertyValue", "SoftwareApplication"),
-    *("SoftwareSourceCode", "about", "contentSize", "datePublished", "description", "endTime", "hasPart", "instrument"),
-    *("license", "mainEntity", "mentions", "name", "object", "programmingLanguage", "propertyID", "result"),
-    *("softwareRequirements", "startTime", "unitText", "value", "version"),
-)
-CONTEXT = {name: f"http://schema.org/{name}" for name in SCHEMA} | {
+SCHEMA = """
+ComputerLanguage CreateAction CreativeWork Dataset PropertyValue SoftwareApplication SoftwareSourceCode about
+contentSize datePublished description endTime hasPart instrument license mainEntity mentions name object
+programmingLanguage propertyID result softwareRequirements startTime unitText value version
+"""
+CONTEXT = {name: f"http://schema.org/{name}" for name in SCHEMA.split()} | {
     "ComputationalWorkflow": "https://bioschemas.org/ComputationalWorkflow",
     "File": "http://schema.org/MediaObject",
     "conformsTo": "http://purl.org/dc/terms/conformsTo",
@@ -285,31 +275,33 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
         "softwareRequirements": _refs(programs),
         "version": commit,
     }
-    usages = {job.name: _usage(job) for job in jobs}
-    actions = [
-        _entity(
-            f"#job-{job.name}",
+
+    def action(
+        name: str, title: str, by: str, read: Iterable[Path], made: Iterable[Path], times: list[float]
+    ) -> Entity:
+        start, end = (datetime.datetime.fromtimestamp(t, datetime.UTC) for t in (min(times), max(times)))
+        return _entity(
+            name,
             "CreateAction",
-            job.name,
-            instrument={"@id": f"#rule-{job.rule}"},
-            object=_refs(files[path] for path in job.inputs),
-            result=_refs(files[path] for path in job.outputs),
-            startTime=_time(job.started),
-            endTime=_time(job.ended),
-            resourceUsage=_refs(usages[job.name]),
+            title,
+            instrument={"@id": by},
+            object=_refs(files[path] for path in read),
+            result=_refs(files[path] for path in made),
+            startTime=start.isoformat(timespec="seconds"),
+            endTime=end.isoformat(timespec="seconds"),
         )
-        for job in jobs
-    ]
-    run = _entity(
-        "#run",
-        "CreateAction",
-        f"run of commit {commit}",
-        instrument={"@id": files[snakefile]["@id"]},
-        object=_refs(files[path] for path in given),
-        result=_refs(files[path] for path in produced | {sidecar}),
-        startTime=_time(min(job.started for job in jobs)),
-        endTime=_time(max(job.ended for job in jobs)),
-    )
+
+    main, times = files[snakefile]["@id"], [time for job in jobs for time in (job.started, job.ended)]
+    actions, usages = [action("#run", f"run of commit {commit}", main, given, produced | {sidecar}, times)], []
+    for job in jobs:
+        used = [
+            _entity(f"#job-{job.name}-{name}", "PropertyValue", name, propertyID=name, value=v, unitText=UNITS[name])
+            for name, v in job.usage.items()
+        ]
+        own = [job.started, job.ended]
+        done = action(f"#job-{job.name}", job.name, f"#rule-{job.rule}", job.inputs, job.outputs, own)
+        actions.append({**done, "resourceUsage": _refs(used)})
+        usages += used
     profiles = [_entity(key, "CreativeWork", name, version=key.split("/")[-1]) for key, name in PROFILES.items()]
     root = _entity(
         "./",
@@ -319,17 +311,16 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
         datePublished=provenance["finished"],
         license={"@id": LICENCE},
         conformsTo=_refs(profiles),
-        mainEntity={"@id": files[snakefile]["@id"]},
+        mainEntity={"@id": main},
         hasPart=_refs(files.values()),
-        mentions=_refs([run, *actions]),
+        mentions=_refs(actions),
     )
     conforms = {"@id": "https://w3id.org/ro/crate/1.1"}
     graph = [
         _entity(RECORD, "CreativeWork", "Record of the run", about={"@id": "./"}, conformsTo=conforms),
         _entity(LICENCE, "CreativeWork", "CC BY 4.0", description="Creative Commons Attribution 4.0 International"),
         _entity("#snakemake", "ComputerLanguage", "Snakemake", version=packages["snakemake"]),
-        *(root, run, *actions, *profiles, *programs, *rules, *files.values()),
-        *(entity for each in usages.values() for entity in each),
+        *(root, *actions, *usages, *profiles, *programs, *rules, *files.values()),
     ]
     return sorted(graph, key=lambda entity: str(entity["@id"]))
 
@@ -352,14 +343,3 @@ def _file(path: Path, results: Path) -> Entity:
     with path.open("rb") as content:
         digest = hashlib.file_digest(content, "sha256").hexdigest()
     return _entity(key, "File", name or str(path), contentSize=str(path.stat().st_size), sha256=digest)
-
-
-def _usage(job: Job) -> list[Entity]:
-    return [
-        _entity(f"#job-{job.name}-{name}", "PropertyValue", name, propertyID=name, value=value, unitText=UNITS[name])
-        for name, value in job.usage.items()
-    ]
-
-
-def _time(seconds: float) -> str:
-    return datetime.datetime.fromtimestamp(seconds, datetime.UTC).isoformat(timespec="seconds")

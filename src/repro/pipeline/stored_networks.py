@@ -1,16 +1,20 @@
-"""Networks that come with the project: taken instead of trained, if they belong to the configuration."""
+"""Files of networks: their configuration, the ones that come with the project, and the card of one that is trained."""
 
 import hashlib
 import json
 import shutil
 from functools import partial
+from math import prod
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
+from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 from repro.files import atomic_write, read_tensors, write_text
 from repro.pipeline.job import Config
-from repro.settings import of_network
+from repro.settings import data_settings, network_settings, of_network, training_settings
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"
@@ -21,22 +25,19 @@ SOURCE_KEYS = ("source", "networks")
 def training_config(config: Config) -> dict[str, Any]:
     """What decides a network: nothing of another recipe or another divisor."""
     left_out = SOURCE_KEYS if config["training"]["recipe"] == "paper" else (*SOURCE_KEYS, "paper")
-    image = config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]}
-    data = {key: value for key, value in config["data"].items() if key != "tracked"}
-    how: dict[str, Any] = {"data": data}
-    if data["motions"] == "tracked":
-        e = config["experiment"]
-        how = {
-            "data": config["data"],
-            "board": config["board"],
-            "experiment": {key: e[key] for key in ("margin_samples", "lead_in_s")},
-            "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
-        }
-    return {
-        **{name: config[name] for name in ("signals", "network")},
-        **how,
-        "image": image,
+    parts = {
+        "signals": config["signals"],
+        "network": config["network"],
+        "image": config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]},
         "training": {key: value for key, value in config["training"].items() if key not in left_out},
+    }
+    if config["data"]["motions"] != "tracked":
+        return parts | {"data": {key: value for key, value in config["data"].items() if key != "tracked"}}
+    return parts | {
+        "data": config["data"],
+        "board": config["board"],
+        "experiment": {key: config["experiment"][key] for key in ("margin_samples", "lead_in_s")},
+        "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
     }
 
 
@@ -46,8 +47,13 @@ def configuration_digest(config: Config) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def network_name(suffix: str) -> str:
+    """Network of a suffix of file names, which is empty or ``-NETWORK``."""
+    return suffix.removeprefix("-") or "published"
+
+
 def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
-    """Files of a network by what they are; a suffix is empty or ``-VARIANT``."""
+    """Files of a network by what they are."""
     names = {"weights": "cnn{}.safetensors", "history": "training{}.csv", "card": "model-card{}.md"}
     return {what: Path(folder) / name.format(suffix) for what, name in names.items()}
 
@@ -56,11 +62,9 @@ def check_stored(config: Config) -> None:
     """Refuse stored networks of another configuration; nothing is checked if networks are trained."""
     if config["training"]["source"] != "stored":
         return
-    for network in ("published", *config["networks"]):
-        whole = of_network(config, network)
-        weights = stored_files(config["training"]["networks"], "" if network == "published" else f"-{network}")[
-            "weights"
-        ]
+    for suffix in ("", *(f"-{network}" for network in config["networks"])):
+        whole = of_network(config, network_name(suffix))
+        weights = stored_files(config["training"]["networks"], suffix)["weights"]
         if whole["training"]["recipe"] != "paper" and weights.exists():
             _check_weights(weights, whole)
 
@@ -73,9 +77,8 @@ def _check_weights(weights: Path, config: Config) -> None:
         raise InputError.at(str(weights), "a network of another configuration", expected)
 
 
-def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
+def take_stored(suffix: str, out: dict[str, Path], config: Config) -> None:
     """Copy a stored network, its history and its model card to `out`."""
-    suffix = "" if network == "published" else f"-{network}"
     stored = stored_files(config["training"]["networks"], suffix)
     weights = stored["weights"]
     _check_weights(weights, config)
@@ -89,3 +92,69 @@ def take_stored(network: str, out: dict[str, Path], config: Config) -> None:
     for what in ("weights", "history"):
         atomic_write(out[what], partial(shutil.copyfile, stored[what]))
     write_text(out["card"], f"{card}\nThis run did not train it: stored network, `{weights.as_posix()}`.\n")
+
+
+# --- Model card ---------------------------------------------------------------------------------------------------
+
+
+def architecture(settings: NetworkSettings) -> pd.DataFrame:
+    """Figure 7: every layer with its size and number of parameters."""
+    k, maps, (p1, p2, p3) = settings.kernels, settings.maps, settings.pooled
+
+    def count(name: str) -> int:
+        return sum(prod(settings.weights[f"{name}.{part}"]) for part in ("weight", "bias"))
+
+    rows = [
+        ("input", "input", settings.image_size, settings.image_size, 2, "", 0),
+        ("conv1", "convolution", 2 * p1, 2 * p1, maps, f"{k[0]}x{k[0]}x2x{maps}", count("conv1")),
+        ("pool1", "max pool", p1, p1, maps, "2x2", 0),
+        ("conv2", "convolution", 2 * p2, 2 * p2, maps, f"{k[1]}x{k[1]}x{maps}x{maps}", count("conv2")),
+        ("pool2", "max pool", p2, p2, maps, "2x2", 0),
+        ("conv3", "convolution", p3, p3, maps, f"{k[2]}x{k[2]}x{maps}x{maps}", count("conv3")),
+        ("fc4", "fully connected", 1, 1, settings.hidden[0], "", count("fc4")),
+        ("fc5", "fully connected", 1, 1, settings.hidden[1], "", count("fc5")),
+        ("output", "output", 1, 1, 9, "", count("fc6")),
+    ]
+    return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
+
+
+def model_card(
+    weights: Path, history: pd.DataFrame, seconds_at: list[float], precision: str, motions: str, config: Config
+) -> str:
+    """What a user of the weights wants to know, as Markdown."""
+    data, training = data_settings(config), training_settings(config)
+    layers, last = architecture(network_settings(config)), history.iloc[-1]
+    below = history.index[history["test_loss"] <= 1e-3]
+    reached = "not reached in this budget"
+    if len(below):
+        reached = f"step {int(history['step'][below[0]])}, after {seconds_at[below[0]]:.0f} s"
+    size = "\n".join(
+        f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
+        for r in layers.itertuples()
+    )
+    divisor = data.image.scale + (f" ({data.image.constant:g})" if data.image.scale == "constant" else "")
+    return f"""# Model card: {weights.name}
+
+Reads the nine parametric residuals of a two-joint arm off the 100 x 100 x 2 signal image of Eq. 9.
+Trained on torques computed by numeric substitution in Eq. 1; no measured data.
+
+| layer | kind | output | kernel | parameters |
+|---|---|---|---|---|
+{size}
+
+- Parameters: {int(layers["parameters"].sum())}
+- Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, \
+{precision} arithmetic in layers 1 to 4
+- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, \
+the rest uniform on {data.guess.low:g} to {data.guess.high:g}
+- Motions: {motions}
+- Torque beyond Eq. 1, at most: {data.unmodelled}
+- Image: Z1 divided by {divisor}
+- Final loss: training {last["train_loss"]:.3e}, held-out {last["test_loss"]:.3e}
+- Held-out loss of 1e-3: {reached}
+- Training time: {seconds_at[-1]:.0f} s of wall time
+- SHA-256 of the weights: `{hashlib.sha256(weights.read_bytes()).hexdigest()}`
+
+Use: identification of arms that are sent Eq. 10's trajectory. Not for other motions: the image's meaning
+depends on the motion. Parameters are read in units of the largest torque.
+"""

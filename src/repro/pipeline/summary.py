@@ -9,26 +9,18 @@ from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.experiment import Recording
-from repro.pipeline.experiment_runs import CASE, every_seed, score_runs
+from repro.pipeline.identifications import CASE, score_estimates, score_runs
 from repro.pipeline.job import Config
-from repro.pipeline.numeric import score_estimates
-from repro.settings import numeric_settings, signal_settings
+from repro.settings import signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
-
-#: Columns of the scores of the experiment on the arm.
-SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 
 
 def median_seeds(scores: pd.DataFrame) -> dict[tuple[str, str], int]:
     """Seed that stands for a case and method: the one whose ID similarity is the median."""
     on_id = scores[scores["trajectory"] == "ID"]
-    mean = on_id.groupby(["case", "method", "seed"], sort=True)["total"].mean()
-    chosen = {}
-    for key, group in mean.reset_index().groupby(["case", "method"]):
-        ordered = group.sort_values("total", kind="stable")["seed"].to_numpy()
-        case, method = (str(k) for k in list(key))
-        chosen[case, method] = int(ordered[len(ordered) // 2])
-    return chosen
+    mean = on_id.groupby(["case", "method", "seed"])["total"].mean().reset_index()
+    by_cell = mean.sort_values("total", kind="stable").groupby(["case", "method"])["seed"]
+    return dict(by_cell.agg(lambda seeds: seeds.iloc[len(seeds) // 2]))
 
 
 def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
@@ -95,11 +87,8 @@ def parameter_table(
     rows = []
     for case in cases:
         for method in TABLE_METHODS:
-            runs = {
-                run["seed"]: run["arms"][case]
-                for run in identifications
-                if method in run["arms"][case]["methods"]
-            }  # fmt: skip
+            arms = [(run["seed"], run["arms"][case]) for run in identifications]
+            runs = {seed: arm for seed, arm in arms if method in arm["methods"]}
             if not runs:
                 continue
             estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in runs.values()], columns=list(NAMES))
@@ -129,29 +118,19 @@ def both_metrics(
     Columns `BOTH_METRICS`: totals of N1 to N4 on both motions, of the arm on ID (each joint) and over T1 to T4, and
     the frequency factor of the arm, which both formulas share.
     """
-    signals, settings = signal_settings(config), numeric_settings(config)
-    rows = []
+    signals, rows = signal_settings(config), []
     for formula in TIME_FORMULAS:
         metric = MetricSettings(formula, config["metric"]["exponent"])
-        cells = ["method", "case", "joint"]
-        of_arm = score_runs(every_seed(arm), recordings, signals, metric)
-        of_arm = of_arm.groupby(cells)[["frequency", "total"]].median().reset_index()
-        of_numbers = score_estimates(every_seed(numeric), signals, settings, metric)
-        of_numbers = of_numbers.groupby(["trajectory", *cells])["total"].median().reset_index()
+        cell = ["method", "case", "joint"]
+        of_arm = score_runs(arm, recordings, signals, metric)
+        of_arm = of_arm.groupby(cell)[["frequency", "total"]].median().reset_index()
+        of_numbers = score_estimates(numeric, config, metric)
+        of_numbers = of_numbers.groupby(["trajectory", *cell])["total"].median().reset_index()
         means = of_numbers.groupby(["method", "trajectory"])["total"].mean()
         for method, own in of_arm.groupby("method"):
             on_id, others = own[own["case"] == CASE].set_index("joint"), own[own["case"] != CASE]
-            rows.append(
-                {
-                    "method": method,
-                    "formula": formula,
-                    "numeric_id": means.get((method, "ID")),
-                    "numeric_validation": means.get((method, "validation")),
-                    "id1": on_id.loc[1, "total"],
-                    "id2": on_id.loc[2, "total"],
-                    "validation": others["total"].mean(),
-                    "frequency_id": on_id["frequency"].mean(),
-                    "frequency_validation": others["frequency"].mean(),
-                }
-            )
+            numeric_means = [means.get((method, trajectory)) for trajectory in ("ID", "validation")]
+            joints = [on_id.loc[joint, "total"] for joint in (1, 2)]
+            frequencies = [cells["frequency"].mean() for cells in (on_id, others)]
+            rows.append((method, formula, *numeric_means, *joints, others["total"].mean(), *frequencies))
     return pd.DataFrame(rows, columns=list(BOTH_METRICS)).sort_values(["method", "formula"], ignore_index=True)

@@ -4,7 +4,6 @@ import base64
 import hashlib
 import io
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -24,15 +23,6 @@ def read_bytes(path: Path, expected: str) -> bytes:
     if not content.strip():
         raise InputError.at(str(path), "an empty file", expected)
     return content
-
-
-def read_text(path: Path, expected: str) -> str:
-    """Read UTF-8 text, line ends made Unix ones."""
-    try:
-        text = read_bytes(path, expected).decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", expected) from error
-    return text.replace("\r\n", "\n")
 
 
 def environment(folder: Path) -> Environment:
@@ -59,13 +49,10 @@ def _digest(text: str) -> str:
     return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 
 
-#: Pictures together, in characters of base64, before they are made smaller.
-IMAGE_BUDGET = 13_000_000
 #: A file up to this many bytes is held in the page; a larger one is linked where it lies.
 LARGEST_DOWNLOAD = 64_000
 #: Pixels on the screen for one pixel of the picture: drawn at 300 dpi, shown at 1.25 times the printed size.
 _SHOWN = 1.25 * 96.0 / 300.0
-_TYPES = {".csv": "text/csv", ".tex": "text/plain", ".md": "text/plain", ".pdf": "application/pdf"}
 
 
 @dataclass(frozen=True)
@@ -86,34 +73,24 @@ class Link:
     download: str  # name to save it under; empty for a file that is only linked
 
 
-def pictures(paths: Mapping[str, Path], budget: int = IMAGE_BUDGET) -> dict[str, Picture]:
-    """Embed PNG files as they are; if they are too large together, at two pixels a CSS pixel."""
-    contents = {key: read_bytes(path, "a PNG image") for key, path in paths.items()}
-    smaller = sum(4 * (len(content) // 3 + 1) for content in contents.values()) > budget
-    embedded = {}
-    for key, content in contents.items():
-        try:
-            with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
-                width, height = (round(_SHOWN * pixels) for pixels in image.size)
-                png = _resized(image, (2 * width, 2 * height)) if smaller else content
-        except (UnidentifiedImageError, OSError) as error:
-            raise InputError.at(str(paths[key]), "a file that is not an image", "a PNG image") from error
-        embedded[key] = Picture(_uri(png, "image/png"), width, height)
-    return embedded
-
-
-def _resized(image: Image.Image, size: tuple[int, int]) -> bytes:
-    file = io.BytesIO()
-    image.convert("RGB").resize(size, Image.Resampling.LANCZOS).save(file, "PNG", optimize=True)
-    return file.getvalue()
+def picture(path: Path) -> Picture:
+    """Embed a PNG file."""
+    content = read_bytes(path, "a PNG image")
+    try:
+        with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
+            width, height = (round(_SHOWN * pixels) for pixels in image.size)
+    except (UnidentifiedImageError, OSError) as error:
+        raise InputError.at(str(path), "a file that is not an image", "a PNG image") from error
+    return Picture(_uri(content, "image/png"), width, height)
 
 
 def link(path: Path, page: Path) -> Link:
     """Link to a data file, held in the page if it is small."""
     content = read_bytes(path, f"a {path.suffix[1:].upper()} file")
+    media = "text/csv" if path.suffix == ".csv" else "text/plain"
     kind, size = path.suffix[1:].upper(), _size(len(content))
     if len(content) <= LARGEST_DOWNLOAD and path.suffix != ".pdf":
-        return Link(f"{kind} ({size})", _uri(content, f"{_TYPES[path.suffix]};charset=utf-8"), path.name)
+        return Link(f"{kind} ({size})", _uri(content, f"{media};charset=utf-8"), path.name)
     return Link(f"{kind} ({size}, next to this report)", quote(Path(os.path.relpath(path, page.parent)).as_posix()), "")
 
 

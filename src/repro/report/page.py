@@ -1,29 +1,43 @@
 """The report of a run as one HTML text: every result, with what computed it."""
 
-import hashlib
-import json
 import platform
+import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pandas as pd
 from markupsafe import Markup
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
-from repro.exhibits.declare import Exhibit
-from repro.exhibits.make import laid_out
-from repro.exhibits.markup import Table
-from repro.exhibits.style import METHODS
+from repro.exhibits.declare import Exhibit, shown
+from repro.exhibits.markup import SUPERSCRIPTS, TIMES, Table
+from repro.exhibits.markup import unit as unit_text
+from repro.exhibits.style import METHODS, title_of
 from repro.files import read_csv, read_rows, write_text
-from repro.paper.claims import Basis, summary
+from repro.paper.claims import (
+    BETTER,
+    CAUSES,
+    CONTRADICTS,
+    DIFFERS,
+    EXTENSION,
+    HARDWARE,
+    INCONCLUSIVE,
+    NOT_COMPARABLE,
+    NOT_RUN,
+    REPRODUCED,
+    VERDICTS,
+    Basis,
+    broken,
+    by_basis,
+    summary,
+)
+from repro.pipeline import monte_carlo
 from repro.pipeline.job import Config
-from repro.pipeline.monte_carlo import ALL, BETTER, COMPARISON_COLUMNS, OPEN, SAME, WORSE
-from repro.pipeline.provenance import commit, package_versions
-from repro.report.embed import Link, Picture, environment, link, pictures, policy, read_text
-from repro.report.ledger import count, differences, read_claims, tally
+from repro.pipeline.provenance import commit, config_digest, package_versions
+from repro.report.embed import Link, Picture, environment, link, picture, policy, read_bytes
 from repro.signals.programs import SPAN
 
 #: The report must stay below this, so that it can be mailed and opened anywhere.
@@ -38,7 +52,6 @@ class ReportInputs:
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
     captures: Path  # ``SHA256SUMS`` of the recorded runs
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
-    command: str = "snakemake --cores 2"  # what a target's name is put after to remake it
     # commit, packages and the like, as JSON would hold them; empty if nobody recorded them
     provenance: Mapping[str, object] = field(default_factory=dict)
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
@@ -53,115 +66,161 @@ class ReportInputs:
 class Shown:
     """An exhibit with what the page shows of it."""
 
-    exhibit: Exhibit  # what it is
+    exhibit: Exhibit
     links: list[Link]  # its data
-    missing: list[str]  # names of its files that are not there
-    table: Table | None = None  # of a table that is there
-    picture: Picture | None = None  # of a figure that is there
+    missing: bool  # whether a file of it is not there
+    table: Table | None  # of a table that is there
+    picture: Picture | None  # of a figure that is there
 
 
-def show_table(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
-    """Lay out a table from its CSV and link it and its LaTeX."""
-    data = [inputs.results / "tables" / f"{exhibit.name}{suffix}" for suffix in (".csv", ".tex")]
-    found, missing = _present(data, exhibit.optional)
-    links = [link(path, inputs.page) for path in found]
-    table = laid_out(exhibit, data[0]) if data[0] in found else None
-    return Shown(exhibit, links, missing, table=table)
+def show(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+    """Lay out a table or embed a figure, and link its data; reading refuses a missing file unless it is optional."""
+    numbers = inputs.results / f"{exhibit.kind}s" / f"{exhibit.name}.csv"
+    image = inputs.figures / f"{exhibit.name}.png"
+    is_table = exhibit.kind == "table"
+    data = [numbers, numbers.with_suffix(".tex") if is_table else image.with_suffix(".pdf")]
+    needed = data if is_table else [image, *data]
+    present = [path for path in needed if path.exists() or not exhibit.optional]
+    return Shown(
+        exhibit,
+        [link(path, inputs.page) for path in data if path in present],
+        len(present) < len(needed),
+        cast("Table", shown(exhibit, numbers)) if is_table and numbers in present else None,
+        picture(image) if image in present else None,
+    )
 
 
-def show_figures(exhibits: Sequence[Exhibit], inputs: ReportInputs) -> list[Shown]:
-    """Embed every figure and link the numbers drawn and the vector file."""
-    images = {exhibit.name: inputs.figures / f"{exhibit.name}.png" for exhibit in exhibits}
-    optional = {exhibit.name for exhibit in exhibits if exhibit.optional}
-    embedded = pictures({name: path for name, path in images.items() if path.exists() or name not in optional})
-    shown = []
-    for exhibit in exhibits:
-        data = [inputs.results / "figures" / f"{exhibit.name}.csv", inputs.figures / f"{exhibit.name}.pdf"]
-        found, missing = _present([images[exhibit.name], *data], exhibit.optional)
-        links = [link(path, inputs.page) for path in data if path in found]
-        picture = embedded.get(exhibit.name)
-        shown.append(Shown(exhibit, links, missing, picture=picture))
-    return shown
+#: What each verdict means, for a reader who has not seen the paper.
+MEANINGS = {
+    REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
+    BETTER: "better by more than the tolerance, on the paper's own arms",
+    DIFFERS: "different by more than the tolerance",
+    INCONCLUSIVE: "compatible, but the scatter over the seeds is too wide, or another case would pass as well",
+    NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
+    CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
+    NOT_RUN: "a setting of the paper that the default run does not use",
+    HARDWARE: "only a measurement on the real arm or board could tell",
+}
+#: Verdicts that the first section counts together; the others are open.
+_GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}
 
-
-def _present(paths: Sequence[Path], may_miss: bool) -> tuple[list[Path], list[str]]:
-    """Paths to read, and names of files that are not there; where none may miss, reading refuses what is missing."""
-    if not may_miss:
-        return list(paths), []
-    return [path for path in paths if path.exists()], [path.name for path in paths if not path.exists()]
+COLUMNS = (
+    "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
+    "cause", "target", "note",
+)  # fmt: skip
+_ALLOWED = {"basis": tuple(str(basis) for basis in Basis), "asserted": ("", *VERDICTS), "cause": ("", *CAUSES)}
+_ID = re.compile(r"[\w./+:,()@-]+")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NO_UNIT = ("", "1", "-", "not printed")
+_MINUS = "\N{MINUS SIGN}"
 
 
 @dataclass(frozen=True)
-class Audit:
-    """The audit of the paper: a table of any columns, and its data."""
+class Cell:
+    """A cell of the ledger: what it shows, and what it is sorted by (empty if by what it shows)."""
 
-    header: list[str]
-    rows: list[list[str]]
-    links: list[Link]
+    text: str
+    value: str = ""
 
 
-def show_audit(inputs: ReportInputs) -> Audit:
-    """Read the audit."""
-    path = inputs.results / "tables" / "audit.csv"
-    rows = read_rows(path)
-    columns = [name for name in next(iter(rows), {}) if name != "id"]
-    links = [link(file, inputs.page) for file in (path, path.with_suffix(".tex")) if file.exists()]
-    return Audit([name.replace("_", " ") for name in columns], [[row[name] for name in columns] for row in rows], links)
+def read_claims(path: Path) -> list[dict[str, Any]]:
+    """Rows of ``claims.csv`` with their numbers as cells, and whether each is of an extension and as asserted.
+
+    Published numbers and ours have their unit; a difference and a tolerance have that of what is published.
+    """
+    rows = read_rows(path, COLUMNS)
+    seen: set[str] = set()
+    for number, row in enumerate(rows, start=1):
+        place = f"{path}: row {number}"
+        for name in ("place", "quantity"):
+            if not row[name].strip():
+                raise InputError.at(f"{place}: {name}", "nothing", "text")
+        if not _ID.fullmatch(row["id"]) or row["id"] in seen:
+            raise InputError.at(f"{place}: id", repr(row["id"]), "an id without blanks, used once")
+        if row["verdict"] not in VERDICTS:
+            raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(VERDICTS)}")
+        for name, allowed in _ALLOWED.items():
+            if row[name] not in allowed:
+                raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, allowed))}")
+        seen.add(row["id"])
+    lost = set(broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
+    return [
+        {**row, **_cells(row), "extension": EXTENSION in row["id"], "satisfied": row["id"] not in lost} for row in rows
+    ]
+
+
+def _cells(row: Mapping[str, str]) -> dict[str, Cell]:
+    unit, published = row["unit"].strip(), row["published"].strip()
+    shown = "" if unit in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit_text(unit).md}"
+    decimals = _decimals(published)
+    return {
+        "published": _cell(published, None, shown),
+        "ours": _cell(row["ours"], decimals, shown),
+        "difference": _cell(row["difference"], decimals, signed=True),
+        "tolerance": _cell(row["tolerance"], decimals),
+    }
+
+
+def _decimals(published: str) -> int | None:
+    """Decimals to show ours with: one more than published; None if the number is not a plain decimal."""
+    whole, _, part = published.partition(".")
+    return len(part) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
+
+
+def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False) -> Cell:
+    """A number as it is written, or with `decimals` where it has more; text as it is."""
+    text = text.strip()
+    if not _NUMBER.fullmatch(text):
+        return Cell("" if text.lower() in ("nan", "") else text)
+    value, shown = float(text), text
+    written = len(text.partition(".")[2])
+    if decimals is not None and written > decimals and "e" not in text.lower():
+        shown = f"{value:.{decimals}f}"
+    if float(shown) == 0.0 != value or len(shown) > 10:
+        shown = f"{value:.3g}"
+    if signed and value > 0:
+        shown = f"+{shown.lstrip('+')}"
+    digits, e, power = shown.lower().partition("e")
+    if e:
+        shown = f"{digits}{TIMES}10{str(int(power)).translate(SUPERSCRIPTS)}"
+    return Cell(shown.replace("-", _MINUS) + unit, repr(value))
 
 
 #: The paper's method as listed, and the opponent that the paper chose.
 _PUBLISHED, _OPPONENT = "algorithm1", "least-squares"
-_WORDS = {BETTER: "Yes", WORSE: "No", SAME: "Neither", OPEN: "Undecided"}
+_WORDS = {
+    monte_carlo.BETTER: "Yes",
+    monte_carlo.WORSE: "No",
+    monte_carlo.SAME: "Neither",
+    monte_carlo.OPEN: "Undecided",
+}
 
 
-@dataclass(frozen=True)
-class Pair:
-    """One method against one opponent on all arms, after an identification of `duration` s."""
-
-    method: str
-    opponent: str
-    duration: str
-    difference: str  # points of a percent, with the simultaneous interval
-    conclusion: str
-
-
-@dataclass(frozen=True)
-class Answer:
-    """The answer in one sentence, and what it rests on."""
-
-    words: str
-    pairs: tuple[Pair, ...]
-
-
-def answer(inputs: ReportInputs) -> Answer:
-    """Read the comparisons."""
+def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
+    """The answer in one sentence, and the comparisons on all arms that it rests on."""
     path = inputs.results / "tables" / "verdict.csv"
-    table = read_csv(path, COMPARISON_COLUMNS)
-    table = table[table["set"] == ALL]
+    table = read_csv(path, monte_carlo.COMPARISON_COLUMNS)
+    table = table[table["set"] == monte_carlo.ALL]
+    table = table.assign(points=[_points(row) for row in table.to_dict("records")])
     asked = table[(table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)]
     if asked.empty:
         found = f"no {_PUBLISHED!r} against {_OPPONENT!r} on {SPAN}"
         raise InputError.at(f"{path}: method", found, f"rows of {_PUBLISHED}")
     conclusions = set(asked["conclusion"])
     yes = _WORDS[conclusions.pop()] if len(conclusions) == 1 else "Not throughout"
-    parts = [f"{_points(row)} after {row['duration']:.4g} s" for row in asked.to_dict("records")]
+    parts = [f"{row['points']} after {row['duration']:.4g} s" for row in asked.to_dict("records")]
     words = (
         f"{yes}: over {int(table['arms'].max())} simulated arms, Algorithm 1 as listed differs from least squares by "
         f"{' and '.join(parts)}."
     )
-    return Answer(words, tuple(_pair(row) for row in table.to_dict("records")))
+    titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
+    return words, table.assign(**titles).to_dict("records")
 
 
 def _points(row: Mapping[Hashable, Any]) -> str:
+    """Points of a percent, with the simultaneous interval."""
     difference, low, high = (100.0 * float(row[name]) for name in ("difference", "low", "high"))
-    return f"{difference:+.2f} points ({low:+.2f} to {high:+.2f})".replace("-", "\N{MINUS SIGN}")
-
-
-def _pair(row: Mapping[Hashable, Any]) -> Pair:
-    first, second = (
-        METHODS[name].title if name in METHODS else name for name in (str(row["method"]), str(row["opponent"]))
-    )
-    return Pair(first, second, f"{row['duration']:.4g}", _points(row), str(row["conclusion"]))
+    return f"{difference:+.2f} points ({low:+.2f} to {high:+.2f})".replace("-", _MINUS)
 
 
 def closing_lines(results: Path, figures: Path) -> list[str]:
@@ -186,13 +245,14 @@ _TEMPLATES = Path(__file__).parent
 
 def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
-    ledger_file = inputs.results / "claims.csv"
+    ledger_file, audit_file = inputs.results / "claims.csv", inputs.results / "tables" / "audit.csv"
     claims = read_claims(ledger_file)
+    counts = by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
-    tables = [show_table(exhibit, inputs) for exhibit in TABLES]
-    figures, audit = show_figures(FIGURES, inputs), show_audit(inputs)
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
+    differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
+    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in CAUSES}
     text = templates.get_template("report.html").render(
         inputs=inputs,
         style=style,
@@ -200,15 +260,16 @@ def build_report(inputs: ReportInputs) -> str:
         policy=policy(style, script),
         claims=claims,
         claims_link=link(ledger_file, inputs.page),
-        counts=count(claims),
-        numeric=tally(claims, Basis.NUMERIC),
-        arm=tally(claims, Basis.ARM),
-        asserted=[claim for claim in claims if claim.asserted],
+        counts=counts[counts.any(axis=1)],
+        meanings=MEANINGS,
+        grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
+        asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
-        differing=differences(claims),
-        audit=audit,
-        tables=tables,
-        figures=figures,
+        differing=[(CAUSES[name], own) for name, own in of_causes.items() if own],
+        audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
+        audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
+        tables=[show(exhibit, inputs) for exhibit in TABLES],
+        figures=[show(exhibit, inputs) for exhibit in FIGURES],
         targets=TARGETS,
         captures=_captures(inputs),
         provenance=list(_flat(inputs.provenance)),
@@ -220,15 +281,11 @@ def build_report(inputs: ReportInputs) -> str:
     return text
 
 
-def write_report(inputs: ReportInputs, path: Path | None = None) -> None:
-    """Write the report."""
-    write_text(path or inputs.page, build_report(inputs))
-
-
 def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     """Name and SHA-256 of every recorded file."""
     hashes = []
-    for number, line in enumerate(read_text(inputs.captures, "SHA-256 sums").splitlines(), start=1):
+    lines = read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace").splitlines()
+    for number, line in enumerate(lines, start=1):
         digest, _, name = line.partition("  ")
         if len(digest) != 64 or not name:
             raise InputError.at(f"{inputs.captures}: line {number}", repr(line), "a SHA-256, two blanks and a name")
@@ -245,25 +302,24 @@ def _flat(content: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str
             yield f"{prefix}{name}", str(value)
 
 
-#: How a reader makes one output again.
-COMMAND = "snakemake --cores 2"
 #: Where the networks come from, by ``training.source``.
 NETWORKS = {"trained": "trained in this run", "stored": "networks that come with the project, not trained in this run"}
 
 
 def make_report(captures: str, checkout: str, overlays: Sequence[str], config: Config) -> None:
     """Write ``report/index.html`` in the results folder."""
-    digest = hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
+    source = config["training"]["source"]
     # No times: the same commit, configuration and results give the same page.
     provenance: Mapping[str, Any] = {
         "commit": commit(Path(checkout)),
-        "networks": NETWORKS[config["training"]["source"]],
+        "networks": NETWORKS[source],
         "packages": package_versions(),
         "python": platform.python_version(),
     }
     names = ", ".join(Path(name).name for name in overlays)
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
-    if config["training"]["source"] == "stored":
+    if source == "stored":
         notice = f"{notice} {NETWORKS['stored'].capitalize()}.".strip()
     folders = (Path(config["results"]), Path(config["figures"]), Path(captures))
-    write_report(ReportInputs(*folders, digest, COMMAND, provenance, notice))
+    inputs = ReportInputs(*folders, config_digest(config), provenance, notice)
+    write_text(inputs.page, build_report(inputs))

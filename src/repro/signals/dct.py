@@ -118,10 +118,7 @@ def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s
 
 
 def dct2sub(x: Array, m: int) -> Array:
-    """Subsample a signal (..., N) to m samples, 1 <= m <= N, by keeping the first m bands of its DCT-II (Fig. 5).
-
-    It is scaled by sqrt(m/N) so that levels stay. N need not be a multiple of m.
-    """
+    """Subsample a signal (..., N) to m samples by its first m bands (Fig. 5); sqrt(m/N) keeps the level."""
     bands = spectrum(x)
     n = bands.shape[-1]
     if not 1 <= m <= n:

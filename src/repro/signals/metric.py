@@ -111,10 +111,6 @@ class TorqueScorer:
     """
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
-        if tau.ndim != 2 or tau.shape[0] != 2 or y.shape != (*tau.shape, 9):
-            raise ValueError(f"tau, y: shapes {tau.shape} and {y.shape} must be (2, N) and (2, N, 9).")
-        if not (np.isfinite(tau).all() and np.isfinite(y).all()):
-            raise ValueError("tau, y: every value must be finite.")
         self._settings = settings
         self._n = tau.shape[-1]
         self._energy = np.einsum("jn,jn->j", tau, tau)

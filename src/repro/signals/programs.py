@@ -4,14 +4,14 @@ The board calls a reference trajectory a program: the identification run of Eq. 
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from repro.errors import InputError
-from repro.model.dynamics import inverse_dynamics
+from repro.model.dynamics import ArmGeometry, inverse_dynamics
 from repro.model.parameters import Array
-from repro.signals.kinematics import ArmGeometry
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
 from repro.signals.validation_motions import (
     SAMPLES,
@@ -64,31 +64,24 @@ class TrajectorySettings:
     t1_range_of: RangeOf = "motion"  # what has that range, see `random_motion`
 
 
-def lead_in(q: Array, dq: Array, ddq: Array, samples: int, h: float) -> Array:
-    """Compute positions (2, samples), rad, from rest at q = 0 into a state of two joints, one sample later."""
-    time = h * np.arange(samples, dtype=np.float64)
-    return quintic(time, samples * h, np.zeros((3, 2)), np.stack([q, dq, ddq]))
-
-
 def identification_reference(
     duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 40, lead_in_s: float = 0.75
 ) -> ReferenceTrajectory:
     """Build ID: lead-in of `lead_in_s`, margin, trajectory of Eq. 10 over `duration` (s), margin."""
     motion = identification_trajectory(duration, h, margin)
-    lead = lead_in(motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0], round(lead_in_s / h), h)
-    n1 = lead.shape[1] + margin
+    n = round(lead_in_s / h)
+    state = np.stack([motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0]])  # one sample after the lead-in from rest
+    lead = quintic(h * np.arange(n, dtype=np.float64), n * h, np.zeros((3, 2)), state)
+    n1 = n + margin
     q = np.concatenate([lead, motion.q], axis=1)
     return ReferenceTrajectory("ID", q, n1, q.shape[1] - margin, h)
-
-
-Make = Callable[[TrajectorySettings, np.random.Generator], Motion]
 
 
 @dataclass(frozen=True)
 class ValidationMotion:
     """A validation motion: the function that samples it, whether it is drawn at random, whether the paper has it."""
 
-    make: Make
+    make: Callable[[TrajectorySettings, np.random.Generator], Motion]
     random: bool = False
     published: bool = True
 
@@ -110,19 +103,14 @@ SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
 
 def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random.Generator) -> ReferenceTrajectory:
     """Build the reference trajectory of this name; only a random motion uses `rng`."""
-    s = settings
     if name == "ID":
-        return identification_reference(s.duration, s.h, s.margin, s.lead_in)
-    motion = VALIDATION[name].make(s, rng)
-    return ReferenceTrajectory(name, motion.q, 0, motion.q.shape[1], s.h)
+        return identification_reference(settings.duration, settings.h, settings.margin, settings.lead_in)
+    motion = VALIDATION[name].make(settings, rng)
+    return ReferenceTrajectory(name, motion.q, 0, motion.q.shape[1], settings.h)
 
 
 def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
-    """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm.
-
-    The speed is that of the steps between samples, the first one from q = 0. The torque is that of the inverse dynamics
-    with central differences and the arm's nominal parameters (9,).
-    """
+    """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm."""
     q = np.pad(desired.q, ((0, 0), (1, 0)))  # the arm hangs at rest before the first sample
     step = np.diff(q) / desired.h
     dq = 0.5 * (step[:, 1:] + step[:, :-1])
@@ -155,15 +143,15 @@ def permitted_trajectory(
     speed_limit: float = SPEED_LIMIT,
     draws: int = 100,
 ) -> ReferenceTrajectory:
-    """Build a reference trajectory that keeps the limits; draw a random one up to `draws` times.
+    """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times.
 
-    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2. With 45 bands, 2 of
-    10 do. InputError is raised if the last draw breaks a limit.
+    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2; with 45 bands, 2 of
+    10.
     """
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = reference_trajectory(name, settings, rng)
-        speed, torque = peaks(desired, beta)
-        if (speed <= speed_limit).all() and (torque <= np.asarray(torque_limit)).all():
+        with suppress(InputError):
+            check_limits(desired, beta, torque_limit, speed_limit)
             return desired
     desired = reference_trajectory(name, settings, rng)
     check_limits(desired, beta, torque_limit, speed_limit)

@@ -35,25 +35,15 @@ class Motion:
 
 def sample_times(duration: float, h: float) -> Array:
     """Compute the sampling instants (N,) 0, h, 2h, ..., with N = duration / h to the nearest integer; all in s."""
-    if not 0 < h < np.inf:
-        raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
-    if not np.isfinite(duration):
-        raise ValueError(f"duration: must be finite, got {duration}.")
-    n = round(duration / h)
-    if n < 2:
-        raise ValueError(f"duration: {duration} s holds fewer than two samples of {h} s.")
-    return np.arange(n, dtype=np.float64) * h
+    return np.arange(round(duration / h), dtype=np.float64) * h
 
 
 def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 0) -> Motion:
     """Compute the trajectory of Eq. 10 with its exact derivatives: duration / h + 2 margin samples.
 
-    Played slower or faster it keeps its shape: over `duration` (s) the phase runs from 0 to 3 pi. **cut** of Algorithm
-    1 removes `margin` samples at either end again, with the filter's edges. Time is 0 where the trajectory proper
-    starts.
+    Over `duration` (s) the phase runs from 0 to 3 pi. **cut** of Algorithm 1 removes `margin` samples at either end
+    again, with the filter's edges. Time is 0 where the trajectory proper starts.
     """
-    if margin < 0:
-        raise ValueError(f"margin: must not be negative, got {margin}.")
     n = sample_times(duration, h).size
     t = h * np.arange(-margin, n + margin, dtype=np.float64)
     rate = 3.0 * np.pi / duration  # phase per second
@@ -72,17 +62,11 @@ def random_trajectory(
     h: float,
     c_f: float,
     unit: FrequencyUnit,
-    low: float = RANDOM_RANGE[0],
-    high: float = RANDOM_RANGE[1],
+    span: tuple[float, float] = RANDOM_RANGE,
 ) -> Motion:
-    """Filter uniform random positions from `low` to `high`, rad, with Eq. 14 (Section V-B).
-
-    Derivatives are taken by Eq. 6 without further filtering: the position is band-limited already.
-    """
-    if not -np.inf < low < high < np.inf:
-        raise ValueError(f"high: must be finite and above the finite low, got {low} to {high}.")
+    """Filter uniform random positions over a span, rad, with Eq. 14 (Section V-B); derivatives by Eq. 6 unfiltered."""
     t = sample_times(duration, h)
-    q = dct2low(rng.uniform(low, high, (2, t.size)), h, c_f, unit)
+    q = dct2low(rng.uniform(*span, (2, t.size)), h, c_f, unit)
     dq = dct2dev(q, h, 0.0)
     return Motion(t, q, dq, dct2dev(dq, h, 0.0))
 
@@ -105,12 +89,7 @@ def _upper_coefficients(missing: Array) -> Array:
 
 
 def quintic(t: Array, duration: float, start: Array, end: Array) -> Array:
-    """Evaluate at times t (N,) the quintic (J, N) from state `start` at time 0 to state `end` at `duration`, s.
-
-    A state (3, J) has position (rad), velocity (rad/s) and acceleration (rad/s^2) of J joints.
-    """
-    if not 0 < duration < np.inf:
-        raise ValueError(f"duration: must be positive and finite, got {duration}.")
+    """Evaluate the quintic (J, N) from a state (3, J) at time 0 to one at `duration`: rad, rad/s, rad/s^2."""
     # In s = t / duration a velocity is scaled by the duration, an acceleration by its square.
     (p0, v0, a0), goal = np.stack([start, end]) * (duration ** np.arange(3))[:, None]
     low = np.stack([p0, v0, 0.5 * a0])

@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
+from repro.model.dynamics import ArmGeometry, inverse_kinematics
 from repro.model.parameters import Array
 from repro.signals.dct import dct2dev
-from repro.signals.kinematics import ArmGeometry, inverse_kinematics
 from repro.signals.trajectories import Motion, quintic, random_trajectory, sample_times
 
 #: Samples of T1-T4, as many as the board's memory holds: 20.48 s at 2.5 ms.
@@ -43,10 +43,7 @@ WINDOW_COEFFICIENT = 0.2
 
 
 def start_and_end_window(time: Array) -> Array:
-    """Compute f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2) of Section VI, T the largest of the times (N,) in s.
-
-    It is 0 at both ends and above 0.99 from 4.8 s after the start to 4.8 s before the end.
-    """
+    """Compute f_g = 1 - exp(-0.2 t^2) - exp(-0.2 (T - t)^2) of Section VI, T the largest of the times (N,) in s."""
     a = WINDOW_COEFFICIENT
     return np.asarray(1.0 - np.exp(-a * time**2) - np.exp(-a * (time.max() - time) ** 2))
 
@@ -67,11 +64,10 @@ def random_motion(
 ) -> Motion:
     """Compute T1: uniform random numbers, filtered by Eq. 14 and windowed.
 
-    `bands` is the DCT-II band at which the gain of Eq. 14 is 1/e: 1 / sqrt(c_f) with omega counted in bands. The range
-    that Section VI prints, -limit to limit (rad), is of each joint's filtered motion, or of the numbers before the
-    filter (`range_of`).
+    `bands` is the DCT-II band at which the gain of Eq. 14 is 1/e. The range of Section VI, -limit to limit (rad), is of
+    each joint's filtered motion, or of the numbers before the filter (`range_of`).
     """
-    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", -limit, limit)
+    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", (-limit, limit))
     q = motion.q
     if range_of == "motion":
         q = limit * q / np.abs(q).max(axis=1, keepdims=True)
@@ -79,10 +75,7 @@ def random_motion(
 
 
 def circle_motion(geometry: ArmGeometry, samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
-    """Compute T2: a circle of the tip, a tenth of the reach in radius, windowed in joint space.
-
-    The window bends the first and last turn: the arm swings out of rest onto the circle and back.
-    """
+    """Compute T2: a circle of the tip, windowed in joint space, so that the arm swings out of rest onto it and back."""
     time = sample_times(samples * h, h)
     angle = 2.0 * np.pi * CIRCLE_TURNS * time / (samples * h)
     circle = CIRCLE_RADIUS * np.stack([np.sin(angle), -np.cos(angle)])

@@ -31,32 +31,27 @@ class GuessSpread:
 
 
 def spread_of(estimates: Array) -> GuessSpread:
-    """Compute centre and width of estimates (..., guesses, 9); ValueError if there are fewer than 10 guesses."""
-    if estimates.ndim < 2 or estimates.shape[-2] < 10:
-        raise ValueError(f"estimates: at least 10 guesses are needed, got shape {estimates.shape}.")
+    """Compute centre and width of estimates (..., guesses, 9)."""
     low, middle, high = np.quantile(estimates, [0.5 - CENTRAL_FRACTION / 2, 0.5, 0.5 + CENTRAL_FRACTION / 2], axis=-2)
     return GuessSpread(middle, np.maximum((high - low) / 2, MIN_WIDTH))
 
 
 def normalised_errors(spread: GuessSpread, truth: Array) -> Array:
     """Compute |truth - centre| / width, each (..., 9)."""
-    errors: Array = np.abs(truth - spread.centre) / spread.width
-    return errors
+    return np.abs(truth - spread.centre) / spread.width
 
 
 def stretch_factors(spread: GuessSpread, truth: Array, levels: Sequence[float]) -> Array:
     """Compute the factors (levels, 9) on the width that cover arms of known parameters (n, 9).
 
-    They are the ceil((n + 1) level)-th smallest of |truth - centre| / width: an arm drawn like these is covered with at
-    least that probability. ValueError is raised if there are too few arms for a level, which must be below n / (n + 1).
+    They are the ceil((n + 1) level)-th smallest of |truth - centre| / width. A level must be below n / (n + 1).
     """
     scores = np.sort(normalised_errors(spread, truth), axis=0)
     n = len(scores)
     ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
     if (ranks > n).any() or (ranks < 1).any():
         raise ValueError(f"levels: {n} arms can calibrate shares of 0 to {n / (n + 1):.4g}, got {tuple(levels)}.")
-    factors: Array = scores[ranks - 1]
-    return factors
+    return np.asarray(scores[ranks - 1])
 
 
 def covered(spread: GuessSpread, truth: Array, factors: Array) -> Array:
@@ -65,11 +60,10 @@ def covered(spread: GuessSpread, truth: Array, factors: Array) -> Array:
 
 
 def distances(motions: Array, others: Array | None = None) -> Array:
-    """Compute the distance (n,) of each motion from the nearest other one, as a fraction of its own size.
+    """Compute the distance (n,) of each motion from the nearest of `others`, by default of the other motions.
 
-    Motions (n, 2, M, 9) are filtered and subsampled regressors, and so are the `others` (k, 2, M, 9), by default the
-    rest of the motions. The distance is the root of the mean over parameters of |Y - Y_k|^2 / |Y|^2 at the nearest k,
-    which does not depend on units.
+    Motions (n, 2, M, 9) are filtered and subsampled regressors. The distance is the root of the mean over parameters of
+    |Y - Y_k|^2 / |Y|^2 at the nearest k, which does not depend on units.
     """
     own = np.moveaxis(motions, -1, 1).reshape(len(motions), 9, -1)
     size = np.sum(own**2, axis=-1)  # (n, 9)

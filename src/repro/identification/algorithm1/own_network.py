@@ -56,27 +56,22 @@ Run = Callable[[Regression], tuple[dict[str, Estimate], int]]
 
 
 def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
-    """Make Algorithm 1 as published and with the refinement, which share one run.
-
-    `report` is called with steps of training done and in all, and a note.
-    """
+    """Make Algorithm 1 as published and with the refinement, which share one run."""
     run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))  # once for both
-    estimates = {
-        "algorithm1": ("Algorithm 1", partial(_literal, run=run, search=settings.search)),
-        "algorithm1+refinement": ("Algorithm 1 + refinement", partial(_refined, run=run)),
-    }
-    literal, refined = (
-        Method(name, title, "cnn_identification", estimate, claims_intervals=False, needs_all_samples=True)
-        for name, (title, estimate) in estimates.items()
+    method = partial(Method, citation="cnn_identification", claims_intervals=False, needs_all_samples=True)
+    return (
+        method("algorithm1", "Algorithm 1", estimate=partial(_literal, run=run, search=settings.search)),
+        method("algorithm1+refinement", "Algorithm 1 + refinement", estimate=partial(_refined, run=run)),
     )
-    return literal, refined
 
 
 def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Report) -> FactoredCNN:
     """Load the network of a motion from the cache, or train it, from its checkpoint if there is one, and store it."""
     s = replace(settings, training=replace(settings.training, precision=on_this_processor(settings.training.precision)))
     torch.set_num_threads(1)  # sums of several threads are added in another order, and the seed gives another network
-    key = _key(fingerprint(motion, s.data, s.network, s.training))
+    arithmetic = (torch.__version__, torch.backends.cpu.get_cpu_capability())
+    run = fingerprint(motion, s.data, s.network, s.training)
+    key = hashlib.sha256(repr((run, arithmetic)).encode()).hexdigest()[:24]
     weights, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
     if weights.exists():
         try:
@@ -90,12 +85,6 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
     save_network(weights, trained.network, {"motion": key})
     checkpoint.unlink(missing_ok=True)
     return trained.network
-
-
-def _key(run: str) -> str:
-    """Name of a network in the cache, by its training and the arithmetic."""
-    arithmetic = (torch.__version__, torch.backends.cpu.get_cpu_capability())
-    return hashlib.sha256(repr((run, arithmetic)).encode()).hexdigest()[:24]
 
 
 def _subsampled(regression: Regression) -> tuple[SampledMotion, PreparedSignals]:

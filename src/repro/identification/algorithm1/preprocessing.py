@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from repro.identification.regression import Regression
 from repro.model.dynamics import LAMBDA, check_motion, regressor
@@ -25,21 +26,15 @@ class PreparedSignals:
     time_scale: float = 1.0  # canonical time over recorded time
 
     def to_recorded_time(self, beta: Array) -> Array:
-        """Convert parameters (..., 9) from canonical to recorded time.
-
-        With t' = p t, Eq. 1 keeps its form when inertias are multiplied by p^2 and viscous friction by p; gravity and
-        Coulomb friction stay.
-        """
+        """Convert parameters (..., 9) from canonical to recorded time: with t' = p t, Eq. 1 keeps its form."""
         p = self.time_scale
-        recorded: Array = beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0])
-        return recorded
+        return np.asarray(beta / np.array([p**2, p**2, p**2, 1.0, 1.0, p, p, 1.0, 1.0]))
 
 
 def fit2trt(tau: Array, tau_mean: Array) -> float:
     """Compute the factor that brings a torque to the level of the mean training torque (Eq. 15, Fig. 9), both (2, N).
 
-    It is the mean over the samples of |tau_mean| / |tau|, the norms taken over the joints. Samples where the torque is
-    zero to rounding carry no level and are left out. ValueError is raised if it is zero throughout.
+    It is the mean of |tau_mean| / |tau|, the norms taken over the joints, where the torque is not zero to rounding.
     """
     if tau.shape != tau_mean.shape:
         raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
@@ -56,26 +51,19 @@ def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array
     return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.omega_unit)
 
 
-def regression_of(motion: tuple[Array, Array, Array], tau: Array, settings: SignalSettings) -> Regression:
-    """Make a regression of a motion and its torque (2, N), both filtered already; every sample counts."""
-    t: Array = settings.h * np.arange(tau.shape[-1], dtype=np.float64)
-    moving = np.ones(tau.shape, dtype=np.bool_)
-    return Regression(t, regressor(*motion), tau, *motion, moving, settings.h)
-
-
-def filtered(q: Array, tau: Array, settings: SignalSettings, n1: int = 0, n2: int | None = None) -> Regression:
-    """Apply lines 1 to 4 of Algorithm 1: derivatives and filtered torque, then **cut** to samples n1 to n2 - 1.
-
-    `q` and `tau` (2, N) are measured. The regression is in recorded time. ValueError is raised if shapes differ, values
-    are not finite, or the cut is empty.
-    """
+def filtered(
+    q: ArrayLike, tau: ArrayLike, settings: SignalSettings, begin: int = 0, end: int | None = None
+) -> Regression:
+    """Apply lines 1 to 4 of Algorithm 1 to measured q and tau (2, N); **cut** keeps the samples begin to end - 1."""
     q, tau = check_motion(q, tau)
-    n2 = q.shape[-1] if n2 is None else n2
-    if not 0 <= n1 < n2 - settings.samples <= q.shape[-1] - settings.samples:
-        raise ValueError(f"n1, n2: {n1} to {n2} must lie in 0 to {q.shape[-1]} and hold over {settings.samples}.")
+    n, m = q.shape[-1], settings.samples
+    end = n if end is None else end
+    if not 0 <= begin < end - m <= n - m:
+        raise ValueError(f"begin, end: {begin} to {end} must lie in 0 to {n} and hold over {m} samples.")
     tau = dct2low(tau, settings.h, settings.c_f, settings.omega_unit)  # line 3
-    position, velocity, acceleration = (x[:, n1:n2] for x in derivatives(q, settings))
-    return regression_of((position, velocity, acceleration), tau[:, n1:n2], settings)  # line 4
+    q, dq, ddq, tau = (x[:, begin:end] for x in (*derivatives(q, settings), tau))  # line 4
+    time: Array = settings.h * np.arange(end - begin, dtype=np.float64)
+    return Regression(time, regressor(q, dq, ddq), tau, q, dq, ddq, np.ones(tau.shape, dtype=np.bool_), settings.h)
 
 
 def prepare(
@@ -87,10 +75,8 @@ def prepare(
 ) -> PreparedSignals:
     """Apply lines 5 to 12 of Algorithm 1 to cut and filtered signals in recorded time.
 
-    `tau_mean` (2, N) is the mean torque of the training data at the same samples. `time_scale` is canonical time over
-    recorded time, for a trajectory that was run slower or faster than in training. `image_motion` (three arrays of
-    shape (2, N), in recorded time) is the motion that f of the image is evaluated on, an extension of ours; the
-    measured one by default.
+    `tau_mean` (2, N) is the mean torque of the training data at the same samples, `time_scale` is canonical time over
+    recorded time. f of the image is evaluated on `image_motion` (an extension of ours), by default the measured motion.
     """
     steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
     c_p = fit2trt(recorded.tau, tau_mean)  # line 5

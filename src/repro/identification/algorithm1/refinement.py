@@ -23,13 +23,7 @@ import numpy as np
 
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.identification.algorithm1.search import (
-    ResidualEstimator,
-    SearchSettings,
-    Selected,
-    search,
-    select,
-)
+from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
 from repro.identification.method import Estimate
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import TorqueScorer
@@ -69,9 +63,7 @@ def restart(
 ) -> Array:
     """Collect the candidates (m, 9) that the refinement and its control start from, in units of the largest torque.
 
-    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses. If there
-    is none, the fresh ones are raised to the lowest guess: a network can estimate every guess a little below zero, and
-    without candidates there are no moves.
+    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses.
     """
     possible = FEASIBILITY[search.feasibility]
     fresh = estimator.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
@@ -83,13 +75,9 @@ def restart(
 
 
 def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
-    """Draw the candidates (n, 9) of the control without a network, in units of the largest torque.
-
-    They are the physically possible ones of as many guesses as Algorithm 1 evaluates at most.
-    """
+    """Draw the candidates (n, 9) of the control without a network: as many guesses as Algorithm 1 evaluates at most."""
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
-    possible: Array = guesses[FEASIBILITY[search.feasibility](guesses)]
-    return possible
+    return guesses[FEASIBILITY[search.feasibility](guesses)]
 
 
 def refine(
@@ -100,18 +88,18 @@ def refine(
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Move the best of the candidates (m, 9), pass by pass, in units of the largest torque.
+    """Move the best of the candidates (m, 9) pass by pass, and return the ``settings.keep`` most similar, best first.
 
-    Returns the ``settings.keep`` most similar (k, 9) of `candidates` and of every physically possible one of every
-    pass, best first; none without a candidate to start from. Without an estimator it is a control, whose moved guesses
-    are candidates without the network. `rng` is left unchanged: refinement and control make the same moves.
+    Without an estimator it is a control, whose moved guesses are candidates without the network. `rng` is left
+    unchanged: refinement and control make the same moves.
     """
     if not len(candidates):
         return candidates
     rng = deepcopy(rng)
     possible = FEASIBILITY[search.feasibility]
     score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
-    best, similarity = _most_similar(candidates, score(candidates).total.mean(-1), settings.keep)
+    similarity = score(candidates).total.mean(-1)
+    best, similarity = _most_similar(candidates, similarity, settings.keep)
     for done in range(settings.passes):
         guess = _move(best, settings, search.low, rng)
         beta = guess
@@ -135,8 +123,7 @@ def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.
     a, b = rng.integers(len(best), size=(2, len(best)))
     reach = rng.uniform(0.0, settings.reach, (len(best), 1))
     move = reach * (best[a] - best[b]) + settings.jitter * rng.standard_normal(best.shape)
-    guess: Array = np.maximum(best + move, low)  # a guess below the published range was never seen in training
-    return guess
+    return np.asarray(np.maximum(best + move, low))  # a guess below the published range was never seen in training
 
 
 @dataclass(frozen=True)
@@ -163,22 +150,9 @@ class Algorithm1:
     ) -> tuple[dict[str, Estimate], int]:
         """Run the search, and with passes the refinement and its controls.
 
-        Parameters
-        ----------
-        signals : PreparedSignals
-            Signals after line 12.
-        search_rng, refine_rng : numpy.random.Generator
-            Sources of the guesses of line 17 and of the refinement.
-        uniform_rng : numpy.random.Generator, optional
-            Source of guesses and moves of the control without a network. The control runs with the published network
-            alone, because it would be the same with every other one.
-
-        Returns
-        -------
-        dict of Estimate
-            By method; details are the similarity of line 30 and the images evaluated so far.
-        int
-            Executions that met the threshold.
+        `uniform_rng` is for the control without a network, which runs with the published network alone: it would be the
+        same with every other one. Returns the estimates by method, with the similarity of line 30 and the images
+        evaluated so far, and the number of executions that met the threshold.
         """
         estimator = ResidualEstimator(self.network, self.image, signals)
         candidates = search(estimator, signals, self.search, search_rng)
@@ -188,19 +162,16 @@ class Algorithm1:
         if not self.refinement.passes:
             return results, met
         starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
-        moves = self._moves(refine_rng)
+        moves = [refine_rng, *refine_rng.spawn(self.refinement.starts - 1)]
         # The control runs first, so that the number of images is its own.
         for method, feedback in (("local-search", None), ("refinement", estimator)):
             chosen = self._refined(feedback, starts, signals, moves)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, estimator.images)
         if uniform_rng is not None and not suffix:
             guesses = uniform_guesses(self.search, uniform_rng)
-            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, self._moves(uniform_rng)), 0)
+            moves = [uniform_rng, *uniform_rng.spawn(self.refinement.starts - 1)]
+            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, moves), 0)
         return results, met
-
-    def _moves(self, rng: np.random.Generator) -> list[np.random.Generator]:
-        """Sources of the moves of each run of a refinement."""
-        return [rng, *rng.spawn(self.refinement.starts - 1)]
 
     def _refined(
         self,

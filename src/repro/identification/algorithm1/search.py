@@ -1,21 +1,26 @@
-"""Algorithm 1: parametric identification, lines 8 to 32; `preprocessing` has lines 1 to 12."""
+"""Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
-from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import FEASIBILITY, Array
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, TorqueScorer
+from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
     from repro.cnn.network import FactoredCNN
 
 ImageMotion = Literal["measured", "desired"]
+
+#: Similarity d_u that an execution must reach on an arm (Section VI).
+ARM_THRESHOLD = 0.9237
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,6 @@ class Candidates:
     beta: Array  # physically possible estimates (n, 9), in units of the largest torque
     execution: NDArray[np.int64]  # execution that each came from (n,)
     similarity: Array  # n_e of line 27, (n,)
-    images: int  # images that the network evaluated, rejected estimates included
 
 
 @dataclass(frozen=True)
@@ -104,15 +108,14 @@ def search(
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
 
-    All executions advance together, one guess each a round, so that the network evaluates them as one batch.
-    Each execution has its own random stream, so the guesses are those of the listing run one by one.
+    All executions advance together, so that the network evaluates their guesses as one batch. Each has its own random
+    stream, so the guesses are those of the listing.
     """
     possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
     streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
     running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0
     beta_m, origin, similarity = [np.empty((0, 9))], [np.empty(0, np.int64)], [np.empty(0)]  # line 11
-    images_before = estimator.images
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
@@ -125,15 +128,13 @@ def search(
         origin.append(running[ok])
         similarity.append(n_e[ok])
         running = running[n_e < settings.threshold]  # line 28 is the loop's own count
-    images = estimator.images - images_before
-    return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity), images)
+    return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity))
 
 
 def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
     """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque.
 
-    The candidates (n, 9) are in units of the largest torque. Without any, the result is zeros with similarity 0, where
-    line 11 starts.
+    Without candidates (n, 9), the result is zeros with similarity 0, where line 11 starts.
     """
     if not len(beta_m):
         return Selected(np.zeros(9), 0.0)
@@ -146,3 +147,63 @@ def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) ->
     tau_c = signals.c_p * r.tau
     beta_o = beta_o * np.abs(tau_c).max() / (signals.c_p * np.abs(tau_r).max())
     return Selected(signals.to_recorded_time(beta_o), float(similarity[best]))
+
+
+def algorithm1(
+    q: ArrayLike,
+    tau: ArrayLike,
+    network: "FactoredCNN",
+    *,
+    begin: int = 0,
+    end: int | None = None,
+    signals: SignalSettings | None = None,
+    search_settings: SearchSettings | None = None,
+    seed: int = 1,
+) -> Selected:
+    """Estimate the parameters of an arm from its run of the trajectory of Eq. 10 (Algorithm 1).
+
+    Parameters
+    ----------
+    q, tau : array_like of shape (2, N)
+        Measured position, rad, and torque, N m, evenly sampled.
+    network : FactoredCNN
+        Trained for this trajectory, see `load_network`.
+    begin, end : int
+        First sample of the trajectory and the one after its last.
+    signals : SignalSettings, optional
+        Sampling period and filter; the paper's by default.
+    search_settings : SearchSettings, optional
+        Constants of the search; those of Section VI by default.
+    seed : int
+        Of the guesses of line 17.
+
+    Returns
+    -------
+    Selected
+        ``beta`` (9,), SI units, and ``similarity`` of the rebuilt torque, a fraction of 1. Both are zero if no estimate
+        is physically possible.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ, values are not finite, or the trajectory is empty.
+
+    Examples
+    --------
+    >>> import repro
+    >>> run = repro.read_log("data/captures/ID.bin")
+    >>> network = repro.load_network("data/networks/cnn.safetensors")
+    >>> few = repro.SearchSettings(executions=3, inner_limit=5, threshold=0.9237)
+    >>> found = repro.algorithm1(run.q, run.tau, network, begin=340, end=4110, search_settings=few)
+    >>> found.beta.shape
+    (9,)
+    """
+    signals = signals or SignalSettings()
+    constants = search_settings or SearchSettings(threshold=ARM_THRESHOLD)
+    recorded = filtered(q, tau, signals, begin, end)
+    # Line 5 fits the level to the mean training torque. Line 32 divides by that factor again, so any level will do.
+    slower = round(signals.duration / signals.h) / recorded.t.size
+    prepared = prepare(recorded, recorded.tau, signals, slower)
+    estimator = ResidualEstimator(network, ImageSettings(), prepared)
+    candidates = search(estimator, prepared, constants, stream(seed, Stream.EXPERIMENT_SEARCH))
+    return select(candidates.beta, prepared, constants)

@@ -1,27 +1,45 @@
-"""Sensitivity of an estimate to choices of the analysis: the shift is an uncertainty of type B [1]_.
+"""Expanded uncertainty of an estimate: sampling, choices of the analysis, and effects beyond Eq. 1.
 
-Filters and delay could have been chosen slightly differently. Zero positions, torque offsets, load-dependent friction,
-Stribeck friction and torque that depends on the position are effects beyond Eq. 1. Each adds columns to the regressor,
-and where calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead.
-With these projected out of torque and regressor, any method gives the parameters that it would give with the columns
-in its model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor
-1 - c / F [2]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than
-chance add nothing. Errors of the motion are simulated a second time (SIMEX [3]_).
+Filtering and unmodelled friction leave residuals correlated over seconds, so single samples cannot be resampled. Three
+uncertainties are combined.
 
-.. [1] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement" (GUM).
-.. [2] A. J. Baranchik, "A Family of Minimax Estimators of the Mean of a Multivariate Normal Distribution", Annals of
+- Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
+  jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
+- Type B [3]_: root mean square shift of the estimate when filters, delay or calibration errors are chosen differently.
+  Zero positions, torque offsets, load-dependent friction, Stribeck friction and torque that depends on the position are
+  effects beyond Eq. 1. Each adds columns to the regressor, and where calibration errors were corrected, also to that of
+  the log as it was recorded: they may explain it instead. With these projected out of torque and regressor, any method
+  gives the parameters that it would give with the columns in its model (Frisch, Waugh and Lovell). The squared shift is
+  multiplied by the positive-part shrinkage factor 1 - c / F [4]_, with F of the F-test of the columns and c its 5 %
+  critical value: columns that explain no more than chance add nothing. Such an effect shifts the estimate by anything
+  up to what its columns cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest
+  counts. The bias of a method that is biased on purpose belongs here too.
+- Bias by errors of the motion, estimated by SIMEX [5]_. It widens the interval and does not move the estimate.
+
+Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
+of freedom, blocks - 1 or groups - 1 for sampling and blocks - 1 for type B. The products and the bias are added in
+quadrature. (The single factor of Welch and Satterthwaite can narrow an interval when an uncertainty is added.)
+
+.. [1] H. R. Kuensch, "The Jackknife and the Bootstrap for General Stationary Observations", Annals of Statistics 17,
+   1217-1241, 1989. doi:10.1214/aos/1176347265
+.. [2] P. S. Kott, "The Delete-a-Group Jackknife", Journal of Official Statistics 17, 521-526, 2001.
+.. [3] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement" (GUM).
+.. [4] A. J. Baranchik, "A Family of Minimax Estimators of the Mean of a Multivariate Normal Distribution", Annals of
    Mathematical Statistics 41, 642-645, 1970. doi:10.1214/aoms/1177697104
-.. [3] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
+.. [5] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
    Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import hadamard
 from scipy.stats import f as fisher
+from scipy.stats import t as student
 
 from repro.identification.extra_terms import (
     STRIBECK_SPEEDS,
@@ -34,12 +52,17 @@ from repro.identification.extra_terms import (
     zero_position,
 )
 from repro.identification.filtering import FilterSettings, Moved, prepare
-from repro.identification.prior import Prior
-from repro.identification.regression import Regression, correlation_time, drop_standstill, joint_variance
+from repro.identification.method import Estimate, Method, NoSolutionError
+from repro.identification.regression import Prior, Regression, correlation_time, drop_standstill, joint_variance
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
 
+REPLICATES = 200
+#: Correlation times in a block, and fewest blocks in a log.
+CORRELATION_TIMES_PER_BLOCK, MIN_BLOCKS = 5.0, 20
+#: Groups of the jackknife: parts of the log that are left out in turn.
+GROUPS = 6
 #: Factors on cut-off and width of the filters.
 FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
 #: Inertia and gravity: the first parameters, whose terms SIMEX perturbs.
@@ -60,10 +83,7 @@ class Perturbation:
 
 
 def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
-    """Compute torque of period one turn of a joint (eccentric gear), shape (2, N, 3).
-
-    sin q1 at joint 1 is left out: no log can distinguish it from g1.
-    """
+    """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
     return np.concatenate([one_joint(np.cos(moved[0])), one_joint(np.sin(moved[0]))[..., 1:]], axis=-1)
 
 
@@ -86,9 +106,8 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
 def simex(regression: Regression) -> Regression:
     """Add an error to each inertial and gravity term, as large as would explain the residual.
 
-    Errors of the regressor attenuate least squares, most where large terms add up to a small torque. SIMEX: the shift
-    that a second error of the same size causes estimates the bias (linear extrapolant). Errors are not drawn: their
-    signs are columns of a Hadamard matrix, which are orthogonal from term to term.
+    The shift that a second error of the same size causes estimates the bias (SIMEX with a linear extrapolant). The
+    signs of the errors are columns of a Hadamard matrix, which are orthogonal from term to term.
     """
     beta = solve(regression.y, regression.tau)
     residual = (regression.tau - regression.y @ beta) * regression.mask
@@ -99,39 +118,24 @@ def simex(regression: Regression) -> Regression:
     signs = np.resize(hadamard(16)[:, 1 : 2 * N_SIMEX_TERMS : 2], (n, N_SIMEX_TERMS))
     factors = np.ones((2, n, regression.y.shape[-1]))
     factors[..., :N_SIMEX_TERMS] += fraction[:, np.newaxis, np.newaxis] * signs
-    halves = regression.even_odd
-    return replace(regression, y=regression.y * factors, even_odd=None if halves is None else halves * factors)
+    return regression.change(lambda y: y * factors)
 
 
 def project_out(regression: Regression, columns: Array) -> Regression:
-    """Project columns (2, n, k) out of torque and regressor.
-
-    Least squares then gives the parameters that it gives with those columns in the model.
-    """
+    """Project columns (2, n, k) out of torque and regressor, as if they were in the model of least squares."""
     x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
     basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
 
     def remainder(part: Array) -> Array:
         flat = part.reshape(basis.shape[0], -1)
-        rest: Array = (flat - basis @ (basis.T @ flat)).reshape(part.shape)
-        return rest
+        return (flat - basis @ (basis.T @ flat)).reshape(part.shape)
 
-    halves = regression.even_odd
-    return replace(
-        regression,
-        y=remainder(regression.y),
-        tau=remainder(regression.tau),
-        even_odd=None if halves is None else np.stack([remainder(half) for half in halves]),
-    )
+    return regression.change(remainder, tau=remainder(regression.tau))
 
 
 def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
-    """Compute the positive-part shrinkage factor max(0, 1 - c / F) of the shift that k projected columns cause.
-
-    F is that of the F-test, with the length of the log in correlation times as number of samples of a joint; c is its
-    critical value at the level `F_TEST_LEVEL`.
-    """
+    """Compute max(0, 1 - c / F) of the shift that k projected columns cause, by the F-test over independent samples."""
     errors = [r.tau - r.y @ solve(r.y, r.tau) for r in (plain, projected)]
     weight = 1.0 / np.maximum(np.sum(errors[0] ** 2, axis=-1, keepdims=True), np.finfo(np.float64).tiny)
     before, after = (float(np.sum(weight * error**2)) for error in errors)
@@ -143,10 +147,7 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
 
 
 def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) -> dict[str, Perturbation]:
-    """Add the columns of each of `UNMODELLED_EFFECTS` to a uniformly sampled log, weighted against `plain`.
-
-    `plain` is the regression that gave the estimate: of this log, or of the log with its calibration errors corrected.
-    """
+    """Add the columns of each of `UNMODELLED_EFFECTS` to a log, weighted against the regression of the estimate."""
     own = drop_standstill(prepare(log, settings))
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
     columns_of_forms = iter(filtered_columns(forms, log, settings, solve(own.y, own.tau)))
@@ -161,10 +162,7 @@ def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) ->
 
 
 def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare a uniformly sampled log with other filters, another delay, each of `UNMODELLED_EFFECTS`, and SIMEX.
-
-    Standstill is left out. `delay_error` is the standard error of the delay, s; 0 where it is known.
-    """
+    """Prepare a log with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
     s = settings
 
     def prepared(changed: FilterSettings) -> Regression:
@@ -204,8 +202,8 @@ def attach_prior(
 ) -> tuple[Regression, dict[str, Perturbation]]:
     """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
 
-    The squared shifts by means that are off by their standard deviations add up (JCGM 100:2008, 5.1.2). In linear least
-    squares they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
+    The squared shifts by means that are off by their standard deviations add up ([3]_, 5.1.2). In linear least squares
+    they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
     """
     beta = solve(regression.y, regression.tau)
     rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
@@ -222,3 +220,78 @@ def attach_prior(
     if shifts:
         results["prior"] = Perturbation(shifts, float(len(shifts)))
     return replace(regression, prior=prior), results
+
+
+# Sampling, and the interval.
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Uncertainty of an estimate, each array of shape (9,)."""
+
+    standard_error: Array  # combined standard uncertainty of sampling and type B
+    low: Array  # ends of the 95 % interval
+    high: Array
+
+
+def block_length(error: Array, h: float) -> int:
+    """Samples in a block, from the residuals (2, n) of a fit."""
+    n = error.shape[-1]
+    length = round(CORRELATION_TIMES_PER_BLOCK * correlation_time(error, h) / h)
+    return int(np.clip(length, 1, max(n // MIN_BLOCKS, 1)))
+
+
+def resample(n: int, length: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Draw the sample indices of one replicate: blocks of `length` that begin anywhere, `n` samples in all."""
+    starts = rng.integers(0, n - length + 1, size=-(-n // length))
+    return (starts[:, None] + np.arange(length)).reshape(-1)[:n]
+
+
+def jackknife(method: Method, regression: Regression, first: Estimate) -> tuple[Array, int]:
+    """Compute the variance (9,) by the delete-a-group jackknife and its degrees of freedom."""
+    n = regression.t.size
+    group = np.arange(n) * GROUPS // n
+    estimates = []
+    for k in range(GROUPS):
+        with suppress(NoSolutionError):
+            estimates.append(method.repeat(regression.take(np.flatnonzero(group != k)), first))
+    freedom = len(estimates) - 1
+    if freedom < 1:
+        return np.zeros(len(first.beta)), 1
+    return freedom * np.var(estimates, axis=0), freedom
+
+
+def bootstrap(
+    method: Method,
+    regression: Regression,
+    first: Estimate,
+    perturbations: Mapping[str, Perturbation],
+    rng: np.random.Generator,
+    replicates: int = REPLICATES,
+    report: Callable[[int, int], None] = lambda *_: None,
+) -> Uncertainty:
+    """Compute standard errors and 95 % intervals of a method on the regression that gave the estimate `first`.
+
+    NoSolutionError is raised if the method has no solution on most replicates, or on the log through another filter.
+    """
+    n, beta = regression.t.size, first.beta
+    length = block_length(regression.tau - regression.y @ beta, regression.h)
+    drawn = []
+    for k in range(replicates):
+        replicate = regression.take(resample(n, length, rng))
+        with suppress(NoSolutionError):  # a block drawn so often that it determines too little
+            drawn.append(method.repeat(replicate, first))
+        report(k + 1, replicates)
+    if len(drawn) < max(replicates // 2, 2):
+        raise NoSolutionError("most replicates of the bootstrap have no solution")
+    sampling = np.var(drawn, axis=0, ddof=1)
+    blocks = max(n // length - 1, 1)
+    slow, groups = jackknife(method, regression, first)
+    slower = slow > float(fisher.isf(F_TEST_LEVEL, groups, blocks)) * sampling
+    sampling = np.where(slower, slow, sampling)
+    type_b, attenuation = type_b_variance(lambda other: method.repeat(other, first), beta, perturbations)
+    if method.unbiased is not None:
+        type_b += (method.unbiased(regression).beta - beta) ** 2
+    factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
+    half_width = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
+    return Uncertainty(np.sqrt(sampling + type_b), beta - half_width, beta + half_width)

@@ -1,4 +1,4 @@
-"""Two links that have given parameters beta of Eq. 1 exactly, where such links exist.
+"""Two links that have given parameters beta of Eq. 1 exactly, where such links exist, and their URDF and MJCF.
 
 Eq. 1 fixes five combinations of the links, and the links have seven numbers, so two of them are free. Write
 
@@ -24,10 +24,12 @@ or more where J1 would otherwise fall below R / 4, its share in such a rod. The 
 l1 / 2 from joint 1. It lies behind the joint (lc1 < 0) if s < 0: a counterweight outweighs the rest of link 1.
 """
 
+import re
 from dataclasses import dataclass, replace
 from math import sqrt
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from repro.model.parameters import STANDARD_GRAVITY, Array, Links, check_beta
+from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, check_beta
 
 #: Share of I3 and D that J2 and R keep at least, if the centre of mass of link 2 is to be put in its middle.
 FAIR_SHARE = 0.05
@@ -60,9 +62,9 @@ class LinkSet:
     notes: tuple[str, ...] = ()  # what was chosen or found on the way, one line each
 
     @property
-    def planar(self) -> Links:
-        """The links as ``repro.model`` has them."""
-        return Links(m1=self.m1, m2=self.m2, l1=self.l1, lc1=self.lc1, lc2=self.lc2, j1=self.j1, j2=self.j2)
+    def rows(self) -> tuple[tuple[int, float, float, float, float, float], ...]:
+        """Number, distance from the joint before, length, place of the centre of mass, mass and inertia of each."""
+        return (1, 0.0, self.l1, self.lc1, self.m1, self.j1), (2, self.l1, self.l2, self.lc2, self.m2, self.j2)
 
 
 def principal_inertia(planar: float) -> tuple[float, float, float]:
@@ -81,8 +83,14 @@ def _check_sizes(values: dict[str, float]) -> None:
             raise ValueError(f"{name} = {value:.4g} must be positive, between {SIZES[0]:g} and {SIZES[1]:g}.")
 
 
-def _check_possible(i1: float, i2: float, i3: float, g2: float, gravity: float) -> None:
-    """Refuse inertias and gravity that no two links can have."""
+def _check_possible(beta: Array) -> None:
+    """Refuse parameters that no two links can have."""
+    i1, i2, i3, g1, g2 = beta[:5].tolist()
+    for name, value in zip(NAMES[5:], beta[5:], strict=True):
+        if value < 0.0:
+            raise ValueError(f"{name} = {value:.4g}: friction must not be negative.")
+    if abs(g1) > SIZES[1]:
+        raise ValueError(f"g1 = {g1:.4g} must be below {SIZES[1]:g} in size.")
     if i2 < 0.0 and g2 < 0.0:
         raise ValueError(
             f"I2 = {i2:.4g} and g2 = {g2:.4g} must be positive: with both negative, q2 = 0 is not where link 2 extends"
@@ -100,9 +108,6 @@ def _check_possible(i1: float, i2: float, i3: float, g2: float, gravity: float) 
             f"I3 (I1 - I3) = {i3 * (i1 - i3):.4g} must be above I2^2 / 4 = {0.25 * i2 * i2:.4g}: M(q) is not positive"
             " definite, and that of two links is."
         )
-    l1 = i2 * gravity / (2.0 * g2)
-    if not LENGTHS[0] <= l1 <= LENGTHS[1]:
-        raise ValueError(f"l1 = I2 g / (2 g2) = {l1:.4g} m is no arm's length: I2 = {i2:.4g}, g2 = {g2:.4g}.")
 
 
 def horizontal_links_of(beta: Array, lengths: tuple[float, float] | None) -> LinkSet:
@@ -123,23 +128,18 @@ def horizontal_links_of(beta: Array, lengths: tuple[float, float] | None) -> Lin
 
 
 def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[float, float] | None = None) -> LinkSet:
-    """Links that have the nine parameters, up to rounding."""
+    """Links that have the nine parameters (9,), up to rounding."""
     beta = check_beta(beta)
-    if beta.ndim != 1:
-        raise ValueError(f"beta: must be one set of nine parameters, got shape {beta.shape}.")
-    i1, i2, i3, g1, g2, b1, b2, k1, k2 = (float(value) for value in beta)
+    i1, i2, i3, g1, g2, b1, b2, k1, k2 = beta.tolist()
     _check_sizes({"gravity": gravity})
     if lengths is not None:
         _check_sizes({"given l1": lengths[0], "given l2": lengths[1]})
-    for name, value in (("b1", b1), ("b2", b2), ("k1", k1), ("k2", k2)):
-        if value < 0.0:
-            raise ValueError(f"{name} = {value:.4g}: friction must not be negative.")
-    if abs(g1) > SIZES[1]:
-        raise ValueError(f"g1 = {g1:.4g} must be below {SIZES[1]:g} in size.")
-    _check_possible(i1, i2, i3, g2, gravity)
-
+    _check_possible(beta)
     first, d = g2 / gravity, i1 - i3  # a, D
     l1 = i2 / (2.0 * first)
+    if not LENGTHS[0] <= l1 <= LENGTHS[1]:
+        raise ValueError(f"l1 = I2 g / (2 g2) = {l1:.4g} m is no arm's length: I2 = {i2:.4g}, g2 = {g2:.4g}.")
+
     notes = []
     if lengths is not None:
         notes.append(
@@ -175,17 +175,106 @@ def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[floa
     lc2 = first / m2
     if lengths is None:
         notes.append("l2 is not known and does not enter the dynamics; it is drawn as 2 lc2")
-    return LinkSet(
-        m1=m1,
-        m2=m2,
-        l1=l1,
-        l2=2.0 * lc2 if lengths is None else lengths[1],
-        lc1=moment / m1,
-        lc2=lc2,
-        j1=j1,
-        j2=j2,
-        b=(b1, b2),
-        k=(k1, k2),
-        gravity=gravity,
-        notes=tuple(notes),
-    )
+    l2 = 2.0 * lc2 if lengths is None else lengths[1]
+    return LinkSet(m1, m2, l1, l2, moment / m1, lc2, j1, j2, (b1, b2), (k1, k2), gravity, tuple(notes))
+
+
+#: Characters that XML 1.0 does not allow, or advises against.
+_NO_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: Placeholder limit of each joint, rad: beyond what an arm without slip rings turns.
+_TURNS = 100.0
+#: Axis of both joints: -y, so that positive q moves a hanging arm towards +x, as in Fig. 1.
+_AXIS = "0 -1 0"
+
+_URDF_HEAD = (
+    "Two-joint arm from identified parameters. Lengths in m, masses in kg, angles in rad.",
+    "At q = 0 the arm hangs along -z; joint2 is relative to link1; gravity must be set along -z, {gravity} m/s^2.",
+    "Friction: damping is viscous (b). The value of friction is the Coulomb torque (k); a simulator applies its own",
+    "law for it (often a stick-slip limit, sometimes nothing), not the k tanh(lambda dq) it was identified with.",
+    "Position, effort and velocity limits are placeholders: a log does not tell them.",
+    "Planar motion shows the inertia about the joints' axis alone; ixx and izz are those of a slender rod.",
+)
+_MJCF_HEAD = (
+    "Two-joint arm from identified parameters. Lengths in m, masses in kg, angles in rad.",
+    "At q = 0 the arm hangs along -z; joint2 is relative to link1. The motors take torques in N m, unlimited.",
+    "Friction: damping is viscous (b). frictionloss is the Coulomb torque (k), in MuJoCo's own form: a constraint",
+    "that holds the joint at rest up to this torque, not the k tanh(lambda dq) it was identified with.",
+    "Planar motion shows the inertia about the joints' axis alone; the others are those of a slender rod.",
+)
+
+
+def _clean(name: str) -> str:
+    """Replace characters that XML does not allow; an arm without a name gets one."""
+    return _NO_XML.sub("_", " ".join(name.split())) or "arm"
+
+
+def _numbers(*values: float) -> str:
+    """Print decimal numbers that read back as the same floats."""
+    return " ".join(repr(float(value) + 0.0) for value in values)  # + 0.0: no negative zero
+
+
+def _below(distance: float) -> str:
+    """Print a point below the origin."""
+    return _numbers(0.0, 0.0, -distance)
+
+
+def _document(root: Element, head: tuple[str, ...], notes: tuple[str, ...]) -> str:
+    """Print an XML document with a comment at its head, one line of text to a line."""
+    lines = "\n".join(f"    {line}" for line in (*head, *(f"Note: {note}." for note in notes)))
+    root.insert(0, Comment("\n" + re.sub("-(?=-)", "- ", lines) + "\n  "))
+    indent(root)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'
+
+
+def urdf(links: LinkSet, name: str) -> str:
+    """Print the robot description of an arm; positive q moves a hanging arm towards +x, as in Fig. 1."""
+    robot = Element("robot", name=_clean(name))
+    SubElement(robot, "link", name="base")
+    for number, start, length, centre, mass, inertia in links.rows:
+        joint = SubElement(robot, "joint", name=f"joint{number}", type="revolute")
+        SubElement(joint, "parent", link=f"link{number - 1}" if number > 1 else "base")
+        SubElement(joint, "child", link=f"link{number}")
+        SubElement(joint, "origin", xyz=_below(start), rpy="0 0 0")
+        SubElement(joint, "axis", xyz=_AXIS)
+        SubElement(joint, "limit", lower=_numbers(-_TURNS), upper=_numbers(_TURNS), effort="1000.0", velocity="1000.0")
+        damping, friction = links.b[number - 1], links.k[number - 1]
+        SubElement(joint, "dynamics", damping=_numbers(damping), friction=_numbers(friction))
+        link = SubElement(robot, "link", name=f"link{number}")
+        inertial = SubElement(link, "inertial")
+        SubElement(inertial, "origin", xyz=_below(centre), rpy="0 0 0")
+        SubElement(inertial, "mass", value=_numbers(mass))
+        ixx, iyy, izz = (_numbers(moment) for moment in principal_inertia(inertia))
+        SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
+        visual = SubElement(link, "visual")
+        SubElement(visual, "origin", xyz=_below(0.5 * length), rpy="0 0 0")
+        geometry = SubElement(visual, "geometry")
+        SubElement(geometry, "cylinder", radius=_numbers(0.04 * length), length=_numbers(length))
+    SubElement(robot, "link", name="tool")
+    tool = SubElement(robot, "joint", name="tool_joint", type="fixed")
+    SubElement(tool, "parent", link="link2")
+    SubElement(tool, "child", link="tool")
+    SubElement(tool, "origin", xyz=_below(links.l2), rpy="0 0 0")
+    head = tuple(line.format(gravity=_numbers(links.gravity)) for line in _URDF_HEAD)
+    return _document(robot, head, links.notes)
+
+
+def mjcf(links: LinkSet, name: str) -> str:
+    """Print the MuJoCo model of an arm, with torque motors; positive q moves a hanging arm towards +x, as in Fig. 1."""
+    model = Element("mujoco", model=_clean(name))
+    SubElement(model, "compiler", angle="radian")
+    SubElement(model, "option", gravity=_below(links.gravity), timestep="0.001", integrator="implicitfast")
+    default = SubElement(model, "default")
+    SubElement(default, "joint", type="hinge", axis=_AXIS)
+    SubElement(default, "geom", type="capsule", contype="0", conaffinity="0")
+    body, actuator = SubElement(model, "worldbody"), SubElement(model, "actuator")
+    for number, start, length, centre, mass, inertia in links.rows:
+        place = {"pos": _below(start)} if number > 1 else {}
+        body = SubElement(body, "body", {"name": f"link{number}", **place})
+        damping, friction = links.b[number - 1], links.k[number - 1]
+        SubElement(body, "joint", name=f"joint{number}", damping=_numbers(damping), frictionloss=_numbers(friction))
+        moments = _numbers(*principal_inertia(inertia))
+        SubElement(body, "inertial", pos=_below(centre), mass=_numbers(mass), diaginertia=moments)
+        SubElement(body, "geom", fromto=f"{_below(0.0)} {_below(length)}", size=_numbers(0.04 * length))
+        SubElement(actuator, "motor", name=f"motor{number}", joint=f"joint{number}")
+    SubElement(body, "site", name="tool", pos=_below(links.l2))
+    return _document(model, _MJCF_HEAD, links.notes)

@@ -1,0 +1,187 @@
+"""Simulated arms: those that a network is trained on, and many specimens, kept and read back."""
+
+import copy
+import hashlib
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from experiment_example import MOTIONS, changed, full_config, refused, short_config
+from safetensors.numpy import load_file, save_file
+
+from repro.errors import InputError
+from repro.fpga.capture import read_capture
+from repro.model.parameters import is_positive_definite
+from repro.pipeline.experiment import mechanical_parameters, program_from_config, true_parameters
+from repro.pipeline.monte_carlo import chatters
+from repro.pipeline.simulated_arms import (
+    draw_arms,
+    read_spread,
+    simulate_spread,
+    simulate_tracked,
+    spread_arms,
+    training_motion,
+)
+from repro.settings import of_network
+from repro.signals.programs import peaks
+
+pytestmark = pytest.mark.slow
+
+CONFIG = full_config()
+TRACKED = of_network(CONFIG, "tracked")
+
+
+def small(arms=6, **tracked):
+    return changed(TRACKED, data={"tracked": {"arms": arms, **tracked}})
+
+
+@pytest.fixture(scope="module")
+def motions(tmp_path_factory):
+    path = tmp_path_factory.mktemp("tracked") / "tracked.safetensors"
+    simulate_tracked(small(), path)
+    return path
+
+
+def test_the_arms_are_physical_and_the_motors_carry_them():
+    beta = draw_arms(np.random.default_rng(0), 500, CONFIG)
+    assert is_positive_definite(beta).all()
+    full = np.array(CONFIG["board"]["full_torque_nm"])
+    assert (beta[:, [3, 4]].sum(1) + beta[:, 7] <= 0.8 * full[0]).all()
+    assert (beta[:, 4] + beta[:, 8] <= 0.8 * full[1]).all()
+    assert (beta[:, 0] >= 0.01).all()
+    assert (beta[:, 2] >= 0.004).all()
+    assert len(np.unique(beta, axis=0)) == 500
+
+
+def test_every_motion_is_eq_10_as_an_arm_tracks_it(motions):
+    kept = load_file(motions)
+    error = np.abs(kept["position"] * (2 * np.pi / 8400) - kept["desired"])[..., 340:-40]  # the trajectory proper
+    assert error.max() <= CONFIG["data"]["tracked"]["largest_error_rad"]
+    assert (error.max((1, 2)) > 0.01).all()  # and not Eq. 10 itself
+
+
+def test_no_arm_is_one_that_is_tested(tmp_path, motions, monkeypatch):
+    """By hash of what was recorded, and by parameters."""
+    monkeypatch.setattr("repro.pipeline.simulated_arms.VALIDATION", {})  # no network is trained on them
+    spread = {"arms": 2, "seeds": [1, 2], "durations_s": [CONFIG["signals"]["duration_s"]]}
+    simulate_spread(changed(CONFIG, spread=spread), tmp_path / "spread.safetensors")
+    tested = [*load_file(tmp_path / "spread.safetensors")["ID0/position"]]
+    tested.append(read_capture(Path(CONFIG["experiment"]["captures"]) / "ID.bin").position)
+
+    def digests(positions):
+        return {hashlib.sha256(np.ascontiguousarray(p, dtype=np.int16).tobytes()).hexdigest() for p in positions}
+
+    kept = load_file(motions)
+    assert len(digests(kept["position"])) == 6
+    assert not digests(kept["position"]) & digests(tested)
+    arms = np.array([CONFIG["arm"]["parameters"], *CONFIG["numeric"]["arms"].values()])
+    assert np.abs(kept["parameters"][:, np.newaxis] / arms - 1).max(-1).min() > 0.05
+
+
+def test_torques_are_of_each_motion_and_f_is_of_the_one_that_was_sent(motions):
+    desired = training_motion(small(), motions)
+    assert desired.torque.shape == (6, 2, 100, 9)
+    assert desired.model.shape == (2, 100, 9)
+    measured = training_motion(changed(small(), algorithm1={"image_motion": "measured"}), motions)
+    assert measured.model.shape == (6, 2, 100, 9)
+    np.testing.assert_array_equal(measured.torque, desired.torque)
+    # Gravity hardly knows how well the arm tracks; the acceleration of joint 2 does.
+    gap = np.abs(measured.model - desired.model).max((0, 1, 2)) / np.abs(desired.model).max((0, 1))
+    assert gap[3] < 0.15
+    assert gap[2] > 0.2
+
+
+def test_a_file_of_fewer_motions_is_refused(motions):
+    with pytest.raises(InputError, match="position: found another shape"):
+        training_motion(small(7), motions)
+    with pytest.raises(InputError, match="no readable safetensors file"):
+        training_motion(small(), motions.with_name("none"))
+    os.mkfifo(pipe := motions.with_name("pipe"))
+    with pytest.raises(InputError, match="a pipe or a device"):
+        training_motion(small(), pipe)
+
+
+def test_arms_that_do_not_track_end_in_one_line(tmp_path):
+    with pytest.raises(InputError, match="arms that track"):
+        simulate_tracked(small(largest_error_rad=1e-6), tmp_path / "out.safetensors")
+    assert not list(tmp_path.iterdir())
+
+
+# --- Specimens ----------------------------------------------------------------------------------------------------
+
+
+def brief_config():
+    """Two specimens, motions of a few seconds, motors that can do it."""
+    config = short_config()
+    config["board"] |= {"full_torque_nm": [60.0, 60.0], "speed_limit_rad_s": 200.0}
+    config["experiment"] |= {"validation_samples": 2200, "random_range_rad": 0.01, "lead_in_s": 0.5}
+    # Light enough for those motors, and heavy enough that the simulation of no drawn arm diverges.
+    config["data"]["tracked"] |= {"load_share": 0.03, "least_inertia_kg_m2": [0.1, 0.02]}
+    config["spread"] |= {"arms": 2, "seeds": [4, 9], "durations_s": [2.0, 1.5]}
+    return config
+
+
+BRIEF = brief_config()
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("spread") / "recordings.safetensors"
+    simulate_spread(BRIEF, path)
+    return path
+
+
+def test_every_seed_and_motion_comes_back(recorded):
+    for index, duration in enumerate(BRIEF["spread"]["durations_s"]):
+        found = read_spread(recorded, BRIEF, index)
+        assert [(one.seed, one.arm) for one in found] == [(4, 0), (9, 1)]
+        for one in found:
+            assert tuple(one.recordings) == MOTIONS
+            for name, recording in one.recordings.items():
+                program = program_from_config(BRIEF, name, one.seed, duration)
+                assert (recording.program.q == program.q.astype(np.float32)).all()  # as the board was sent it
+                assert (recording.program.n1, recording.program.n2) == (program.n1, program.n2)
+                assert recording.q.shape == recording.tau.shape == program.q.shape
+                assert np.abs(recording.q - program.q).max() < 0.3
+                assert np.ptp(recording.tau, axis=1).min() > 0
+        proper = found[0].recordings["ID"].program
+        assert proper.n2 - proper.n1 == round(duration / 0.0025)
+
+
+def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
+    config, true = copy.deepcopy(BRIEF), true_parameters(BRIEF)
+    motions = [program_from_config(config, name, seed) for name in MOTIONS for seed in config["spread"]["seeds"]]
+    torque = np.max([peaks(motion, true)[1] for motion in motions], axis=0)
+    config["board"]["full_torque_nm"] = (1.2 * torque / config["experiment"]["torque_share"]).tolist()
+    mechanical = mechanical_parameters(config)
+    able = np.append(0.9 * mechanical[:5], mechanical[5:])
+    monkeypatch.setattr("repro.pipeline.simulated_arms.draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
+    same_motors = able + (true - mechanical)
+    np.testing.assert_allclose(spread_arms(config), [true, same_motors], rtol=1e-15)
+
+
+def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded, tmp_path):
+    more = changed(BRIEF, spread={"seeds": [4, 9, 11, 12]})
+    assert f"{recorded}: parameters: " in refused(read_spread, recorded, more, 0)
+    longer = changed(BRIEF, experiment={"validation_samples": 2300})
+    assert f"{recorded}: T1/position: " in refused(read_spread, recorded, longer, 0)
+    counts = load_file(recorded)
+    del counts["T3/pwm"]
+    path = tmp_path / "recordings.safetensors"
+    save_file(counts, path)
+    assert f"{path}: T3/pwm: " in refused(read_spread, path, BRIEF, 0)
+
+
+# --- Chatter ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("fast", "expected"), [(0.0, False), (1.6, False), (1.9, True)])
+def test_a_loop_chatters_if_three_quarters_of_a_torque_are_fast(recorded, fast, expected):
+    """A sinusoid of 1 Hz and amplitude 1 on both joints, and one of 40 Hz on joint 2: a power of 3.6 to 1 at 1.9."""
+    recording = read_spread(recorded, BRIEF, 0)[0].recordings["ID"]
+    t = recording.program.h * np.arange(4000)
+    slow = np.sin(2 * np.pi * t)
+    tau = np.stack([slow, slow + fast * np.sin(2 * np.pi * 40.0 * t) + 3.0])
+    assert chatters(replace(recording, tau=tau)) == expected
