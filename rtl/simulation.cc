@@ -1,0 +1,142 @@
+// The pins of the board in a simulation: the host's end of the serial line and two encoders.
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include "design.h"
+
+namespace {
+
+struct Encoder {
+    int64_t count = 0, target = 0;
+    // Channels A and B in the order 00, 10, 11, 01 of a rising position.
+    bool a() const { return (count & 3) == 1 || (count & 3) == 2; }
+    bool b() const { return (count & 3) >= 2; }
+};
+
+struct Simulation {
+    cxxrtl_design::p_top top;
+    uint64_t clocks = 0, edge_at = 0;
+    Encoder encoders[2];
+    std::deque<uint8_t> to_board, from_board;
+    // Bits of the byte on each line: how many are left, and clocks until the next.
+    int sending = 0, send_left = 0, receiving = 0, receive_left = 0;
+    uint32_t send_bits = 0, receive_bits = 0;
+    uint64_t refused = 0, identified = 0, high[4] = {0, 0, 0, 0};
+
+    Simulation() {
+        top.p_rx.set(true);
+        tick();
+    }
+
+    void tick() {
+        top.p_clk.set(false);
+        top.step();
+        top.p_clk.set(true);
+        top.step();
+        ++clocks;
+    }
+
+    void drive_line() {
+        if (sending) {
+            if (--send_left) return;
+            send_bits >>= 1;
+            send_left = DIVISOR;
+            if (--sending) top.p_rx.set<bool>(send_bits & 1);
+            else top.p_rx.set(true);
+        }
+        // The host of a board at full speed never finds it busy; one with few clocks a bit has to wait.
+        if (!sending && !to_board.empty() && !top.p_busy.get<bool>()) {
+            send_bits = to_board.front() << 1 | 0x200;
+            to_board.pop_front();
+            sending = 10;
+            send_left = DIVISOR;
+            top.p_rx.set(false);
+        }
+    }
+
+    void read_line() {
+        bool tx = top.p_tx.get<bool>();
+        if (!receiving) {
+            if (tx) return;
+            receiving = 10;
+            receive_left = DIVISOR / 2;
+        } else if (--receive_left == 0) {
+            receive_left = DIVISOR;
+            receive_bits = receive_bits >> 1 | tx << 9;
+            if (--receiving == 0) from_board.push_back(receive_bits >> 1 & 0xff);
+        }
+    }
+
+    void move_encoders() {
+        if (clocks < edge_at) return;
+        for (int joint = 0; joint < 2; ++joint) {
+            Encoder &e = encoders[joint];
+            if (e.count == e.target) continue;
+            e.count += e.count < e.target ? 1 : -1;
+            edge_at = clocks + EDGE;
+            if (joint == 0) {
+                top.p_a____0.set(e.a());
+                top.p_b____0.set(e.b());
+            } else {
+                top.p_a____1.set(e.a());
+                top.p_b____1.set(e.b());
+            }
+        }
+    }
+
+    void clock() {
+        drive_line();
+        move_encoders();
+        tick();
+        read_line();
+        refused += top.p_refused.get<bool>();
+        identified += top.p_identify.get<bool>();
+    }
+};
+
+}  // namespace
+
+extern "C" {
+
+Simulation *board_new() { return new Simulation; }
+void board_free(Simulation *s) { delete s; }
+
+void board_send(Simulation *s, const uint8_t *data, uint64_t n) {
+    s->to_board.insert(s->to_board.end(), data, data + n);
+}
+
+// Position of both joints in counts, reached an edge of each at a time.
+void board_move(Simulation *s, int64_t first, int64_t second) {
+    s->encoders[0].target = first;
+    s->encoders[1].target = second;
+}
+
+// Runs until the board has sent `bytes` bytes, or, if that is 0, until the line to it is idle and its encoders rest; or
+// until a motion is over (`over` set: not running), or for `most` clocks. Gives the number of bytes that wait.
+uint64_t board_run(Simulation *s, uint64_t bytes, int over, uint64_t most) {
+    for (uint64_t end = s->clocks + most; s->clocks < end; s->clock()) {
+        if (bytes && s->from_board.size() >= bytes) break;
+        if (over && !s->top.p_running.get<bool>()) break;
+        if (!bytes && !over && s->to_board.empty() && !s->sending && !s->top.p_busy.get<bool>() &&
+            s->encoders[0].count == s->encoders[0].target && s->encoders[1].count == s->encoders[1].target)
+            break;
+    }
+    return s->from_board.size();
+}
+
+uint64_t board_read(Simulation *s, uint8_t *data, uint64_t most) {
+    uint64_t n = 0;
+    for (; n < most && !s->from_board.empty(); ++n) {
+        data[n] = s->from_board.front();
+        s->from_board.pop_front();
+    }
+    return n;
+}
+
+// Bits of the status: running, last sample read.
+int board_status(Simulation *s) { return s->top.p_running.get<bool>() | s->top.p_last.get<bool>() << 1; }
+int board_kind(Simulation *s) { return s->top.p_kind.get<uint32_t>(); }
+uint64_t board_refused(Simulation *s) { return s->refused; }
+uint64_t board_identified(Simulation *s) { return s->identified; }
+uint64_t board_clocks(Simulation *s) { return s->clocks; }
+}
