@@ -21,7 +21,9 @@ struct Simulation {
     // Bits of the byte on each line: how many are left, and clocks until the next.
     int sending = 0, send_left = 0, receiving = 0, receive_left = 0;
     uint32_t send_bits = 0, receive_bits = 0;
-    uint64_t refused = 0, identified = 0, high[4] = {0, 0, 0, 0};
+    // Types of the messages that were refused, and requests for the board's identity.
+    std::deque<uint8_t> refused;
+    uint64_t identified = 0;
 
     Simulation() {
         top.p_rx.set(true);
@@ -84,12 +86,17 @@ struct Simulation {
         }
     }
 
+    bool resting() const {
+        return to_board.empty() && !sending && !top.p_busy.get<bool>() && encoders[0].count == encoders[0].target &&
+               encoders[1].count == encoders[1].target;
+    }
+
     void clock() {
         drive_line();
         move_encoders();
         tick();
         read_line();
-        refused += top.p_refused.get<bool>();
+        if (top.p_refused.get<bool>()) refused.push_back(top.p_kind.get<uint8_t>());
         identified += top.p_identify.get<bool>();
     }
 };
@@ -111,17 +118,14 @@ void board_move(Simulation *s, int64_t first, int64_t second) {
     s->encoders[1].target = second;
 }
 
-// Runs until the board has sent `bytes` bytes, or, if that is 0, until the line to it is idle and its encoders rest; or
-// until a motion is over (`over` set: not running), or for `most` clocks. Gives the number of bytes that wait.
-uint64_t board_run(Simulation *s, uint64_t bytes, int over, uint64_t most) {
+// Runs until one of the conditions asked for: the board has sent `bytes` bytes; the line to it is idle and its encoders
+// rest; no motion is under way. Or for `most` clocks.
+void board_run(Simulation *s, uint64_t bytes, int idle, int over, uint64_t most) {
     for (uint64_t end = s->clocks + most; s->clocks < end; s->clock()) {
         if (bytes && s->from_board.size() >= bytes) break;
         if (over && !s->top.p_running.get<bool>()) break;
-        if (!bytes && !over && s->to_board.empty() && !s->sending && !s->top.p_busy.get<bool>() &&
-            s->encoders[0].count == s->encoders[0].target && s->encoders[1].count == s->encoders[1].target)
-            break;
+        if (idle && s->resting()) break;
     }
-    return s->from_board.size();
 }
 
 uint64_t board_read(Simulation *s, uint8_t *data, uint64_t most) {
@@ -135,8 +139,13 @@ uint64_t board_read(Simulation *s, uint8_t *data, uint64_t most) {
 
 // Bits of the status: running, last sample read.
 int board_status(Simulation *s) { return s->top.p_running.get<bool>() | s->top.p_last.get<bool>() << 1; }
-int board_kind(Simulation *s) { return s->top.p_kind.get<uint32_t>(); }
-uint64_t board_refused(Simulation *s) { return s->refused; }
+// Type of the oldest refused message that has not been reported, 0 for none.
+int board_refused(Simulation *s) {
+    if (s->refused.empty()) return 0;
+    int kind = s->refused.front();
+    s->refused.pop_front();
+    return kind;
+}
 uint64_t board_identified(Simulation *s) { return s->identified; }
 uint64_t board_clocks(Simulation *s) { return s->clocks; }
 }

@@ -23,7 +23,7 @@ class Simulation:
         defines = {"DIVISOR": divisor, "EDGE": period // 64}
         self._library = library = compile_design(design, Path(__file__).with_suffix(".cc"), defines)
         library.board_new.restype = ctypes.c_void_p
-        for name in ("run", "read", "refused", "identified", "clocks"):
+        for name in ("read", "identified", "clocks"):
             getattr(library, f"board_{name}").restype = ctypes.c_uint64
         self._board = ctypes.c_void_p(library.board_new())
         self.period = period
@@ -38,9 +38,9 @@ class Simulation:
         """Turn the encoders to these counts."""
         self._library.board_move(self._board, ctypes.c_int64(first), ctypes.c_int64(second))
 
-    def run(self, *, until_bytes: int = 0, until_over: bool = False, clocks: int = 1 << 62) -> None:
-        """Run until so many bytes came, or the motion is over, or else the line to the board and the encoders rest."""
-        arguments = (ctypes.c_uint64(until_bytes), ctypes.c_int(until_over), ctypes.c_uint64(clocks))
+    def run(self, *, bytes_: int = 0, idle: bool = False, over: bool = False, clocks: int = 1 << 62) -> None:
+        """Run until the board has sent so many bytes, or line and encoders are idle, or no motion is under way."""
+        arguments = (ctypes.c_uint64(bytes_), int(idle), int(over), ctypes.c_uint64(clocks))
         self._library.board_run(self._board, *arguments)
 
     def read(self, most: int = 1 << 16) -> bytes:
@@ -59,15 +59,9 @@ class Simulation:
         """Whether the motion's last sample has been read."""
         return bool(self._library.board_status(self._board) & 2)
 
-    @property
-    def kind(self) -> int:
-        """Type of the message that was obeyed or refused last."""
-        return int(self._library.board_kind(self._board))
-
-    @property
-    def refused(self) -> int:
-        """Number of messages refused so far."""
-        return int(self._library.board_refused(self._board))
+    def refused(self) -> list[int]:
+        """Take the types of the messages that were refused, oldest first."""
+        return list(iter(lambda: int(self._library.board_refused(self._board)), 0))
 
     @property
     def identified(self) -> int:

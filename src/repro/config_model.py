@@ -290,7 +290,9 @@ class Board(Section):
 class Experiment(Section):
     """The experiment of Section V-C."""
 
-    source: Literal["stored", "simulated", "serial"] = key("captures, a board in process, or one on the serial port")
+    source: Literal["stored", "simulated", "serial", "rtl"] = key(
+        "captures, a board in process, one on the serial port, or the design in logic, simulated in process"
+    )
     captures: Folder = key("folder of the stored captures: ID, T1 to T4, each `.bin` and `.json`")
     port: Annotated[str, Field(min_length=1)] = key("device or URL, as pyserial opens it: `socket://host:port`")
     baud: Count = key("speed of that port", "bit/s", "ours")

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 def simulate_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro simulate``."""
+    parser.add_argument(
+        "--board", choices=("python", "rtl"), default="python", help="rtl: simulate the design in logic (docs/board.md)"
+    )
     parser.add_argument("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
     parser.add_argument("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
     parser.add_argument("--host", help="with socket: address to listen on (default: 127.0.0.1)")
@@ -38,7 +41,8 @@ def simulate(arguments: argparse.Namespace) -> int:
 
     from repro.config import load_config
     from repro.fpga.channel_errors import ErrorInjector
-    from repro.fpga.server import PtyEndpoint, SocketEndpoint, serve
+    from repro.fpga.logic import logic_board
+    from repro.fpga.server import Board, PtyEndpoint, SocketEndpoint, serve
     from repro.pipeline.experiment import board_from_config
 
     for option, listen in (("link", "pty"), ("host", "socket"), ("port_number", "socket")):
@@ -48,7 +52,7 @@ def simulate(arguments: argparse.Namespace) -> int:
     settings = parse_faults(arguments.faults)
     config = load_config(arguments.config)
     seed = config["experiment"]["seed"] if arguments.seed is None else arguments.seed
-    board = board_from_config(config, seed)
+    board = board_from_config(config, seed, logic_board() if arguments.board == "rtl" else Board)
     rng = np.random.default_rng(seed)
     endpoint = (
         PtyEndpoint(arguments.link)

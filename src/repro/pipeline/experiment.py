@@ -14,6 +14,7 @@ from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture,
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import raw_file, record
+from repro.fpga.logic import logic_board
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import Board
@@ -114,15 +115,15 @@ def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
     return levels, phase
 
 
-def board_from_config(config: Config, seed: int | None = None) -> Board:
-    """Simulated board with its arm."""
+def board_from_config(config: Config, seed: int | None = None, make: type[Board] = Board) -> Board:
+    """Simulated board with its arm; `make` is what simulates the board."""
     seed = config["experiment"]["seed"] if seed is None else seed
     beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
     levels, phase = disturbance(config, seed)
     stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
     effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
     arm = {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}
-    return Board(
+    return make(
         lambda: Plant(beta, h, levels, phase),
         control_constants(config).torque_per_count,
         {"board": "simulated", "arm": arm},
@@ -186,10 +187,12 @@ def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Reco
 
 
 def acquire(motion: str, out: Path, config: Config) -> None:
-    """Put the capture of a motion at `out`: stored, simulated or from a serial port."""
+    """Put the capture of a motion at `out`: stored, simulated (in Python or in logic) or from a serial port."""
     e, program = config["experiment"], program_from_config(config, motion)
     if e["source"] == "simulated":
         simulate_capture(out, program, config)
+    elif e["source"] == "rtl":
+        simulate_capture(out, program, config, logic_board())
     elif e["source"] == "serial":
         metadata = metadata_for(program, config)
         with raw_file(out, metadata, overwrite=True) as raw:
@@ -210,9 +213,9 @@ def acquire(motion: str, out: Path, config: Config) -> None:
             atomic_write(here, partial(shutil.copyfile, there))
 
 
-def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config) -> Capture:
+def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config, make: type[Board] = Board) -> Capture:
     """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
-    board, metadata = board_from_config(config), metadata_for(program, config)
+    board, metadata = board_from_config(config, make=make), metadata_for(program, config)
     board.receive(metadata.program + encode_start(metadata.samples))
     if not board.running:
         raise InputError.at(f"simulated board: {program.name}", "; ".join(board.refusals), "a start")
