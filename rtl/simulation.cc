@@ -31,8 +31,8 @@ struct Simulation {
     }
 
     void tick() {
-        top.p_clk.set(false);
-        top.step();
+        // A rising edge without the falling one before it, on which nothing happens.
+        top.prev_p_clk.set(false);
         top.p_clk.set(true);
         top.step();
         ++clocks;
