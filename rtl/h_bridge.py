@@ -1,6 +1,6 @@
 """H bridge (Fig. 2): the inputs of a motor's H bridge, with a pause between the directions, and the bridge's clock.
 
-A side is driven only `pause` clocks after the other one, so the transistors of one leg never conduct together. The
+Between the two sides both are off for at least `pause` clocks, so the transistors of one leg never conduct together. The
 paper names "a necessary clock signal" without its frequency: here it is a square wave of `2 x half_period` clocks.
 """
 
@@ -19,7 +19,7 @@ class HBridge(wiring.Component):
     def elaborate(self, platform: object) -> Module:  # noqa: ARG002
         """Build pauses and clock."""
         m = Module()
-        since_1, since_2 = (Signal(range(self._pause + 1), name=name) for name in ("since_1", "since_2"))
+        since_1, since_2 = (Signal(range(self._pause), name=name) for name in ("since_1", "since_2"))
         for output, request, own, other, other_output in (
             (self.in1, self.forward & ~self.backward, since_1, since_2, self.in2),
             (self.in2, self.backward & ~self.forward, since_2, since_1, self.in1),
@@ -27,7 +27,7 @@ class HBridge(wiring.Component):
             # `own`: clocks for which the other side must still wait after this one.
             m.d.sync += output.eq(request & (other == 0) & ~other_output)
             with m.If(output):
-                m.d.sync += own.eq(self._pause)
+                m.d.sync += own.eq(self._pause - 1)
             with m.Elif(own != 0):
                 m.d.sync += own.eq(own - 1)
         left = Signal(range(self._half_period))

@@ -32,8 +32,8 @@ class LogicBoard(Board):
 
     @property
     def running(self) -> bool:
-        """Whether the arm is moving, or frames of its motion wait."""
-        return self._plant is not None or bool(self._frames)
+        """Whether the arm is moving."""
+        return self._plant is not None
 
     def receive(self, data: bytes) -> bytes:
         """Put bytes on the design's line, and let time pass until it has obeyed them."""
@@ -45,19 +45,21 @@ class LogicBoard(Board):
                 self._plant = self._make_plant()
             if not self._take_frame():
                 break
-        self._end_motion()
         self.refusals += [f"{MessageKind(kind).name}: refused by the design." for kind in simulation.refused()]
         asked, self._identified = simulation.identified - self._identified, simulation.identified
-        return asked * encode_identity(self.identity)
+        return self._rest_of_motion() + asked * encode_identity(self.identity)
 
     def tick(self) -> bytes:
         """Let time pass until the next frame, nothing if the arm is not moving."""
-        if self._plant is not None and not self._frames:
+        if self._plant is None:
+            return b""
+        if not self._frames:
             self._simulation.run(bytes_=FRAME_BYTES, over=True)
             self._take_frame()
-            self._end_motion()
         frame = bytes(self._frames[:FRAME_BYTES])
         del self._frames[:FRAME_BYTES]
+        if not self._frames:
+            self._end_motion()
         return frame
 
     def _take_frame(self) -> bool:
@@ -73,8 +75,17 @@ class LogicBoard(Board):
             self._simulation.run(over=True)
         return True
 
+    def _rest_of_motion(self) -> bytes:
+        """Give the frames that were sent before a stop."""
+        if self._simulation.running:
+            return b""
+        self._end_motion()
+        frames = bytes(self._frames)
+        self._frames.clear()
+        return frames
+
     def _end_motion(self) -> None:
-        """After a motion the arm hangs at rest again."""
+        """Let the arm hang at rest again once its motion is over."""
         if self._plant is not None and not self._simulation.running:
             self._plant = None
             self._turn(np.zeros(2))

@@ -41,7 +41,7 @@ class ReadRam(wiring.Component):
             self.finished.eq(self.running & self.sample & self.last),
         ]
         # Two clocks from the start to the first word: one for the index, one for the memory.
-        m.d.sync += [delayed.eq(self.sample & ~self.last), self.start.eq(delayed)]
+        m.d.sync += [delayed.eq(self.running & self.sample & ~self.last), self.start.eq(delayed)]
         with m.If(delayed):
             m.d.sync += self.first.eq(index == 0)
         with m.If(self.start):

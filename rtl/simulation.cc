@@ -15,7 +15,7 @@ struct Encoder {
 
 struct Simulation {
     cxxrtl_design::p_top top;
-    uint64_t clocks = 0, edge_at = 0;
+    uint64_t clocks = 0, edge_at = 0, quiet = 0;
     Encoder encoders[2];
     std::deque<uint8_t> to_board, from_board;
     // Bits of the byte on each line: how many are left, and clocks until the next.
@@ -86,9 +86,13 @@ struct Simulation {
         }
     }
 
-    bool resting() const {
-        return to_board.empty() && !sending && !top.p_busy.get<bool>() && encoders[0].count == encoders[0].target &&
-               encoders[1].count == encoders[1].target;
+    // A byte is in the board some clocks after its last bit, and a stop bit is between two bytes of a frame.
+    bool resting() const { return quiet > 2 * DIVISOR; }
+
+    void watch() {
+        bool still = to_board.empty() && !sending && !receiving && !top.p_busy.get<bool>() &&
+                     encoders[0].count == encoders[0].target && encoders[1].count == encoders[1].target;
+        quiet = still ? quiet + 1 : 0;
     }
 
     void clock() {
@@ -96,6 +100,7 @@ struct Simulation {
         move_encoders();
         tick();
         read_line();
+        watch();
         if (top.p_refused.get<bool>()) refused.push_back(top.p_kind.get<uint8_t>());
         identified += top.p_identify.get<bool>();
     }
@@ -110,15 +115,17 @@ void board_free(Simulation *s) { delete s; }
 
 void board_send(Simulation *s, const uint8_t *data, uint64_t n) {
     s->to_board.insert(s->to_board.end(), data, data + n);
+    s->quiet = 0;
 }
 
 // Position of both joints in counts, reached an edge of each at a time.
 void board_move(Simulation *s, int64_t first, int64_t second) {
     s->encoders[0].target = first;
     s->encoders[1].target = second;
+    s->quiet = 0;
 }
 
-// Runs until one of the conditions asked for: the board has sent `bytes` bytes; the line to it is idle and its encoders
+// Runs until one of the conditions asked for: the board has sent `bytes` bytes; the lines are idle and the encoders
 // rest; no motion is under way. Or for `most` clocks.
 void board_run(Simulation *s, uint64_t bytes, int idle, int over, uint64_t most) {
     for (uint64_t end = s->clocks + most; s->clocks < end; s->clock()) {

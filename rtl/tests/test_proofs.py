@@ -34,9 +34,9 @@ class EveryEdge(wiring.Component):
 class EveryByte(wiring.Component):
     """What the transmitter takes the receiver gives, once, in order and within the time of a byte."""
 
-    def __init__(self, make_transmitter, make_receiver, divisor=4):
+    def __init__(self, make_transmitter, make_receiver, divisor=6):
         self._blocks = make_transmitter(divisor), make_receiver(divisor)
-        self._longest = 10 * divisor + 3
+        self._longest = 9 * divisor + divisor // 2 + 3
         super().__init__({"data": In(8), "valid": In(1)})
 
     def elaborate(self, platform):
@@ -61,7 +61,7 @@ class EveryByte(wiring.Component):
 
 
 class OneSide(wiring.Component):
-    """A bridge is never driven on both sides, and on one side only `PAUSE` clocks after the other."""
+    """A bridge is never driven on both sides, and both are off for `PAUSE` clocks between them."""
 
     PAUSE = 3
 
@@ -128,12 +128,12 @@ PROOFS = {
     "every edge": (lambda block: EveryEdge(block), decoder.Decoder, 8),
     "one side": (lambda block: OneSide(block), h_bridge.HBridge, 8),
     "torque": (lambda block: TorqueWithin(block), pd.PD, 2),
-    "receiver": (lambda block: EveryByte(uart.Transmitter, block), uart.Receiver, 48),
+    "receiver": (lambda block: EveryByte(uart.Transmitter, block), uart.Receiver, 66),
 }
 BROKEN = {
     "every edge": ("decoder", "now[0] ^ before[1]", "now[0] ^ before[0]"),
-    "one side": ("h_bridge", "own.eq(self._pause)", "own.eq(self._pause - 1)"),
-    "torque": ("pd", "value > LIMIT, LIMIT", "value > LIMIT + 1, LIMIT"),
+    "one side": ("h_bridge", "own.eq(self._pause - 1)", "own.eq(self._pause - 2)"),
+    "torque": ("pd", "Mux(value > LIMIT,", "Mux(value > LIMIT + 1,"),
     "receiver": ("uart", "self._divisor // 2 - 1", "self._divisor * 2 - 1"),
 }
 
@@ -143,7 +143,7 @@ def test_property_holds_and_fails_for_a_broken_block(name, tmp_path):
     make, block, depth = PROOFS[name]
     assert verdict(tmp_path, make(block), "prove", depth) == "PASS"
     worse = broken(*BROKEN[name])[block.__name__]
-    assert verdict(tmp_path, make(worse), "prove", depth) == "FAIL"
+    assert verdict(tmp_path, make(worse), "bmc", 2 * depth + 10) == "FAIL"
 
 
 OPERATIONS = {"add": fp_ops.Op.ADD, "sub": fp_ops.Op.SUB, "mul": fp_ops.Op.MUL}
