@@ -1,7 +1,7 @@
 """Proofs for all inputs and all time, each of which fails once its block is broken."""
 
 import pytest
-from amaranth.hdl import Assert, Cat, Instance, Module, Mux, Signal, signed
+from amaranth.hdl import Assert, Cat, ClockDomain, Instance, Module, Mux, Signal, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In
 
@@ -9,7 +9,16 @@ from rtl import decoder, fp_ops, h_bridge, pd, uart
 from rtl.tests.proof import broken, verdict
 
 
-class EveryEdge(wiring.Component):
+class Property(wiring.Component):
+    """A module whose clock domain is never reset but at power-up."""
+
+    def module(self):
+        m = Module()
+        m.domains.sync = ClockDomain(reset_less=True)
+        return m
+
+
+class EveryEdge(Property):
     """The decoder counts every edge, even one in every clock, three clocks after it came."""
 
     def __init__(self, make):
@@ -17,7 +26,7 @@ class EveryEdge(wiring.Component):
         super().__init__({"edge": In(1), "up": In(1)})
 
     def elaborate(self, platform):
-        m = Module()
+        m = self.module()
         m.submodules.decoder = block = self._make()
         age, count = Signal(3), Signal(signed(32))
         late = [Signal(signed(32), name=f"count_{i}") for i in range(3)]
@@ -31,7 +40,7 @@ class EveryEdge(wiring.Component):
         return m
 
 
-class EveryByte(wiring.Component):
+class EveryByte(Property):
     """What the transmitter takes the receiver gives, once, in order and within the time of a byte."""
 
     def __init__(self, make_transmitter, make_receiver, divisor=6):
@@ -40,7 +49,7 @@ class EveryByte(wiring.Component):
         super().__init__({"data": In(8), "valid": In(1)})
 
     def elaborate(self, platform):
-        m = Module()
+        m = self.module()
         m.submodules.transmitter, m.submodules.receiver = transmitter, receiver = self._blocks
         waiting, age, byte = Signal(), Signal(range(self._longest + 1)), Signal(8)
         m.d.comb += [
@@ -60,7 +69,7 @@ class EveryByte(wiring.Component):
         return m
 
 
-class OneSide(wiring.Component):
+class OneSide(Property):
     """A bridge is never driven on both sides, and both are off for `PAUSE` clocks between them."""
 
     PAUSE = 3
@@ -70,7 +79,7 @@ class OneSide(wiring.Component):
         super().__init__({"forward": In(1), "backward": In(1)})
 
     def elaborate(self, platform):
-        m = Module()
+        m = self.module()
         m.submodules.bridge = bridge = self._make(self.PAUSE, 2)
         m.d.comb += [bridge.forward.eq(self.forward), bridge.backward.eq(self.backward)]
         recent_1, recent_2 = Signal(self.PAUSE), Signal(self.PAUSE)
@@ -83,7 +92,7 @@ class OneSide(wiring.Component):
         return m
 
 
-class TorqueWithin(wiring.Component):
+class TorqueWithin(Property):
     """Whatever the floating-point unit gives, no torque leaves +-1023."""
 
     def __init__(self, make):
@@ -91,7 +100,7 @@ class TorqueWithin(wiring.Component):
         super().__init__({"start": In(1), "first": In(1), "done": In(1), "result": In(32)})
 
     def elaborate(self, platform):
-        m = Module()
+        m = self.module()
         m.submodules.pd = block = self._make(100e6)
         m.d.comb += [block.start.eq(self.start), block.first.eq(self.first)]
         m.d.comb += [block.fp_done.eq(self.done), block.fp_result.eq(self.result)]
@@ -99,7 +108,7 @@ class TorqueWithin(wiring.Component):
         return m
 
 
-class IsSymfpu(wiring.Component):
+class IsSymfpu(Property):
     """An operation, from reset, gives what Yosys' generated IEEE unit gives; any NaN equals any other."""
 
     def __init__(self, make, op, exponent_bits, fraction_bits):
@@ -108,7 +117,7 @@ class IsSymfpu(wiring.Component):
         super().__init__({"a": In(width), "b": In(width)})
 
     def elaborate(self, platform):
-        m = Module()
+        m = self.module()
         e, f = self._e, self._f
         m.submodules.unit = unit = self._make(e, f, 1 + e + f)
         expected, started = Signal(1 + e + f), Signal()
