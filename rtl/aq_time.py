@@ -12,7 +12,7 @@ class AqTime(wiring.Component):
         self._period = period
         super().__init__({"start": In(1), "running": In(1), "sample": Out(1)})
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the counter."""
         m = Module()
         left = Signal(range(self._period))

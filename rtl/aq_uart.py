@@ -29,7 +29,7 @@ class AqUart(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the register and count its bytes."""
         m = Module()
         m.submodules.transmitter = transmitter = Transmitter(self._divisor)

@@ -45,7 +45,7 @@ class Board(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Connect the blocks."""
         m = Module()
         m.submodules.receiver = receiver = Receiver(self._divisor)

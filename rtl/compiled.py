@@ -35,7 +35,9 @@ def compile_design(
     """Compile a design with its C++ driver, which includes ``design.h``; `before` are Yosys commands to run first."""
     text = rtlil.convert(design, name="top")
     flags = [f"-D{name}={value}" for name, value in (defines or {}).items()]
-    digest = hashlib.sha256("\0".join([text, before, driver.read_text(encoding="utf-8"), *flags]).encode()).hexdigest()[:16]
+    digest = hashlib.sha256("\0".join([text, before, driver.read_text(encoding="utf-8"), *flags]).encode()).hexdigest()[
+        :16
+    ]
     folder = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "repro-rtl"
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / f"{driver.stem}-{digest}.so"
@@ -43,7 +45,12 @@ def compile_design(
         with tempfile.TemporaryDirectory(dir=folder) as name:
             scratch = Path(name)
             (scratch / "design.il").write_text(text, encoding="utf-8")
-            yosys("-q", "-p", f"{before}; read_rtlil design.il; hierarchy -top top; write_cxxrtl -g0 design.h", folder=scratch)
+            yosys(
+                "-q",
+                "-p",
+                f"{before}; read_rtlil design.il; hierarchy -top top; write_cxxrtl -g0 design.h",
+                folder=scratch,
+            )
             made = scratch / library.name
             compiler = [os.environ.get("CXX", "g++"), "-std=c++17", "-O3", "-shared", "-fPIC", *flags]
             subprocess.run(

@@ -104,9 +104,7 @@ def write_project(folder: Path) -> None:
     platform = DE0NanoPlatform()
     platform.add_resources(RESOURCES)
     settings = 'set_global_assignment -name RESERVE_ALL_UNUSED_PINS "AS INPUT TRI-STATED"'
-    plan = platform.build(
-        DE0Nano(), name="board", do_build=False, add_settings=settings, add_constraints=CONSTRAINTS
-    )
+    plan = platform.build(DE0Nano(), name="board", do_build=False, add_settings=settings, add_constraints=CONSTRAINTS)
     plan.extract(folder)
 
 

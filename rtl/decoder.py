@@ -17,7 +17,7 @@ class Decoder(wiring.Component):
     def __init__(self) -> None:
         super().__init__({"a": In(1), "b": In(1), "position": Out(signed(32))})
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build synchronisers and counter."""
         m = Module()
         now, before = Signal(2), Signal(2)

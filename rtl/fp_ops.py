@@ -42,7 +42,7 @@ class FpOps(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002, PLR0915
+    def elaborate(self, platform: object) -> Module:
         """Build the state machine."""
         m = Module()
         e, f, i = self._e, self._f, self._i

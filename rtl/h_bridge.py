@@ -1,7 +1,7 @@
 """H bridge (Fig. 2): the inputs of a motor's H bridge, with a pause between the directions, and the bridge's clock.
 
-Between the two sides both are off for at least `pause` clocks, so the transistors of one leg never conduct together. The
-paper names "a necessary clock signal" without its frequency: here it is a square wave of `2 x half_period` clocks.
+Between the two sides both are off for at least `pause` clocks, so the transistors of one leg never conduct together.
+The paper names "a necessary clock signal" without its frequency: here it is a square wave of `2 x half_period` clocks.
 """
 
 from amaranth.hdl import Module, Signal
@@ -16,7 +16,7 @@ class HBridge(wiring.Component):
         self._pause, self._half_period = pause, half_period
         super().__init__({"forward": In(1), "backward": In(1), "in1": Out(1), "in2": Out(1), "clock": Out(1)})
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build pauses and clock."""
         m = Module()
         since_1, since_2 = (Signal(range(self._pause), name=name) for name in ("since_1", "since_2"))

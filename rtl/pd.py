@@ -71,7 +71,7 @@ class PD(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the sequence of operations."""
         m = Module()
         step, joint = Signal(range(len(Step))), Signal()

@@ -16,7 +16,7 @@ class PwmGen(wiring.Component):
     def __init__(self) -> None:
         super().__init__({"tau": In(signed(11)), "phase_step": In(32), "forward": Out(1), "backward": Out(1)})
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build phase and comparison."""
         m = Module()
         phase, slot, high = Signal(32), Signal(10), Signal()

@@ -23,7 +23,7 @@ class RamFpga(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the memory."""
         m = Module()
         m.submodules.memory = ram = memory.Memory(shape=unsigned(64), depth=SAMPLES, init=[])

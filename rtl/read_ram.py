@@ -1,4 +1,4 @@
-"""Read Ram (Fig. 2): the desired position of each sampling instant on the bus tryd, from the first to the last sample."""
+"""Read Ram (Fig. 2): the desired position of each sampling instant, from the first to the last sample, on bus tryd."""
 
 from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
@@ -29,7 +29,7 @@ class ReadRam(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the counter of samples."""
         m = Module()
         index, samples, delayed = Signal(14), Signal(14), Signal()

@@ -15,7 +15,7 @@ class Transmitter(wiring.Component):
         # Bits still to send and clocks until the next; what follows the bit that is sent.
         self.bits, self.left, self.shift = Signal(range(11)), Signal(range(divisor)), Signal(9)
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the shift register."""
         m = Module()
         bits, left, shift = self.bits, self.left, self.shift
@@ -36,8 +36,8 @@ class Transmitter(wiring.Component):
 class Receiver(wiring.Component):
     """Puts each byte into `data` and keeps it `valid` until `ready`; a byte without its stop bit is dropped.
 
-    Bits are read at their middle, counted from the start bit's edge, so half a bit within ten may be lost to clocks that
-    differ: 5 %.
+    Bits are read at their middle, counted from the edge of the start bit. So the two clocks may differ by half a bit
+    within ten, 5 %.
     """
 
     def __init__(self, divisor: int) -> None:
@@ -46,7 +46,7 @@ class Receiver(wiring.Component):
         # Bits still to read and clocks until the next; the newest eight bits.
         self.bits, self.left, self.shift = Signal(range(11)), Signal(range(divisor)), Signal(8)
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002
+    def elaborate(self, platform: object) -> Module:
         """Build the shift register."""
         m = Module()
         rx = Signal(init=1)

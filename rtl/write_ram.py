@@ -10,6 +10,8 @@ The last 2048 bytes before the newest four are kept in a ring of two M9K blocks.
 to check every number, then to use them, so a message that is refused changes nothing.
 """
 
+import itertools
+
 from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
@@ -83,7 +85,7 @@ class WriteRam(wiring.Component):
             }
         )
 
-    def elaborate(self, platform: object) -> Module:  # noqa: ARG002, PLR0915
+    def elaborate(self, platform: object) -> Module:
         """Build decoder and interpreter."""
         m = Module()
         m.submodules.ring = ring = memory.Memory(shape=unsigned(8), depth=_RING, init=[])
@@ -134,7 +136,12 @@ class WriteRam(wiring.Component):
                     m.d.sync += [window.eq(Cat(self.data, window[:24])), place.eq(place + 1)]
                     m.next = "AGE"
             with m.State("AGE"):  # one candidate a clock, the oldest first
-                m.d.comb += [crc_in.eq(oldest.crc), byte_in.eq(window[:8]), aged.eq(oldest), aged.left.eq(oldest.left - 1)]
+                m.d.comb += [
+                    crc_in.eq(oldest.crc),
+                    byte_in.eq(window[:8]),
+                    aged.eq(oldest),
+                    aged.left.eq(oldest.left - 1),
+                ]
                 with m.If(oldest.left > _CHECKSUM):
                     m.d.comb += aged.crc.eq(crc_out)
                 with m.If(oldest.left == oldest.length + (_CHECKSUM - 1)):
@@ -164,7 +171,7 @@ class WriteRam(wiring.Component):
                     m.next = "WAIT"
                 with m.Elif(turn == 2):
                     new = candidates[-1]
-                    m.d.sync += [a.eq(b) for a, b in zip(candidates, candidates[1:], strict=False)]
+                    m.d.sync += [a.eq(b) for a, b in itertools.pairwise(candidates)]
                     m.d.sync += [
                         new.alive.eq(1),
                         new.kind.eq(header_kind),

@@ -1,5 +1,6 @@
 """The whole design behind its pins: stored recordings, the closed loop, and the answers to a damaged downlink."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,14 @@ import pytest
 from repro.config import load_config
 from repro.fpga.capture import read_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
-from repro.fpga.messages import MessageDecoder, MessageKind, encode_gains, encode_message, encode_start, encode_trajectory
+from repro.fpga.messages import (
+    MessageDecoder,
+    MessageKind,
+    encode_gains,
+    encode_message,
+    encode_start,
+    encode_trajectory,
+)
 from repro.fpga.server import Board
 from repro.pipeline.experiment import board_from_config, control_constants, metadata_for, program_from_config
 from rtl.loop import LogicBoard
@@ -106,7 +114,7 @@ def test_faulty_message_gets_the_same_answer(boards, name):
 
 
 def test_trajectory_is_forgotten_after_a_motion(boards):
-    answers, refused, running, frames = check_same(boards, [program(5)], ticks=7)
+    _, refused, _, frames = check_same(boards, [program(5)], ticks=7)
     assert (refused, [len(frame) for frame in frames]) == ([], [8] * 5 + [0] * 2)
     assert check_same(boards, [encode_start(5)])[1] == ["START"]
 
@@ -125,4 +133,4 @@ def test_damaged_downlink_gets_the_same_answers(boards, seed):
     stream = b"".join(messages[i] for i in rng.integers(0, len(messages), 12))
     damaged = ErrorInjector(ErrorRates(drop=1e-3, flip=1e-3, insert=1e-3), rng).apply(stream)
     cuts = [0, *sorted(rng.integers(0, len(damaged), 4).tolist()), len(damaged)]
-    check_same(boards, [damaged[a:b] for a, b in zip(cuts, cuts[1:], strict=False)])
+    check_same(boards, [damaged[a:b] for a, b in itertools.pairwise(cuts)])

@@ -133,9 +133,9 @@ class TorqueWithin(Property):
 
 
 PROOFS = {
-    "every edge": (lambda block: EveryEdge(block), decoder.Decoder, 8),
-    "one side": (lambda block: OneSide(block), h_bridge.HBridge, 8),
-    "torque": (lambda block: TorqueWithin(block), pd.PD, 2),
+    "every edge": (EveryEdge, decoder.Decoder, 8),
+    "one side": (OneSide, h_bridge.HBridge, 8),
+    "torque": (TorqueWithin, pd.PD, 2),
     "receiver": (lambda block: EveryByte(uart.Transmitter, block), uart.Receiver, 6),
     "transmitter": (lambda block: EveryByte(block, uart.Receiver), uart.Transmitter, 6),
 }
