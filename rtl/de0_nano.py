@@ -1,6 +1,6 @@
 """The top level for the DE0-Nano (EP4CE22F17C6): pins of header JP1, a PLL to 100 MHz, and the files for Quartus.
 
-``python -m rtl.de0_nano FOLDER [CLOCK_HZ]`` writes Verilog, project, pins and constraints; docs/board.md has the wiring.
+``python -m rtl.de0_nano FOLDER [CLOCK_HZ]`` writes Verilog, pins and constraints; docs/board.md has the wiring.
 """
 
 import os
@@ -8,9 +8,10 @@ import sys
 from pathlib import Path
 
 from amaranth.build import Attrs, Pins, Resource, Subsignal
-from amaranth.hdl import Cat, ClockDomain, ClockSignal, Const, Instance, Module, Signal
-from amaranth.lib import wiring
+from amaranth.hdl import Cat, ClockDomain, ClockSignal, Const, Instance, Module, Signal, Value
+from amaranth.lib import io, wiring
 from amaranth.lib.cdc import ResetSynchronizer
+from amaranth.lib.io import SingleEndedPort
 from amaranth_boards.de0nano import DE0NanoPlatform
 
 from rtl.board import Board
@@ -53,7 +54,17 @@ class DE0Nano(wiring.Component):
     def elaborate(self, platform: DE0NanoPlatform) -> Module:
         """Connect pins, PLL and board."""
         m = Module()
-        quartz = platform.request("clk50", 0)
+        quartz = Signal()
+
+        def read(port: SingleEndedPort, to: Value) -> None:
+            m.submodules += (buffer := io.Buffer("i", port))
+            m.d.comb += to.eq(buffer.i)
+
+        def drive(port: SingleEndedPort, value: Value) -> None:
+            m.submodules += (buffer := io.Buffer("o", port))
+            m.d.comb += buffer.o.eq(value)
+
+        read(platform.request("clk50", 0, dir="-"), quartz)
         clocks, locked = Signal(5), Signal()
         m.domains.sync = ClockDomain()
         m.submodules.pll = Instance(
@@ -71,28 +82,24 @@ class DE0Nano(wiring.Component):
             p_port_clk0="PORT_USED",
             p_port_locked="PORT_USED",
             p_port_inclk0="PORT_USED",
-            i_inclk=Cat(quartz.i, Const(0, 1)),
+            i_inclk=Cat(quartz, Const(0, 1)),
             o_clk=clocks,
             o_locked=locked,
         )
         m.d.comb += ClockSignal().eq(clocks[0])
         m.submodules.reset = ResetSynchronizer(~locked)
         m.submodules.board = board = Board(self._clock_hz)
-        line = platform.request("line", 0)
-        m.d.comb += [
-            board.rx.eq(line.rx.i),
-            line.tx.o.eq(board.tx),
-            platform.request("bridge_clock", 0).o.eq(board.bridge_clock),
-            platform.request("led", 0).o.eq(board.running),
-        ]
+        line = platform.request("line", 0, dir="-")
+        read(line.rx, board.rx)
+        drive(line.tx, board.tx)
+        drive(platform.request("bridge_clock", 0, dir="-"), board.bridge_clock)
+        drive(platform.request("led", 0, dir="-"), board.running)
         for i in range(2):
-            joint = platform.request("joint", i)
-            m.d.comb += [
-                board.a[i].eq(joint.a.i),
-                board.b[i].eq(joint.b.i),
-                joint.in1.o.eq(board.in1[i]),
-                joint.in2.o.eq(board.in2[i]),
-            ]
+            joint = platform.request("joint", i, dir="-")
+            read(joint.a, board.a[i])
+            read(joint.b, board.b[i])
+            drive(joint.in1, board.in1[i])
+            drive(joint.in2, board.in2[i])
         return m
 
 
