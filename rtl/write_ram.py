@@ -102,7 +102,7 @@ class WriteRam(wiring.Component):
 
         # The number of samples or payload bytes still to read, and what has been read of them.
         address, count = Signal(14), Signal(14)
-        using, wrong = Signal(), Signal()
+        using, wrong, absent = Signal(), Signal(), Signal()
         word = Signal(64)
         newest_word = Cat(ring_read.data, word[:56])
 
@@ -122,6 +122,7 @@ class WriteRam(wiring.Component):
             self.samples.eq(first),
             self.busy.eq(1),
         ]
+        m.d.sync += [self.bst.eq(0), self.stop.eq(0), self.identify.eq(0), self.refused.eq(0)]
         with m.If(self.finished):
             m.d.sync += to_erase.eq(1)
 
@@ -184,19 +185,19 @@ class WriteRam(wiring.Component):
                 m.next = "WAIT"
                 payload = Mux(self.kind == GAINS, 24, Cat(Const(0, 3), length[3:]))
                 with m.If(self.kind == STOP):
-                    m.d.comb += self.stop.eq(1)
+                    m.d.sync += self.stop.eq(1)
                 with m.Elif(self.running | (self.kind == IDENTITY)):
-                    m.d.comb += self.refused.eq(1)
+                    m.d.sync += self.refused.eq(1)
                 with m.Elif(self.kind == IDENTIFY):
-                    m.d.comb += self.identify.eq(1)
+                    m.d.sync += self.identify.eq(1)
                 with m.Elif(self.kind == START):
                     m.d.sync += [address.eq(0), count.eq(first)]
                     with m.If((first == 0) | (first > SAMPLES) | ~gains_known):
-                        m.d.comb += self.refused.eq(1)
+                        m.d.sync += self.refused.eq(1)
                     with m.Else():
                         m.next = "SCAN"
                 with m.Elif((self.kind == TRAJECTORY) & (first + length[3:] > SAMPLES)):
-                    m.d.comb += self.refused.eq(1)
+                    m.d.sync += self.refused.eq(1)
                 with m.Else():
                     m.d.sync += [address.eq(place - payload), count.eq(payload)]
                     m.next = "FETCH"
@@ -218,7 +219,7 @@ class WriteRam(wiring.Component):
             with m.State("DECIDE"):
                 m.d.sync += [using.eq(1), address.eq(place - payload), count.eq(payload)]
                 with m.If(wrong):
-                    m.d.comb += self.refused.eq(1)
+                    m.d.sync += self.refused.eq(1)
                     m.next = "WAIT"
                 with m.Elif(~using):
                     m.next = "FETCH"
@@ -226,15 +227,14 @@ class WriteRam(wiring.Component):
                     with m.If(self.kind == GAINS):
                         m.d.sync += gains_known.eq(1)
                     m.next = "WAIT"
-            with m.State("SCAN"):  # a sample a clock; the memory gives the word of the address before
+            with m.State("SCAN"):  # a sample a clock; `absent` is of two addresses before
                 m.d.comb += self.scanning.eq(1)
-                m.d.sync += address.eq(address + 1)
-                absent = (address != 0) & self.read_data.all()
-                with m.If(absent):
-                    m.d.comb += self.refused.eq(1)
+                m.d.sync += [address.eq(address + 1), absent.eq(self.read_data[55:63].all())]
+                with m.If((address >= 2) & absent):
+                    m.d.sync += self.refused.eq(1)
                     m.next = "WAIT"
-                with m.Elif(address == count):
-                    m.d.comb += self.bst.eq(1)
+                with m.Elif(address == count + 1):
+                    m.d.sync += self.bst.eq(1)
                     m.next = "WAIT"
             with m.State("ERASE"):
                 m.d.comb += [self.write.eq(1), self.write_data.eq(ABSENT)]
