@@ -202,20 +202,22 @@ class WriteRam(wiring.Component):
                     m.d.sync += [address.eq(place - payload), count.eq(payload)]
                     m.next = "FETCH"
             with m.State("FETCH"):  # the ring gives its first byte in the next clock
-                m.d.comb += ring_read.addr.eq(address)
-                m.d.sync += address.eq(address + 1)
+                m.d.sync += [address.eq(address + 1), word.eq(0)]
                 m.next = "READ"
             with m.State("READ"):  # a byte a clock
                 m.d.sync += [address.eq(address + 1), count.eq(count - 1), word.eq(newest_word)]
-                with m.If(count[:2] == 1):  # the last byte of a number
-                    m.d.sync += wrong.eq(wrong | unusable(newest_word[:32], self.kind == GAINS, count <= 8))
+                with m.If(count[:2] == 0):  # a number is in `word`, zero before the first
+                    m.d.sync += wrong.eq(wrong | unusable(word[:32], self.kind == GAINS, count < 8))
                 with m.If(using & (self.kind == GAINS)):
                     m.d.sync += self.ctrlv.eq(Cat(ring_read.data, self.ctrlv[:184]))
                 with m.If(using & (self.kind == TRAJECTORY) & (count[:3] == 1)):  # the last byte of a sample
                     m.d.comb += [self.write.eq(1), self.write_address.eq(first), self.write_data.eq(newest_word)]
                     m.d.sync += first.eq(first + 1)
                 with m.If(count == 1):
-                    m.next = "DECIDE"
+                    m.next = "LAST"
+            with m.State("LAST"):
+                m.d.sync += wrong.eq(wrong | unusable(word[:32], self.kind == GAINS, Const(1)))
+                m.next = "DECIDE"
             with m.State("DECIDE"):
                 m.d.sync += [using.eq(1), address.eq(place - payload), count.eq(payload)]
                 with m.If(wrong):
