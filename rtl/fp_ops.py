@@ -96,8 +96,6 @@ class FpOps(wiring.Component):
                         with m.If(nan_a):
                             m.d.sync += [self.result.eq(0), self.done.eq(1)]
                             m.next = "IDLE"
-                        with m.Elif(exponent_a > whole):
-                            m.d.sync += [acc.eq(2**w - 1), exponent.eq(whole)]
                     with m.Case(Op.MUL):
                         m.d.sync += [
                             sign.eq(sign_a ^ sign_b),
@@ -175,6 +173,9 @@ class FpOps(wiring.Component):
                 m.next = "IDLE"
             with m.State("SHIFT"):
                 with m.If((exponent == whole) | (acc[1:] == 0)):
+                    m.next = "INTEGER"
+                with m.Elif(exponent > whole):  # beyond every integer
+                    m.d.sync += acc.eq(2**w - 1)
                     m.next = "INTEGER"
                 with m.Else():
                     m.d.sync += [acc.eq(Cat(acc[1] | acc[0], acc[2:])), exponent.eq(exponent + 1)]
