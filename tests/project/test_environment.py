@@ -123,7 +123,33 @@ def test_torch_is_pinned_everywhere_and_its_cpu_wheels_are_allowed():
     assert CPU_HASHES["torch"] < RUNTIME_HASHES["torch"], "the registry's own wheels are missing"
 
 
-@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+needs_make = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+
+
+def planned(folder, target):
+    """Commands that `make` would run."""
+    return subprocess.run(["make", "--dry-run", target], cwd=folder, capture_output=True, text=True, check=True).stdout
+
+
+@needs_make
+@pytest.mark.parametrize("file", [*LOCK_FILES, "pyproject.toml"])
+def test_another_lock_makes_another_environment(tmp_path, file):
+    for name in ("Makefile", *LOCK_FILES, "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    before = planned(tmp_path, "setup-test")
+    with (tmp_path / file).open("a", encoding="utf-8") as changed:
+        changed.write("#\n")
+    assert planned(tmp_path, "setup-test") != before
+
+
+@needs_make
+def test_every_check_is_one_of_make_test():
+    commands = planned(ROOT, "test")
+    checks = ("ruff check", "ruff format --check", "mypy", "lint-imports", "snakefmt --check", "--lint", "pytest")
+    assert [name for name in checks if name not in commands] == []
+
+
+@needs_make
 @pytest.mark.parametrize(("answer", "found"), [("Python 3.10.4", "Python 3.10.4"), ("", "()")])
 def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(tmp_path, answer, found):
     for name in ("Makefile", *LOCK_FILES, "pyproject.toml"):
