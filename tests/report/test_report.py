@@ -117,7 +117,7 @@ def test_what_comes_from_a_file_is_escaped(text, page):
 def test_the_first_section_counts_what_agrees(inputs, page):
     claims = read_claims(inputs.results / "claims.csv")
     short, still_open = " ".join(page.one("short")["text"].split()), 0
-    for basis, words in (("numeric", "the paper’s own numeric tests"), ("simulated arm", "the arm")):
+    for basis, words in (("numeric", "the paper\N{RIGHT SINGLE QUOTATION MARK}s own numeric tests"), ("simulated arm", "the arm")):
         own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == basis]
         agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
         assert min(agree, len(own) - agree - differ) > 0
