@@ -124,6 +124,8 @@ def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):
     file, table, arrays = (repro.identify(one, method="ordinary").beta for one in given)
     assert (file == table).all()
     assert (file == arrays).all()
+    alone = repro.identify([LOG, "data/captures/T1.bin"], method="ordinary").details.runs
+    assert [run.log for run in alone] == ["T3.bin", "T1.bin"]
 
 
 def test_a_turned_arm_is_read_by_its_conventions():
@@ -232,7 +234,7 @@ def test_tables_and_drawing_of_a_result(result):
     assert set(result.residuals["log"]) == {"T3.bin", "T1.bin"}
     residual = result.residuals["torque_nm"] - result.residuals["rebuilt_nm"]
     assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
-    assert isinstance(result.plot(1), Figure)
+    assert isinstance(result.plot(-1), Figure)
     assert "simulated" in result._repr_html_()
     for call, place in ((lambda: result.of("robust"), "method"), (lambda: result.plot(7), "log: found 7")):
         with pytest.raises(repro.InputError, match=f"^{place}"):

@@ -178,7 +178,7 @@ def test_a_network_of_another_arithmetic_is_not_used(log, tmp_path, no_figures, 
 
 def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
     runs, run = [], algorithm1._run
-    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(given) or run(*given, **named))
+    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(run(*given, **named)) or runs[-1])
     common = (log, "--steps", 2, "--cache", tmp_path / "cache", "--method", "algorithm1")
     found = {}
     for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
@@ -186,6 +186,10 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures,
         found[name] = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"].apply(list)
     assert len(runs) == 2
     assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
+    content = json.loads((tmp_path / "both" / "parameters.json").read_text())
+    (note,) = next(m["notes"][:1] for m in content["methods"] if m["method"] == "algorithm1+refinement")
+    reached = [runs[1][0][f"algorithm1+{name}"].details["similarity"] for name in ("refinement", "local-search")]
+    assert [float(number) / 100 for number in re.findall(r"[\d.]+(?= %)", note)] == pytest.approx(reached, rel=1e-3)
 
 
 def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):

@@ -61,6 +61,7 @@ REFUSED = [
     ("blanks in a name", text(renamed(q1="q1 [deg]")).replace(",", " "), {}, "line 2: found 7 cells, expected 8"),
     ("decimal commas", line_changed(lambda s: s.replace(".", ",")), {}, "(decimal commas?), expected 7"),
     ("no header", text(good()).partition("\n")[2], {}, "line 1: found numbers (0,"),
+    ("no header but empty cells", "0,NaN,1,2,3\n" * 300, {}, "line 1: found numbers (0,NaN"),
     ("a column twice", text(good()).replace("dq2", "dq1", 1), {}, "header: found the column 'dq1' twice"),
     ("a row too long", line_changed(lambda s: s + ",1"), {}, "line 100: found 8 cells, expected 7"),
     ("a comma at the end", line_changed(lambda s: s + ","), {}, "line 100: found 8 cells (a separator at its end)"),

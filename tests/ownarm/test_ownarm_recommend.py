@@ -100,8 +100,9 @@ def test_a_joint_without_torque_is_named():
     assert not list(undriven(problem, GOOD))
     for joint in (1, 2):
         regression = problem.logs[0].regression
-        still = regression.tau * np.where(np.arange(2) == joint - 1, 0.0, 1.0)[:, np.newaxis]
-        ready = replace(problem.logs[0], regression=replace(regression, tau=still))
+        still, weak = (regression.tau * np.where(np.arange(2) == joint - 1, x, 1.0)[:, np.newaxis] for x in (0.0, 0.1))
+        ready, driven = (replace(problem.logs[0], regression=replace(regression, tau=x)) for x in (still, weak))
+        assert not list(undriven(replace(problem, logs=(driven,)), GOOD))
         (line,) = undriven(replace(problem, logs=(ready,)), GOOD)
         assert line.startswith(f"joint {joint} has next to no torque in {problem.first.loaded.log.name}")
 

@@ -62,6 +62,15 @@ def test_a_bad_prior_is_refused_in_one_line(tmp_path, capsys, content, words):
 
 
 @pytest.mark.slow
+def test_next_to_a_prior_least_squares_is_the_default(tmp_path):
+    (tmp_path / "prior.json").write_text(json.dumps({"g1": GOOD}))
+    command = ["identify", write_log(tmp_path / "log.csv"), "--prior", tmp_path / "prior.json", "-o", tmp_path / "out"]
+    assert main([*map(str, command)]) == 0
+    content = json.loads((tmp_path / "out/parameters.json").read_text())
+    assert [method["method"] for method in content["methods"]] == list(METHODS)
+
+
+@pytest.mark.slow
 def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
     prior = read_prior(
         {"I1": {"value": BETA[0], "sd": 1e-6}, "g1": {"value": BETA[3], "sd": 10.0}, "k1": {"value": 0.2, "sd": 0}}
