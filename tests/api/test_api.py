@@ -292,10 +292,12 @@ def test_lists_are_as_good_as_arrays(result):
         result.simulate(t, tau, [0, np.nan], [0, 0])
 
 
-def test_algorithm1_gives_the_numbers_of_the_workflow():
+@pytest.mark.parametrize("longer", [0, -500])  # than Eq. 10: time runs in another scale
+def test_algorithm1_gives_the_numbers_of_the_workflow(longer):
     config = load_config(Path("config/config.yaml"))
     recording = read_recording(Path("data/captures/ID.bin"), config)
-    signals, program = signal_settings(config), recording.program
+    program = replace(recording.program, n2=recording.program.n2 + longer)
+    recording, signals = replace(recording, program=program), signal_settings(config)
     network = repro.load_network("data/networks/cnn.safetensors")
     few = replace(search_settings(config), executions=3, inner_limit=4, threshold=0.9)
     algorithm1 = Algorithm1("published", network, data_settings(config).image, few, RefinementSettings(passes=0))

@@ -81,6 +81,12 @@ REFUSED = [
     ("degrees without a unit", scaled(1 / DEGREE, "q1", "q2"), {}, "turns if it is rad, expected units.position in"),
     ("a third joint", {**good(), "q0": good()["q1"], "tau0": good()["tau1"]}, {}, "found columns of a joint 0: q0,"),
     ("ambiguous", renamed(dq1="pos1"), {}, "found 2 columns for q1: q1, pos1, expected one"),
+    (
+        "two units",
+        renamed(q1="q1 [rad]", dq1="q1 [deg]"),
+        {},
+        "found 2 columns for q1: q1 [rad], q1 [deg], expected one",
+    ),
     ("unknown unit", renamed(q1="q1 [grad]"), {}, "column q1 [grad]: found the unit 'grad', expected a unit of"),
     (
         "unknown unit of a named column",

@@ -74,6 +74,7 @@ def test_a_condition_that_holds_is_told_whatever_the_size_of_the_torque(factor):
     assert not free.consistent
     assert m.consistent
     assert [p.verdict for p in m.parameters].count(HELD) == 1
+    assert solved(problem_of(r), ("consistent",))[0].excitation.unexcited == ()
     alike = factor * METHODS["consistent"].estimate(noisy(beta, n=300)).beta[0]
     assert m.parameters[0].estimate == pytest.approx(alike, rel=1e-4)
 

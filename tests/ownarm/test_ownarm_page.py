@@ -61,6 +61,7 @@ def test_the_recommended_parameters_stand_each_in_its_row(page):
             assert float(shown) == pytest.approx(true, abs=0.05 * error)
         assert float(row[5]) == pytest.approx(error, rel=0.05)
         assert row[3] == verdict
+    assert "5.1 ms: it acts later than recorded" in page.one("preparation")["text"]
     assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["N·m"] * 2 + ["N·m·s/rad"] * 2 + ["N·m"] * 2
 
 

@@ -9,6 +9,7 @@ from ownarm_problem import problem_of
 from regression_example import exciting
 
 from repro.model.parameters import NAMES
+from repro.ownarm.prepare import read_prior
 from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 
@@ -93,6 +94,14 @@ def test_a_short_log_is_warned_of():
         ready = replace(problem.logs[0], loaded=replace(problem.first.loaded, log=log))
         lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
         assert any("short" in line for line in lines) == short
+
+
+@pytest.mark.parametrize(("share", "lines"), [(0.9, 0), (1.1, 1)])
+def test_a_prior_outside_the_interval_is_contradicted(share, lines):
+    g1 = GOOD.parameters[3]
+    prior = read_prior({"g1": {"value": g1.estimate + share * (g1.high - g1.estimate), "sd": 1e-3}})
+    found = warnings(replace(problem_of(exciting(50), delay=0.0), prior=prior), (GOOD,), "a", TELLING)
+    assert sum("contradicts the prior of g1" in line for line in found) == lines
 
 
 def test_a_joint_without_torque_is_named():

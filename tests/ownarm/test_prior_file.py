@@ -88,14 +88,6 @@ def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_prior_that_the_log_contradicts_is_named(tmp_path):
-    prior = read_prior({"g1": {"value": 0.5 * BETA[3], "sd": 0.02}})
-    options = Options(("ordinary",), tmp_path, prior=prior)
-    result, _ = solved(prepared_from_file(tmp_path, options=options))
-    assert sum("contradicts the prior of g1" in line for line in result.warnings) == 1
-
-
-@pytest.mark.slow
 def test_an_arm_in_a_horizontal_plane(tmp_path):
     level = BETA * np.array([1, 1, 1, 0, 0, 1, 1, 1, 1])
     problem = prepared_from_file(tmp_path, LEVEL, beta=level)

@@ -58,18 +58,6 @@ def test_least_squares_is_ahead_of_the_listed_search_on_its_own_ground(name):
     assert (totals(name, "least-squares") > totals(name, "algorithm1")).all()
 
 
-@pytest.mark.parametrize("name", ["table06", "table07"])
-def test_refinement_is_above_98_percent_everywhere(name):
-    assert totals(name, "algorithm1+refinement").min() >= 0.98
-
-
-def test_loss_of_the_streamed_schedule():
-    history = pd.read_csv(REFERENCE / "model/training.csv")
-    config = yaml.safe_load((REFERENCE / "config.yaml").read_text(encoding="utf-8"))
-    assert history["step"].iloc[-1] == config["training"]["steps"]
-    assert history["test_loss"].iloc[-1] <= 0.5e-3  # the paper reports about 1e-3
-
-
 def test_parameters_of_the_reference_are_those_of_the_configuration():
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     for name, cases in (("table04", CASES[:2]), ("table05", CASES[2:])):
