@@ -110,6 +110,7 @@ def test_an_arm_in_a_horizontal_plane(tmp_path):
         (float(one.get("mass")), -float(one.get("pos").split()[2]), float(one.get("diaginertia").split()[1]))
         for one in inertial
     )
+    assert lc1 == pytest.approx(0.5 * 0.3)  # a uniform rod
     links = Links(m1=m1, m2=m2, l1=0.3, lc1=lc1, lc2=lc2, j1=j1, j2=j2)
     assert inertial_from_links(links)[:3] == pytest.approx(best[:3], rel=1e-9)
     without = replace(LEVEL, link_lengths=None)

