@@ -147,9 +147,8 @@ def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""
     few = SearchSettings(executions=4, inner_limit=3, threshold=0.9237, feasibility="positive-definite")
     short = algorithm1.RefinementSettings(passes=60)
-    monkeypatch.setattr(
-        architecture, "TrainingSettings", partial(architecture.TrainingSettings, test_samples=64, batch=16)
-    )
+    small = partial(architecture.TrainingSettings, test_samples=64, batch=16)
+    monkeypatch.setattr(architecture, "TrainingSettings", small)
     monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few, refinement=short))
 
 
