@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.identification.extra_terms import (
-    MIN_ERROR_REDUCTION,
     MIN_Z_SCORE,
     N_NINE,
     Kind,
@@ -29,7 +28,7 @@ from repro.identification.extra_terms import (
     weighted_rows,
     zero_position,
 )
-from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
 from repro.identification.regression import Regression, drop_standstill
 from repro.identification.solve import solve
 from repro.logs.log import Log

@@ -42,6 +42,10 @@ SEGMENT = 3.0
 STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 #: Largest delay that is searched, s, and number of delays.
 MAX_DELAY, N_DELAYS = 0.02, 11
+#: Latest delay that a drive is expected to have, sampling periods: any other needs evidence.
+EXPECTED_DELAY = 2.0
+#: Fraction of the squared error by which an effect must reduce it.
+MIN_ERROR_REDUCTION = 0.2
 BUTTERWORTH_ORDER = 4
 SAVITZKY_GOLAY_DEGREE = 3
 #: Half-power frequency of a cubic Savitzky-Golay window of 2 m + 1 samples times m + 1/2, in half the sampling rate;
@@ -291,8 +295,10 @@ def choose_steepness(log: Log, settings: FilterSettings) -> float:
 def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
 
-    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The
-    squared error is close to a parabola about the true delay.
+    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
+    squared errors of ordinary least squares is close to a parabola about the true delay. Unmodelled effects move it by
+    some milliseconds. Unless it reduces the squared error by `MIN_ERROR_REDUCTION`, the result is therefore the nearest
+    delay of at most `EXPECTED_DELAY`, and its standard error includes the distance.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
     pieces = [_delayed(piece, settings, delays) for piece in log.pieces]
@@ -303,13 +309,17 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     near = slice(best - 1, best + 2)
     curve, slope, _ = np.polyfit(delays[near] - delays[best], error[near], 2)
     if curve <= 0.0:
-        return float(delays[error.argmin()]), MAX_DELAY
-    delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
-    if abs(delay) >= MAX_DELAY:  # the best delay is beyond the range: nothing is known of it
-        return delay, MAX_DELAY
-    # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
-    n_independent = residual[best].size * h / correlation_time(residual[best], h)
-    return delay, min(float(np.sqrt(error.min() / n_independent / curve)), MAX_DELAY)
+        delay, spread = float(delays[error.argmin()]), MAX_DELAY
+    else:
+        delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
+        # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
+        n_independent = residual[best].size * h / correlation_time(residual[best], h)
+        spread = float(np.sqrt(error.min() / n_independent / curve))
+    expected = float(np.clip(delay, 0.0, min(EXPECTED_DELAY * period(log), MAX_DELAY)))
+    if error.min() > (1.0 - MIN_ERROR_REDUCTION) * np.interp(expected, delays, error):
+        return expected, min(float(np.hypot(spread, delay - expected)), MAX_DELAY)
+    # If the best delay is beyond the range, nothing is known of it.
+    return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)
 
 
 def _delayed(log: Log, settings: FilterSettings, delays: Array) -> tuple[Array, Array, float]:

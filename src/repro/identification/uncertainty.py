@@ -6,10 +6,11 @@ uncertainties are combined.
 - Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
   jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
 - Type B [3]_: root mean square shift of the estimate when filters, delay or calibration errors are chosen differently.
-  Zero positions, torque offsets, load-dependent friction, Stribeck friction and torque that depends on the position are
-  effects beyond Eq. 1. Each adds columns to the regressor, and where calibration errors were corrected, also to that of
-  the log as it was recorded: they may explain it instead. With these projected out of torque and regressor, any method
-  gives the parameters that it would give with the columns in its model (Frisch, Waugh and Lovell). The squared shift is
+  `UNMODELLED_EFFECTS` are effects beyond Eq. 1, among them the rotor of joint 2, a torque constant that changes with
+  the current, and gears that give way between encoder and link. Each adds columns to the regressor, and where
+  calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead. With these
+  projected out of torque and regressor, any method gives the parameters that it would give with the columns in its
+  model (Frisch, Waugh and Lovell). The squared shift is
   multiplied by the positive-part shrinkage factor 1 - c / F [4]_, with F of the F-test of the columns and c its 5 %
   critical value: columns that explain no more than chance add nothing. Such an effect shifts the estimate by anything
   up to what its columns cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest
@@ -44,14 +45,17 @@ from scipy.stats import t as student
 from repro.identification.extra_terms import (
     STRIBECK_SPEEDS,
     Columns,
+    SmoothLog,
     filtered_columns,
     load_friction,
     offset,
     one_joint,
+    position_error,
+    rotor_inertia,
     stribeck,
     zero_position,
 )
-from repro.identification.filtering import FilterSettings, Moved, prepare
+from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Prior, Regression, correlation_time, drop_standstill, joint_variance
 from repro.identification.solve import solve
@@ -82,16 +86,47 @@ class Perturbation:
     rival: bool = False  # whether it explains the same residual as other rivals, of which the largest shift counts
 
 
-def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+def once_a_turn(log: SmoothLog) -> Array:
     """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
-    return np.concatenate([one_joint(np.cos(moved[0])), one_joint(np.sin(moved[0]))[..., 1:]], axis=-1)
+    q = log.moved[0]
+    return np.concatenate([one_joint(np.cos(q)), one_joint(np.sin(q))[..., 1:]], axis=-1)
 
 
-def twice_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+def twice_a_turn(log: SmoothLog) -> Array:
     """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
-    return np.concatenate([one_joint(wave(2.0 * moved[0])) for wave in (np.cos, np.sin)], axis=-1)
+    return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
 
 
+def torque_constant(log: SmoothLog) -> Array:
+    """Compute the torque that a constant in proportion to the current adds to the recorded one, shape (2, N, 2)."""
+    return one_joint(log.tau * np.abs(log.tau))
+
+
+def gear_load(log: SmoothLog) -> Array:
+    """Compute the torque (2, N) behind the friction of each joint over the largest one.
+
+    It is that of the recording: a position error falsifies the accelerations, from which Eq. 1 would compute it.
+    """
+    load = log.tau - FILTERS[log.settings.name].apply(log.y[..., 5:] @ log.beta[5:], log.h, log.settings.cutoff, 0)
+    largest = np.abs(load).max(axis=-1, keepdims=True)
+    return load / np.where(largest > 0.0, largest, 1.0)
+
+
+def elasticity(log: SmoothLog) -> Array:
+    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
+    return position_error(log, gear_load(log))
+
+
+def backlash(log: SmoothLog, width: float) -> Array:
+    """Compute the effect of play behind the encoder, shape (2, N, 2).
+
+    The teeth change sides where the load is within `width` of its largest.
+    """
+    return position_error(log, np.tanh(gear_load(log) / width))
+
+
+#: Loads over the largest one at which the teeth of a gear may change sides.
+BACKLASH_WIDTHS = (0.02, 0.05, 0.15)
 #: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts.
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "zero positions": (zero_position,),
@@ -100,6 +135,10 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
     "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
+    "inertia of the rotor of joint 2": (rotor_inertia,),
+    "torque constants that change with the current": (torque_constant,),
+    "elasticity": (elasticity,),
+    "backlash": tuple(partial(backlash, width=width) for width in BACKLASH_WIDTHS),
 }
 
 

@@ -18,10 +18,10 @@ from repro.identification.calibration import (
 )
 from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import (
-    FRICTION,
-    FrictionTerm,
-    find_friction,
-    subtract_friction,
+    TERMS,
+    ExtraTerm,
+    find_terms,
+    subtract_terms,
     term_columns,
     values_of,
 )
@@ -102,8 +102,8 @@ class PreparedLog:
     cutoff: Cutoff  # how the cut-off was chosen
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
     hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
-    terms: tuple[FrictionTerm, ...] = ()  # friction terms beyond Eq. 1
-    load: Array | None = None  # (9,), parameters that give the load of that friction
+    terms: tuple[ExtraTerm, ...] = ()  # terms beyond Eq. 1, of all logs of the arm
+    load: Array | None = None  # (9,), parameters that give the load of friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
 
 
@@ -155,7 +155,13 @@ def _check_rate(log: Log, cutoff: Cutoff) -> None:
         raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
 
 
-def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutoff, float]:
+#: Delay of the torque and its standard error, s.
+Delay = tuple[float, float]
+
+
+def _choose_settings(
+    log: Log, arm: Arm, options: Options, delay: Delay | None = None
+) -> tuple[FilterSettings, Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
     if arm.friction_steepness is not None:
@@ -169,40 +175,77 @@ def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettin
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
         return settings, chosen, 0.0
-    delay, delay_error = estimate_delay(log, settings)
-    return replace(settings, delay=delay), chosen, delay_error
+    value, error = delay or estimate_delay(log, settings)
+    return replace(settings, delay=value), chosen, error
 
 
-def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = ()) -> PreparedLog:
-    """Correct the calibration errors of a log, choose what is not given, and filter it.
+@dataclass(frozen=True)
+class _Corrected:
+    """A log with its calibration errors corrected, before terms beyond Eq. 1 are subtracted."""
 
-    Regressions of other logs of the arm reveal errors that this log does not show by itself.
+    recorded: Log
+    loaded: LoadedLog
+    settings: FilterSettings
+    cutoff: Cutoff
+    delay_error: float
+    faults: tuple[CalibrationError, ...]
+
+    @property
+    def moving(self) -> Regression:
+        """The regression without standstill."""
+        return drop_standstill(prepare(self.loaded.log, self.settings))
+
+
+def _correct(
+    loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = (), delay: Delay | None = None
+) -> _Corrected:
+    """Correct the calibration errors of a log.
+
+    Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
     """
     recorded = loaded.log
-    settings, chosen, delay_error = _choose_settings(recorded, arm, options)
-    faults = find_calibration_errors(loaded.log, settings, others)
+    settings, chosen, delay_error = _choose_settings(recorded, arm, options, delay)
+    faults = find_calibration_errors(recorded, settings, others)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(correct_calibration(loaded.log, values_of(faults)), arm, options)
-        faults = find_calibration_errors(loaded.log, settings, others)
-        loaded = replace(loaded, log=correct_calibration(loaded.log, values_of(faults)))
-        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
+        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, delay)
+        faults = find_calibration_errors(recorded, settings, others)
+        loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
+        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, delay)
+    return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
+
+
+def _finish(
+    corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], others: Sequence[Regression] = ()
+) -> PreparedLog:
+    """Subtract the terms beyond Eq. 1 from a corrected log, filter it, and make its perturbations."""
+    loaded, settings, faults = corrected.loaded, corrected.settings, corrected.faults
     hidden = calibration_limits(loaded.log, settings, faults, others)
+    moving = corrected.moving
+    load, taken = solve(moving.y, moving.tau), [term for term in terms if term.taken]
+    if taken:
+        loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
     regression = drop_idle_joints(prepare(loaded.log, settings))
     moving = drop_standstill(regression)
-    terms, load = find_friction(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
-    taken = [term for term in terms if term.taken]
     if taken:
-        loaded = replace(loaded, log=subtract_friction(loaded.log, settings, load, taken))
-        regression = drop_idle_joints(prepare(loaded.log, settings))
-        moving = project_out(drop_standstill(regression), term_columns(FRICTION, loaded.log, settings, load, taken))
-    as_good = perturbations(loaded.log, settings, delay_error)
+        moving = project_out(moving, term_columns(TERMS, loaded.log, settings, load, taken))
+    as_good = perturbations(loaded.log, settings, corrected.delay_error)
     if faults:
         columns = term_columns(CALIBRATION, loaded.log, settings, solve(moving.y, moving.tau), faults)
         as_good["set-up"] = Perturbation((project_out(moving, columns),))
-        instead = unmodelled_effects(recorded, settings, drop_standstill(prepare(loaded.log, settings)))
+        instead = unmodelled_effects(corrected.recorded, settings, drop_standstill(prepare(loaded.log, settings)))
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
+        if "scale2" in values_of(faults):  # or the torque of joint 2 is right: then all parameters have its scale
+            factor = values_of(faults)["scale2"]
+            as_good["scale of joint 1"] = Perturbation((replace(moving, y=moving.y / factor),), rival=True)
     doubt = _interval_doubt(loaded.log, settings.delay, arm)
-    return PreparedLog(loaded, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
+    return PreparedLog(
+        loaded, regression, moving, as_good, settings, corrected.cutoff, faults, hidden, terms, load, doubt
+    )
+
+
+def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
+    """Correct the calibration errors of a log, choose what is not given, and filter it."""
+    return _prepare_logs([loaded], arm, options)[0]
 
 
 def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
@@ -215,24 +258,48 @@ def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
     return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
 
 
-def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
-    """Prepare each log by itself, then compare those without calibration errors with the others.
+def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
+    """Weigh the delays of several logs of an arm by their precision; their scatter widens the error (Birge)."""
+    if len(logs) == 1 or arm.delay is not None:
+        return None
+    delay = np.array([log.settings.delay for log in logs])
+    weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
+    mean = float(np.average(delay, weights=weight))
+    birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
+    return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
 
-    The log whose correction reduces the error most is corrected first: an uncorrected log can make a good one look
-    faulty.
+
+def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
+    """Prepare the logs of one arm, which has one delay and one set of terms beyond Eq. 1.
+
+    Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
+    others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
+    uncorrected log can make a good one look faulty.
     """
-    prepared = [prepare_log(loaded, arm, options) for loaded in logs]
-    remaining = [k for k, log in enumerate(prepared) if not log.faults and len(logs) > 1]
+    corrected = [_correct(loaded, arm, options) for loaded in logs]
+    delay = _common_delay(corrected, arm)
+    if delay is not None:
+        corrected = [_correct(loaded, arm, options, (), delay) for loaded in logs]
+    others: list[list[Regression]] = [[] for _ in logs]
+
+    def compare(k: int) -> _Corrected:
+        others[k] = [log.moving for log in corrected if log is not corrected[k]]
+        return _correct(logs[k], arm, options, others[k], delay)
+
+    several = len(logs) > 1
+    for k in [k for k, log in enumerate(corrected) if several and log.faults]:
+        corrected[k] = compare(k)
+    remaining = [k for k, log in enumerate(corrected) if several and not log.faults]
     while remaining:
-        others = {k: [log.moving for log in prepared if log is not prepared[k]] for k in remaining}
-        faults = {k: find_calibration_errors(logs[k].log, prepared[k].settings, others[k]) for k in remaining}
-        gains = {k: min(fault.after / fault.before for fault in each) for k, each in faults.items() if each}
+        found = {k: compare(k) for k in remaining}
+        gains = {k: min(fault.after / fault.before for fault in log.faults) for k, log in found.items() if log.faults}
         if not gains:
             break
         most = min(gains, key=gains.__getitem__)
-        prepared[most] = prepare_log(logs[most], arm, options, others[most])
+        corrected[most] = found[most]
         remaining.remove(most)
-    return tuple(prepared)
+    terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
+    return tuple(_finish(log, arm, terms, rest) for log, rest in zip(corrected, others, strict=True))
 
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
@@ -253,7 +320,7 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
 def _correct_as(log: Log, first: PreparedLog) -> Log:
     """Correct a log and subtract its friction as in the first log."""
     right, taken = correct_calibration(log, values_of(first.faults)), [term for term in first.terms if term.taken]
-    return subtract_friction(right, first.settings, first.load, taken) if taken and first.load is not None else right
+    return subtract_terms(right, first.settings, first.load, taken) if taken and first.load is not None else right
 
 
 def make_problem(

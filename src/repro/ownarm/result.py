@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import FrictionTerm
+from repro.identification.extra_terms import ExtraTerm
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
@@ -156,7 +156,7 @@ class Result:
     # could contain undetected with their detection limits, and friction terms that were subtracted or would help.
     setup: tuple[tuple[CalibrationError, ...], ...] = ()
     hidden: tuple[dict[str, float | None], ...] = ()
-    friction: tuple[tuple[FrictionTerm, ...], ...] = ()
+    friction: tuple[tuple[ExtraTerm, ...], ...] = ()
     selftest: SelfTest | None = None
     prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
     runs: tuple[SingleFit, ...] = ()  # each of several logs by itself

@@ -7,7 +7,8 @@ import numpy as np
 
 from repro.errors import option
 from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
+from repro.identification.extra_terms import MIN_Z_SCORE, ExtraTerm
+from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
@@ -18,7 +19,7 @@ from repro.ownarm.result import Result, Score, SelfTest
 ALLOWED = (
     "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
     f"{', '.join(UNMODELLED_EFFECTS)}, "
-    "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
+    "one of these effects at a time; not for a wrong scale of both torques"
 )
 #: Half an interval over the estimate: up to this the parameter is known.
 KNOWN = 0.5
@@ -153,7 +154,7 @@ def _size(name: str, value: float, error: float | None = None) -> str:
     return f"{value * turn:.{digits}g}{interval} {unit}"
 
 
-def friction_line(term: FrictionTerm) -> str:
+def friction_line(term: ExtraTerm) -> str:
     """Report a friction term that Eq. 1 does not contain."""
     what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
     size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
