@@ -196,14 +196,17 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
+FRICTION = "load-dependent and Stribeck friction"
+
+
 @pytest.mark.parametrize(
     ("name", "spoil"),
     [
         ("zero positions", lambda log, q, dq, ddq: (log.q + each(0.03, -0.02), log.tau)),
         ("torque offsets", lambda log, q, dq, ddq: (log.q, log.tau + each(0.2, -0.1))),
-        ("load-dependent friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
         ("torque of period one turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(q))),
         ("torque of period half a turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(2.0 * q))),
     ],

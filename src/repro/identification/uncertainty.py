@@ -109,6 +109,11 @@ def torque_constant(log: SmoothLog) -> Array:
     return one_joint(log.tau * np.abs(log.tau))
 
 
+def friction(log: SmoothLog, speed: float, power: int) -> Array:
+    """Compute friction in proportion to the load, and friction that is larger near rest, shape (2, N, 4)."""
+    return np.concatenate([load_friction(log), stribeck(log, speed, power)], axis=-1)
+
+
 def gear_load(log: SmoothLog) -> Array:
     """Compute the torque (2, N) behind the friction of each joint.
 
@@ -140,8 +145,9 @@ ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constant
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     ZEROS: (zero_position,),
     OFFSETS: (offset,),
-    "load-dependent friction": (load_friction,),
-    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
+    "load-dependent and Stribeck friction": tuple(
+        partial(friction, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
+    ),
     "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
     "inertia of the rotor of joint 2": (rotor_inertia,),
