@@ -31,7 +31,7 @@ help:
 	@echo "make golden     run it from stored networks with small counts and compare every number with tests/golden"
 	@echo "make site       build the pages as a site (build/site)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
-	@echo "make lock       make requirements.lock and requirements-test.lock anew from pyproject.toml"
+	@echo "make lock       make the requirements*.lock files again from pyproject.toml"
 	@echo "make clean      remove $(VENV) and caches; results stay"
 	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES) PYTHONS='$(PYTHONS)' (make lock)"
 
@@ -52,7 +52,7 @@ golden: setup
 # Its packages are no part of the project, so they have an environment of their own.
 site: | check-python
 	@[ -x build/site-venv/bin/mkdocs ] || { $(PYTHON) -m venv build/site-venv && \
-	  build/site-venv/bin/python -m pip --disable-pip-version-check install --quiet mkdocs-material==9.8.2 mkdocs==1.6.1; }
+	  build/site-venv/bin/python -m pip --disable-pip-version-check install --quiet $(LOCK_OPTIONS) -r requirements-site.lock; }
 	build/site-venv/bin/python docs/build_site.py
 
 check: setup-test

@@ -15,6 +15,7 @@ import pandas as pd
 
 import repro
 from repro.cli import parser
+from repro.exhibits.style import METHODS, title_of
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -32,22 +33,6 @@ NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]
 
-#: Rows of Tables 6, 7 and 10, in their order.
-METHODS = {
-    "algorithm1": "Algorithm 1 as listed",
-    "algorithm1/one-run": "one run of it",
-    "algorithm1+desired": "+ desired motion in line 18 *(extension)*",
-    "algorithm1+tracked-measured": "+ closed-loop training *(extension)*",
-    "algorithm1+tracked": "+ both *(extension)*",
-    "algorithm1+tracked/one-run": "one run of it with both",
-    "algorithm1+refinement": "Algorithm 1 + refinement *(extension)*",
-    "algorithm1+local-search": "the refinement's selection without the network *(control)*",
-    "differential-evolution": "differential evolution without a network *(control)*",
-    "least-squares": "least squares",
-    "bounded": "least squares, no parameter below zero",
-    "consistent": "least squares, positive-definite inertia",
-    "true": "true parameters",
-}
 #: Rows of the README's table; a published row stands before its method.
 HEADLINE = (
     "algorithm1",
@@ -58,6 +43,8 @@ HEADLINE = (
     "bounded",
     "true",
 )
+#: Published rows, each before the method that it is compared with.
+PRINTED = {"algorithm1": "Published, Algorithm 1", "least-squares": "Published, least squares"}
 #: Targets whose costs a page shows, with the label of each row.
 COSTS = {
     "table06": "`table04` to `table07`",
@@ -106,8 +93,8 @@ def cells(cases: Iterable[str]) -> list[tuple[str, int]]:
 
 def table_of_totals(name: str, cases: tuple[str, ...], first: dict[str, list[float]], average: str = "") -> str:
     """Methods by cells; published rows first, a mean over the validation motions last."""
-    values = {**first, **{METHODS[key]: row[cells(cases)].tolist() for key, row in totals(name).iterrows()}}
-    ordered = [*first, *(label for label in METHODS.values() if label in values)]
+    values = {**first, **{title_of(str(key)): row[cells(cases)].tolist() for key, row in totals(name).iterrows()}}
+    ordered = [*first, *(title for title in map(title_of, METHODS) if title in values)]
     shown = [[*values[label], *([mean(values[label][2:])] if average else [])] for label in ordered]
     header = ["", *(f"{case} τ{joint}" for case, joint in cells(cases)), *([average] if average else [])]
     return markdown(header, [[label, *map(percent, row)] for label, row in zip(ordered, shown, strict=True)])
@@ -120,13 +107,12 @@ def table06() -> str:
 
 def table07() -> str:
     """Totals on the random validation motion."""
-    return table_of_totals("table07", NUMERIC, {"published": published("table07", NUMERIC, "")})
+    return table_of_totals("table07", NUMERIC, {PRINTED["algorithm1"]: published("table07", NUMERIC, "")})
 
 
 def table10() -> str:
     """Totals on the simulated arm."""
-    names = {"algorithm1": "published, Algorithm 1", "least-squares": "published, least squares"}
-    first = {label: published("table10", MOTIONS, f"/{method}") for method, label in names.items()}
+    first = {PRINTED[method]: published("table10", MOTIONS, f"/{method}") for method in PRINTED}
     return table_of_totals("table10", MOTIONS, first, "mean T1 to T4")
 
 
@@ -136,22 +122,18 @@ def headline() -> str:
     arm = totals("table10")
     rows = []
     for key in HEADLINE:
-        if key in ("algorithm1", "least-squares"):
+        if key in PRINTED:
             printed = published("table10", MOTIONS, f"/{key}")
             validated = mean(published("table07", NUMERIC, "")) if key == "algorithm1" else float("nan")
             rows.append(
                 [
-                    f"published, {'Algorithm 1' if key == 'algorithm1' else 'least squares'}",
+                    PRINTED[key],
                     "over 97.38" if key == "algorithm1" else "",
                     *map(percent, (validated, *printed[:2], mean(printed[2:]))),
                 ]
             )
         values = [*(part.get(key, float("nan")) for part in numeric), *arm.loc[key, cells(["ID"])]]
-        rows.append([METHODS[key], *map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])])
-    rows = [
-        [row[0].replace("+ both", "with closed-loop training and line 18 on the desired motion"), *row[1:]]
-        for row in rows
-    ]
+        rows.append([title_of(key), *map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])])
     header = ["", "N1-N4, identification", "N1-N4, validation", "arm, ID τ1", "ID τ2", "arm, mean T1 to T4"]
     return markdown(header, rows)
 
@@ -195,8 +177,7 @@ def verdict() -> str:
     sets = {key: f"{key} ({of['arms'].iloc[0]} arms)" for key, of in frame.groupby("set", sort=False)}
     rows = []
     for (method, opponent), of in shown.groupby([frame["method"], frame["opponent"]], sort=False):
-        rows.append([METHODS[method], METHODS[opponent], *of])
-    rows = [[row[0].replace("+ both", "with closed-loop training and the desired motion"), *row[1:]] for row in rows]
+        rows.append([title_of(method), title_of(opponent), *of])
     return markdown(["", "against", *sets.values()], rows)
 
 

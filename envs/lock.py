@@ -1,4 +1,4 @@
-"""Make ``requirements.lock`` and ``requirements-test.lock`` from ``pyproject.toml``.
+"""Make ``requirements.lock``, ``requirements-test.lock`` and ``requirements-site.lock`` from ``pyproject.toml``.
 
 Usage: ``python envs/lock.py python3.11 python3.12 python3.13`` (or ``make lock``).
 
@@ -34,6 +34,10 @@ HEADERS = {
     "requirements-test.lock": (
         "What the tests and checks need besides requirements.lock.",
         "python -m pip install --no-deps --require-hashes -r requirements-test.lock",
+    ),
+    "requirements-site.lock": (
+        "What the site of the pages needs, in an environment of its own.",
+        "python -m pip install --no-deps --require-hashes -r requirements-site.lock",
     ),
 }
 
@@ -73,7 +77,7 @@ def parse_compiled(text: str) -> dict[str, Pin]:
 
 
 def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dict[str, Pin]]:
-    """Resolve the project with its test extra for one interpreter.
+    """Resolve the project with its extras for one interpreter.
 
     Parameters
     ----------
@@ -96,7 +100,7 @@ def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dic
     output = folder / "compiled.txt"
     subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True, env=ONE_REGISTRY)
     options = [
-        *(f"--extra={extra}" for extra in (*RUNTIME_EXTRAS, "test")),
+        *(f"--extra={extra}" for extra in (*RUNTIME_EXTRAS, "test", "site")),
         "--generate-hashes",
         "--allow-unsafe",
         "--strip-extras",
@@ -155,7 +159,7 @@ def render(pins: dict[str, Pin], pythons: Iterable[str], file: str) -> str:
 
 
 def main(interpreters: Sequence[str]) -> None:
-    """Resolve with every interpreter named and write both locks."""
+    """Resolve with every interpreter named and write the locks."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     per_python: dict[str, dict[str, Pin]] = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -175,7 +179,8 @@ def main(interpreters: Sequence[str]) -> None:
     needed = [*project["dependencies"], *(text for name in RUNTIME_EXTRAS for text in extras[name])]
     runtime, everything = needed_by(needed, pins), needed_by([*needed, *extras["test"]], pins)
     extra = {name: pin for name, pin in everything.items() if name not in runtime}
-    for file, locked in (("requirements.lock", runtime), ("requirements-test.lock", extra)):
+    site = needed_by(extras["site"], pins)
+    for file, locked in zip(HEADERS, (runtime, extra, site), strict=True):
         (ROOT / file).write_text(render(locked, sorted(per_python), file), encoding="utf-8")
 
 

@@ -171,7 +171,12 @@ def test_a_log_is_checked_when_it_is_made(change, place):
 
 @pytest.mark.parametrize(
     ("change", "place"),
-    [({"zero": (0.0,)}, "zero"), ({"torque_scale": "ab"}, "torque_scale"), ({"sign": (0.0, 1.0)}, r"sign\[0\]")],
+    [
+        ({"zero": (0.0,)}, "zero"),
+        ({"torque_scale": "ab"}, "torque_scale"),
+        ({"sign": (0.0, 1.0)}, r"sign\[0\]"),
+        ({"plane": "foo"}, "plane"),
+    ],
 )
 def test_an_arm_is_checked_when_it_is_made(change, place):
     with pytest.raises(repro.InputError, match=f"^arm file: {place}: found "):
@@ -264,6 +269,9 @@ def test_errors_name_the_arguments_of_the_public_functions():
     for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}, {"image_motion": "x"}):
         with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
             repro.SearchSettings(**wrong)
+    for wrong in ({"h": -1}, {"h": "x"}, {"c_f": -1e-4}, {"samples": 2.5}, {"duration": np.inf}, {"omega_unit": "rpm"}):
+        with pytest.raises(repro.InputError, match=f"^{next(iter(wrong))}: found .*, expected "):
+            repro.SignalSettings(**wrong)
     with pytest.raises(repro.InputError, match=r"^precision: found 'float64'"):
         repro.load_network("data/networks/cnn.safetensors", precision="float64")
     for call in (lambda: repro.read_log({}), lambda: repro.excite({})):

@@ -12,7 +12,7 @@ from urllib.parse import unquote
 import pytest
 from chromium import find_chromium
 
-WIDTHS = (390, 1400)
+WIDTHS = (390, 1280)
 
 
 def find_axe():
@@ -60,6 +60,11 @@ def test_the_page_does_not_scroll_sideways(page, width):
         " && part.getBoundingClientRect().right > innerWidth + 1).map(part => part.outerHTML.slice(0, 80))"
     )
     assert outside == []
+    wide = page.evaluate(
+        "[...document.querySelectorAll('.scroll:has(> table)')].filter(part => part.scrollWidth > part.clientWidth + 1)"
+        ".map(part => part.getAttribute('aria-label'))"
+    )
+    assert wide == []
 
 
 def test_every_link_leads_somewhere_and_every_anchor_is_there_once(page, report):

@@ -215,7 +215,7 @@ def test_no_board_writes_nothing(tmp_path, capsys):
         ("drop", "--faults: drop: found '', expected a number of 0 to 1"),
         ("drop=1e-4,drop=1e-4", "--faults: found 'drop=1e-4', expected each once"),
         ("flip=-0.1", "--faults: flip: found '-0.1', expected a number of 0 to 1"),
-        ("drop=0.6,flip=0.6", "--faults: found drop=0.6,flip=0.6, expected drop"),
+        ("drop=0.4,flip=0.4,insert=0.4", "--faults: found drop=0.4,flip=0.4,insert=0.4, expected drop"),
         ("disconnect_after=1.5", "--faults: disconnect_after: found '1.5'"),
     ],
 )

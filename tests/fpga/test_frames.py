@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from strategies import seeds
 
@@ -45,6 +45,8 @@ def test_frames_are_their_bits_and_come_back(seed, n):
     assert all(part.dtype == np.int16 and part.shape == (2, n) for part in read)
 
 
+@example(word=0xA5 << 56 | 0x400 << 13)
+@example(word=0xA5 << 56 | 0x400 << 2)
 @given(word=st.integers(0, 2**64 - 1) | st.integers(0, 2**54 - 1).map(lambda w: 0xA5 << 56 | w << 2))
 def test_a_word_is_valid_by_its_bits(word):
     text = f"{word:064b}"

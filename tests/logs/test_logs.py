@@ -90,9 +90,9 @@ def test_units_and_names_do_not_matter(read, spelling):
 
 
 def test_any_column_by_its_header(read):
-    header = ("Zeit", "Schulter", "Ellenbogen", "wS", "wE", "MS [Nm]", "ME [mNm]")
+    header = ("Zeit", "Schulter", "Ellenbogen", "wS", "wE", "MS [N cm]", "ME [mNm]")
     table = dict(zip(header, TABLE.values(), strict=True))
-    table["ME [mNm]"] = 1e3 * table["ME [mNm]"]
+    table |= {"MS [N cm]": 1e2 * table["MS [N cm]"], "ME [mNm]": 1e3 * table["ME [mNm]"]}
     assert_same(read(table, Arm(columns=dict(zip(TABLE, header, strict=True)))), GOOD)
 
 

@@ -174,7 +174,8 @@ def test_a_folder_in_the_place_of_a_result_leaves_all_as_it_was(tmp_path):
     assert everything(tmp_path) == ["out", "out/b.csv"]
 
 
-def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch):
+@pytest.mark.parametrize("to", ["earlier", "out"])
+def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch, to):
     def fill(folder):
         for name in ("a.csv", "b.csv", "c.csv"):
             (folder / name).write_text("new")
@@ -182,7 +183,7 @@ def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch)
     rename = Path.rename
 
     def immutable(path, target):
-        if path.name == "b.csv" and target.parent.name == "earlier":
+        if path.name == "b.csv" and target.parent.name == to:
             raise OSError(errno.EPERM, "Operation not permitted")
         return rename(path, target)
 

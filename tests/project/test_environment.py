@@ -15,7 +15,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 ROOT = Path(__file__).resolve().parents[2]
-LOCK_FILES = ["requirements-cpu.lock", "requirements.lock", "requirements-test.lock"]
+LOCK_FILES = ["requirements-cpu.lock", "requirements.lock", "requirements-test.lock", "requirements-site.lock"]
 PYTHONS = ["3.11", "3.12", "3.13"]
 CONDA_NAMES = {"matplotlib-base": "matplotlib", "pytorch": "torch", "snakemake-minimal": "snakemake"}
 CONDA_ONLY = {"python", "pip"}
@@ -45,11 +45,13 @@ def pinned(requirement):
 CPU, CPU_HASHES = read_lock("requirements-cpu.lock")
 RUNTIME, RUNTIME_HASHES = read_lock("requirements.lock")
 TEST, TEST_HASHES = read_lock("requirements-test.lock")
+SITE, SITE_HASHES = read_lock("requirements-site.lock")
 LOCK = {**RUNTIME, **TEST}
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRAS = PYPROJECT["project"]["optional-dependencies"]
 LEAN = [Requirement(text) for text in PYPROJECT["project"]["dependencies"]]
 DIRECT = [*LEAN, *(Requirement(text) for extra in ("cnn", "workflow") for text in EXTRAS[extra])]
+DIRECT_SITE = [Requirement(text) for text in EXTRAS["site"]]
 DIRECT_TEST = [Requirement(text) for text in EXTRAS["test"]]
 BUILD = [Requirement(text) for text in PYPROJECT["build-system"]["requires"]]
 
@@ -68,7 +70,7 @@ def conda_pins():
 
 
 def test_every_locked_package_is_pinned_and_has_hashes():
-    for requirements, hashes in ((RUNTIME, RUNTIME_HASHES), (TEST, TEST_HASHES)):
+    for requirements, hashes in ((RUNTIME, RUNTIME_HASHES), (TEST, TEST_HASHES), (SITE, SITE_HASHES)):
         for name, requirement in requirements.items():
             assert pinned(requirement).local is None, f"{name}: a local version fits one index only"
             assert requirement.url is None
@@ -89,7 +91,7 @@ def test_the_two_locks_do_not_overlap():
 
 @pytest.mark.parametrize("python", PYTHONS)
 def test_direct_dependencies_are_locked_within_their_range(python):
-    for requirements, lock in ((DIRECT, RUNTIME), (BUILD, RUNTIME), (DIRECT_TEST, LOCK)):
+    for requirements, lock in ((DIRECT, RUNTIME), (BUILD, RUNTIME), (DIRECT_TEST, LOCK), (DIRECT_SITE, SITE)):
         for requirement in requirements:
             locked = lock[canonicalize_name(requirement.name)]
             assert requirement.specifier.contains(pinned(locked)), f"{locked} does not satisfy {requirement}"
@@ -123,7 +125,33 @@ def test_torch_is_pinned_everywhere_and_its_cpu_wheels_are_allowed():
     assert CPU_HASHES["torch"] < RUNTIME_HASHES["torch"], "the registry's own wheels are missing"
 
 
-@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+needs_make = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+
+
+def planned(folder, target):
+    """Commands that `make` would run."""
+    return subprocess.run(["make", "--dry-run", target], cwd=folder, capture_output=True, text=True, check=True).stdout
+
+
+@needs_make
+@pytest.mark.parametrize("file", [*LOCK_FILES[:3], "pyproject.toml"])
+def test_another_lock_makes_another_environment(tmp_path, file):
+    for name in ("Makefile", *LOCK_FILES, "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    before = planned(tmp_path, "setup-test")
+    with (tmp_path / file).open("a", encoding="utf-8") as changed:
+        changed.write("#\n")
+    assert planned(tmp_path, "setup-test") != before
+
+
+@needs_make
+def test_every_check_is_one_of_make_test():
+    commands = planned(ROOT, "test")
+    checks = ("ruff check", "ruff format --check", "mypy", "lint-imports", "snakefmt --check", "--lint", "pytest")
+    assert [name for name in checks if name not in commands] == []
+
+
+@needs_make
 @pytest.mark.parametrize(("answer", "found"), [("Python 3.10.4", "Python 3.10.4"), ("", "()")])
 def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(tmp_path, answer, found):
     for name in ("Makefile", *LOCK_FILES, "pyproject.toml"):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from html_page import Page
 from PIL import Image
@@ -17,7 +18,7 @@ from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.report import page as page_module
 from repro.report.embed import link
-from repro.report.page import answer, build_report, read_claims
+from repro.report.page import answer, build_report, closing_lines, read_claims
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -97,6 +98,8 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
     large.parent.mkdir()
     large.write_bytes(b"1234567\n" * 30_000)
     small.write_bytes(b"x\n1\n")
+    (tmp_path / "small.pdf").write_bytes(b"%PDF-1.4\n")
+    assert link(tmp_path / "small.pdf", tmp_path / "report" / "index.html").href == "../small.pdf"
     found = link(large, tmp_path / "report" / "index.html")
     assert (found.href, found.download) == ("../figures/a%20b.csv", "")
     assert "0.2 MB" in found.text
@@ -113,12 +116,28 @@ def test_what_comes_from_a_file_is_escaped(text, page):
 
 def test_the_first_section_counts_what_agrees(inputs, page):
     claims = read_claims(inputs.results / "claims.csv")
-    own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == "numeric"]
-    agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
-    assert min(agree, differ, len(own) - agree - differ) > 0
-    short = " ".join(page.one("short")["text"].split())
-    assert f"own numeric tests, {agree} agree and {differ} differ." in short
+    short, still_open = " ".join(page.one("short")["text"].split()), 0
+    for basis, words in (("numeric", "paper.s own numeric tests"), ("simulated arm", "arm")):
+        own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == basis]
+        agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
+        assert min(agree, len(own) - agree - differ) > 0
+        assert re.search(f"Of {len(own)} numbers of the {words}, {agree} agree and {differ} differ", short)
+        still_open += len(own) - agree - differ
+    assert f"{still_open} of these numbers are open" in short
     assert answer(inputs)[0] in short
+
+
+def test_a_number_has_one_decimal_more_than_published_and_is_in_its_column(page):
+    (row,) = [row for row in page.rows("ledger") if row[0].endswith("table06/N3/total/2")]
+    assert row[2:6] == ["95.38 %", "95.503 %", "+0.123", "0.005"]
+    assert "table06/N3/total/2, published 95.38 %, ours 95.503 %" in " ".join(page.one("differences")["text"].split())
+
+
+def test_a_run_ends_with_table_10(inputs):
+    table = pd.read_csv(inputs.results / "tables/table10.csv").query("method == 'least-squares'").set_index("case")
+    (line,) = (line for line in closing_lines(inputs.results, inputs.figures) if line.startswith("  Least squares  "))
+    numbers = (*table.loc["ID", "total"], table["total"].drop("ID").mean())
+    assert line.split()[2:] == [f"{100 * number:.2f}" for number in numbers]
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ MEANINGS = {
     NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
     CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
     NOT_RUN: "a setting of the paper that the default run does not use",
-    HARDWARE: "only a measurement on the real arm or board could tell",
+    HARDWARE: "only a measurement on the real arm or board could decide",
 }
 #: Verdicts that the first section counts together; the others are open.
 _GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.fft import dct, idct
 
+from repro.errors import InputError
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
@@ -137,6 +138,20 @@ class SignalSettings:
     duration: float = 3.0 * np.pi  # of the identification trajectory, s
     #: Divide each motion signal inside f by its own maximum, as Eq. 8 prints; unscaled motion keeps Eq. 1 exact.
     normalise_motion: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a period, filter or length that no signal can have."""
+        for name, kind, least, expected in (
+            ("h", (int, float), np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+            ("c_f", (int, float), 0.0, "a finite number of 0 or more"),
+            ("samples", (int,), 1, "an integer of at least 1"),
+            ("duration", (int, float), np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+        ):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, kind) or not least <= value < np.inf:
+                raise InputError.at(name, repr(value), expected)
+        if self.omega_unit not in FREQUENCY_UNITS:
+            raise InputError.at("omega_unit", repr(self.omega_unit), f"one of {', '.join(FREQUENCY_UNITS)}")
 
 
 def image_regressor(
