@@ -18,6 +18,8 @@ _MOST_STEPS = 50.0
 _FEWEST_AT_LIMIT = 5
 #: Ratio of samples at the extreme value to those one step below it, if it is a limit.
 _LIMIT_RATIO = 4.0
+#: Different values of a torque that is switched among levels, not limited, at most.
+_MOST_LEVELS = 8
 _TURN: Final = 2.0 * np.pi
 #: Ratios of recorded velocity to differentiated position that have a known cause.
 _RATIOS: Final = (
@@ -70,6 +72,8 @@ def saturated_fraction(log: Log) -> tuple[float, float]:
 def _fraction_at_extremes(tau: Array) -> float:
     """Fraction of samples at the extreme values, if they accumulate there."""
     largest = float(np.abs(tau).max())
+    if np.unique(tau).size <= _MOST_LEVELS:
+        return 0.0
     step = quantisation_step(tau) or 1e-6 * largest
     fraction = 0.0
     for side in (tau, -tau):
