@@ -102,7 +102,7 @@ class _Fit:
 
 
 @dataclass(frozen=True)
-class _Smoothed:
+class Smoothed:
     """Low-passed motion and torque (2, N), and the samples to fit."""
 
     q: Array
@@ -131,7 +131,7 @@ _AS_GIVEN: Final = Convention("", "")
 
 def quiet_joints(log: Log) -> list[int]:
     """List joints whose torque does not exceed its noise."""
-    return _smoothed(log).noisy_joints()
+    return smoothed(log).noisy_joints()
 
 
 def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
@@ -140,11 +140,11 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
     Least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong sign of the
     torque or a wrong zero comes out as negative inertia, gravity or friction.
     """
-    smoothed = _smoothed(log)
-    size = np.linalg.norm(smoothed.tau[:, smoothed.chosen], axis=1)
+    s = smoothed(log)
+    size = np.linalg.norm(s.tau[:, s.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return
-    noisy = smoothed.noisy_joints()
+    noisy = s.noisy_joints()
     if len(noisy) == 2:
         yield "the torque is little more than noise: this log can only test the motion that parameters predict"
         return
@@ -153,9 +153,9 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
             f"the torque of joint {noisy[0]} is little more than noise: the log hardly determines its load; "
             "if the joint was driven, its torque was not recorded"
         )
-    given = _fit(smoothed, _AS_GIVEN)
+    given = _fit(s, _AS_GIVEN)
     in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
-    fits = [(_fit(smoothed, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
+    fits = [(_fit(s, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
     least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
     if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
@@ -179,18 +179,18 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
 
 def late_torque(log: Log) -> Iterator[str]:
     """Report a torque that fits the motion far better when it is shifted in time."""
-    smoothed = _smoothed(log)
-    reach = round(_LARGEST_DELAY / smoothed.h)
-    inner = smoothed.chosen[(smoothed.chosen >= reach) & (smoothed.chosen < smoothed.q.shape[1] - reach)]
-    if inner.size < 20 or smoothed.noisy_joints():
+    s = smoothed(log)
+    reach = round(_LARGEST_DELAY / s.h)
+    inner = s.chosen[(s.chosen >= reach) & (s.chosen < s.q.shape[1] - reach)]
+    if inner.size < 20 or s.noisy_joints():
         return
-    y = regressor(smoothed.q[:, inner], smoothed.dq[:, inner], smoothed.ddq[:, inner]).reshape(-1, 9)
+    y = regressor(s.q[:, inner], s.dq[:, inner], s.ddq[:, inner]).reshape(-1, 9)
     basis = np.linalg.qr(y).Q
-    shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / smoothed.h)))
-    residuals = np.array([_residual(basis, smoothed.tau[:, inner - shift].ravel()) for shift in shifts])
-    given = _residual(basis, smoothed.tau[:, inner].ravel())
+    shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / s.h)))
+    residuals = np.array([_residual(basis, s.tau[:, inner - shift].ravel()) for shift in shifts])
+    given = _residual(basis, s.tau[:, inner].ravel())
     best = int(np.argmin(residuals))
-    delay = float(shifts[best]) * smoothed.h
+    delay = float(shifts[best]) * s.h
     if abs(delay) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
         side = "later" if delay > 0 else "earlier"
         yield (
@@ -205,19 +205,37 @@ def _advice(convention: Convention, reason: str) -> str:
     return f"the log reads better with {convention.name} ({reason}): if so, {convention.remedy} in the arm file{added}"
 
 
-def _smoothed(log: Log) -> _Smoothed:
+def low_pass(signals: Array, h: float) -> Array:
+    """Low-pass signals (..., N) without phase shift."""
+    return np.asarray(sosfiltfilt(butter(2, min(_CUTOFF * 2.0 * h, 0.8), output="sos"), signals, axis=-1))
+
+
+def smoothed(log: Log) -> Smoothed:
     """Low-pass without phase shift, differentiate, and select samples away from the ends."""
     even = uniform(log).longest
     h = period(even)
-    sections = butter(2, min(_CUTOFF * 2.0 * h, 0.8), output="sos")
-    q, tau = (sosfiltfilt(sections, signal, axis=1) for signal in (even.q, even.tau))
+    q, tau = low_pass(even.q, h), low_pass(even.tau, h)
     dq = np.gradient(q, h, axis=1)
     edge, n = round(_EDGE / h), q.shape[1]
     chosen = np.arange(edge, n - edge, -(-n // _MOST_SAMPLES))
-    return _Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
+    return Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
 
 
-def _fit(smoothed: _Smoothed, convention: Convention) -> _Fit:
+def fit_joints(y: Array, tau: Array) -> tuple[Array, Array]:
+    """Fit Eq. 1 with each joint weighted by its own error: parameters (9,), and squared errors of the joints (2,)."""
+    gram, right = np.swapaxes(y, 1, 2) @ y, np.einsum("jnp,jn->jp", y, tau)  # of each joint
+    size = np.sum(tau**2, axis=1)
+    error, beta = size, np.zeros(y.shape[-1])
+    for _ in range(_FITS):
+        weight = 1.0 / np.where(error > 0.0, error, 1.0)
+        both = np.tensordot(weight, gram, 1)
+        length = np.sqrt(np.where(both.diagonal() > 0.0, both.diagonal(), 1.0))
+        beta = np.linalg.lstsq(both / length / length[:, np.newaxis], weight @ right / length, _RANK)[0] / length
+        error = np.maximum(np.sum((y @ beta - tau) ** 2, axis=1), _EXACT * size)
+    return beta, error
+
+
+def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
     """Fit Eq. 1 with a convention, each joint weighted by its own error."""
     k = smoothed.chosen
     position, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
@@ -225,14 +243,7 @@ def _fit(smoothed: _Smoothed, convention: Convention) -> _Fit:
     tau = torque @ smoothed.tau[:, k]
     dq = position @ smoothed.dq[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
-    gram, right = np.swapaxes(y, 1, 2) @ y, np.einsum("jnp,jn->jp", y, tau)  # of each joint
-    size = np.sum(tau**2, axis=1)
-    error, beta = size, np.zeros(y.shape[-1])
-    for _ in range(_FITS):
-        both = np.tensordot(1.0 / error, gram, 1)
-        length = np.sqrt(np.where(both.diagonal() > 0.0, both.diagonal(), 1.0))
-        beta = np.linalg.lstsq(both / length / length[:, np.newaxis], (1.0 / error) @ right / length, _RANK)[0] / length
-        error = np.maximum(np.sum((y @ beta - tau) ** 2, axis=1), _EXACT * size)
+    (beta, error), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
     terms = y * beta  # (2, n, 9): torque of each parameter
     share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)
     negative = (beta[:5] < 0.0) & (share[:5] > _NOTICEABLE_TERM)

@@ -43,6 +43,7 @@ from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
+from repro.logs.torque_limits import unreliable_torque
 from repro.model.parameters import NAMES, UNITS, Array
 
 
@@ -136,6 +137,8 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     raw = read_log(source, arm)
     description = describe(raw, arm)
     log = uniform(raw)
+    if (wrong := unreliable_torque(log)).any():
+        log = replace(log, left_out=wrong)
     fresh = tuple(note for note in log.notes if note not in description.notes)
     return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
 
