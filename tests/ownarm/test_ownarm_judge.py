@@ -21,6 +21,8 @@ from repro.ownarm.text import NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
+#: Standard normal numbers.
+WHITE = np.random.default_rng(8).normal(size=(2, 4800))
 HELD = "held at zero: the log alone would make it negative"
 
 
@@ -57,6 +59,34 @@ def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, lo
     found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
     assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
     assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}
+
+
+@pytest.mark.parametrize(
+    ("torque", "why"),
+    [
+        (
+            lambda log: log.tau[:, ::-1],
+            "Eq. 1 predicts only 0 % of the squared torque of joint 2 from the rest of the log",
+        ),
+        (lambda log: 0.4 * np.tanh(20.0 * np.gradient(log.q, log.t, axis=1)), "friction alone explains the torque"),
+        (lambda log: log.tau, None),
+        (lambda log: log.tau + 5.0 * log.tau.std(axis=1, keepdims=True) * WHITE[:, : log.t.size], None),
+    ],
+    ids=["another motion", "friction compensation", "good", "noise above the motion"],
+)
+def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path, torque, why):
+    """Noise that is white is averaged away; a torque of another motion is not."""
+    loaded = prepared_from_file(tmp_path, seconds=24.0).first.loaded
+    tau = torque(loaded.log) + 1e-3 * WHITE[:, : loaded.log.t.size]
+    changed = (replace(loaded, log=replace(loaded.log, tau=tau)),)
+    problem = make_problem(changed, (), ARM, Options(("ordinary",), tmp_path))
+    found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+    if why is None:
+        assert problem.doubt == ""
+        assert all(p.low < true < p.high for p, true in zip(found.parameters[3:5], BETA[3:5], strict=True))
+    else:
+        assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
+        assert {why in p.verdict for p in found.parameters if p.verdict != NOT_EXCITED} == {True}
 
 
 def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):

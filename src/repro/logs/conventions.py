@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from repro.logs.log import Log, period, uniform
-from repro.model.dynamics import regressor
+from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
 #: Low-pass, Hz, most samples fitted, and time left out at each end, s: enough to distinguish conventions.
@@ -243,6 +243,9 @@ def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
     tau = torque @ smoothed.tau[:, k]
     dq = position @ smoothed.dq[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
+    # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
+    sense = position / np.abs(position).max(axis=1, keepdims=True)
+    y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
     (beta, error), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
     terms = y * beta  # (2, n, 9): torque of each parameter
     share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)

@@ -36,6 +36,7 @@ from repro.identification.filtering import (
     prepare,
 )
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.scores import unexplained
 from repro.identification.solve import solve
 from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
 from repro.logs.armfile import Arm
@@ -240,7 +241,7 @@ def _finish(
         if "scale2" in values_of(faults):  # or the torque of joint 2 is right: then all parameters have its scale
             factor = values_of(faults)["scale2"]
             as_good["scale of joint 1"] = Perturbation((replace(moving, y=moving.y / factor),), rival=True)
-    doubt = _interval_doubt(loaded.log, settings.delay, arm)
+    doubt = _interval_doubt(loaded.log, moving, settings.delay, arm)
     return PreparedLog(
         loaded, regression, moving, as_good, settings, corrected.cutoff, faults, hidden, terms, load, doubt
     )
@@ -251,13 +252,28 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
     return _prepare_logs([loaded], arm, options)[0]
 
 
-def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
+#: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
+#: joints' squared errors over those with friction alone.
+MIN_EXPLAINED, MAX_OVER_FRICTION = 0.5, 0.5
+FRICTION = slice(NAMES.index("b1"), None)
+
+
+def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
     """Find a reason to claim no intervals.
 
-    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero.
+    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero. Where Eq. 1
+    predicts little of a torque, the motion is not the one that this torque caused, or unmodelled effects caused it. A
+    torque that only compensates friction is explained without inertia and gravity, whatever they are.
     """
-    if quiet := quiet_joints(log):
-        return f"the torque of joint {quiet[0]} is little more than noise"
+    left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
+    worst = int(np.argmax(left))
+    if left[worst] > 1.0 - MIN_EXPLAINED:
+        if quiet := quiet_joints(log):
+            return f"the torque of joint {quiet[0]} is little more than noise"
+        explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
+        return f"Eq. 1 predicts only {explained} from the rest of the log"
+    if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
+        return "friction alone explains the torque as well as Eq. 1"
     return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
 
 
