@@ -48,6 +48,8 @@ CALIBRATION: dict[str, Kind] = {
     "scale": Kind(scale, "1", (2,), 1.0, 0.3),
 }
 CALIBRATION_TERMS = term_names(CALIBRATION)
+#: The one that belongs to the arm rather than to a log.
+SCALE = "scale2"
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
     if not values:
         return log
     zero, constant = (np.array([[values.get(f"{name}{j}", 0.0)] for j in (1, 2)]) for name in ("zero", "offset"))
-    factor = np.array([[1.0], [values.get("scale2", 1.0)]])
+    factor = np.array([[1.0], [values.get(SCALE, 1.0)]])
     return replace(log, q=log.q + zero, tau=(log.tau - constant) / factor)
 
 
@@ -115,12 +117,18 @@ def _gauss_newton(
 
 
 def find_calibration_errors(
-    log: Log, settings: FilterSettings, others: Sequence[Regression] = ()
+    log: Log,
+    settings: FilterSettings,
+    others: Sequence[Regression] = (),
+    names: Sequence[str] = CALIBRATION_TERMS,
 ) -> tuple[CalibrationError, ...]:
-    """Find the calibration errors of a log; `others` are correct regressions of the arm, with the same parameters."""
+    """Find the calibration errors with these names in a log.
+
+    `others` are correct regressions of the arm, with the same parameters.
+    """
     r, columns = _calibration_problem(log, settings)
     rows = other_rows(others)
-    candidates = _nonzero_columns(columns, r.mask)
+    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in names]
     names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, rows)]
     while names:
         values = _gauss_newton(log, settings, names, rows)

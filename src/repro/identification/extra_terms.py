@@ -28,7 +28,7 @@ from repro.identification.filtering import (
     retained_samples,
     smooth_motion,
 )
-from repro.identification.regression import Regression, correlation_time, drop_standstill
+from repro.identification.regression import Regression, correlation_time, drop_standstill, joined
 from repro.identification.solve import solve
 from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
@@ -92,11 +92,10 @@ def position_error(log: SmoothLog, error: Array) -> Array:
     """Compute the change of both torques with an error (2, N) of the position of either joint, shape (2, N, 2)."""
     torque, moved = log.y @ log.beta, smooth_motion(error, log.h, log.settings)
     columns = []
-    for joint in np.eye(2):
-        unit = POSITION_DIFFERENCE * joint[:, np.newaxis]
-        q, dq, ddq = (x + unit * dx for x, dx in zip(log.moved, moved, strict=True))
-        shifted = replace(log, moved=(q, dq, ddq))
-        columns.append((shifted.y @ log.beta - torque) / POSITION_DIFFERENCE)
+    for joint, largest in zip(np.eye(2), np.abs(error).max(axis=-1), strict=True):
+        difference = POSITION_DIFFERENCE / (largest or 1.0)
+        q, dq, ddq = (x + difference * joint[:, np.newaxis] * dx for x, dx in zip(log.moved, moved, strict=True))
+        columns.append((replace(log, moved=(q, dq, ddq)).y @ log.beta - torque) / difference)
     return np.stack(columns, axis=-1)
 
 
@@ -338,12 +337,10 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     Friction is subtracted if it may be, the rotor always. The logs are uniformly sampled and have correct calibration;
     the load is that of least squares.
     """
-    parts = []
-    for log, settings in logs:
-        r = drop_standstill(prepare(log, settings))
-        parts.append((r, *weighted_rows(r, term_columns(TERMS, log, settings, solve(r.y, r.tau)))))
-    a, b = (np.concatenate([part[k] for part in parts], axis=1) for k in (1, 2))
-    h = max(r.h for r, _, _ in parts)
+    r = joined([drop_standstill(prepare(log, settings)) for log, settings in logs])
+    load = solve(r.y, r.tau)
+    columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
+    a, b = weighted_rows(r, np.concatenate(columns, axis=1))
     candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]
 
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
@@ -351,7 +348,7 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
         columns = a[..., _nine_and([k, *others])]
         without = cross_validation_error(a[..., _nine_and(others)], b)
         gain = 1.0 - error_ratio(cross_validation_error(columns, b), without)
-        value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, h))
+        value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
     chosen = best_subset(a, b, [k for k in candidates if friction or TERM_NAMES[k].startswith(ROTOR)], by_joint=True)

@@ -31,14 +31,14 @@ quadrature. (The single factor of Welch and Satterthwaite can narrow an interval
    Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import hadamard
+from scipy.linalg import block_diag, hadamard
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
@@ -57,7 +57,14 @@ from repro.identification.extra_terms import (
 )
 from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.regression import Prior, Regression, correlation_time, drop_standstill, joint_variance
+from repro.identification.regression import (
+    Prior,
+    Regression,
+    correlation_time,
+    drop_standstill,
+    joined,
+    joint_variance,
+)
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
@@ -103,13 +110,12 @@ def torque_constant(log: SmoothLog) -> Array:
 
 
 def gear_load(log: SmoothLog) -> Array:
-    """Compute the torque (2, N) behind the friction of each joint over the largest one.
+    """Compute the torque (2, N) behind the friction of each joint.
 
     It is that of the recording: a position error falsifies the accelerations, from which Eq. 1 would compute it.
     """
-    load = log.tau - FILTERS[log.settings.name].apply(log.y[..., 5:] @ log.beta[5:], log.h, log.settings.cutoff, 0)
-    largest = np.abs(load).max(axis=-1, keepdims=True)
-    return load / np.where(largest > 0.0, largest, 1.0)
+    friction = FILTERS[log.settings.name].apply(log.y[..., 5:] @ log.beta[5:], log.h, log.settings.cutoff, 0)
+    return log.tau - friction
 
 
 def elasticity(log: SmoothLog) -> Array:
@@ -122,24 +128,31 @@ def backlash(log: SmoothLog, width: float) -> Array:
 
     The teeth change sides where the load is within `width` of its largest.
     """
-    return position_error(log, np.tanh(gear_load(log) / width))
+    load = gear_load(log)
+    largest = np.abs(load).max(axis=-1, keepdims=True)
+    return position_error(log, np.tanh(load / (width * np.where(largest > 0.0, largest, 1.0))))
 
 
 #: Loads over the largest one at which the teeth of a gear may change sides.
 BACKLASH_WIDTHS = (0.02, 0.05, 0.15)
+ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
 #: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts.
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
-    "zero positions": (zero_position,),
-    "torque offsets": (offset,),
+    ZEROS: (zero_position,),
+    OFFSETS: (offset,),
     "load-dependent friction": (load_friction,),
     "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
     "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
     "inertia of the rotor of joint 2": (rotor_inertia,),
-    "torque constants that change with the current": (torque_constant,),
+    CONSTANTS: (torque_constant,),
     "elasticity": (elasticity,),
     "backlash": tuple(partial(backlash, width=width) for width in BACKLASH_WIDTHS),
 }
+#: Effects that differ from log to log of one arm.
+OF_A_LOG = (ZEROS, OFFSETS)
+#: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
+LARGEST_SHARE = {CONSTANTS: 0.3}
 
 
 def simex(regression: Regression) -> Regression:
@@ -185,37 +198,68 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
 
 
-def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) -> dict[str, Perturbation]:
-    """Add the columns of each of `UNMODELLED_EFFECTS` to a log, weighted against the regression of the estimate."""
-    own = drop_standstill(prepare(log, settings))
+@dataclass(frozen=True)
+class WeightedLog:
+    """A log of an arm among others, and how it is filtered."""
+
+    log: Log
+    settings: FilterSettings
+    weight: float = 1.0  # factor on its rows
+
+    def columns(self, forms: Sequence[Columns], beta: Array) -> list[Array]:
+        """Compute the columns of effects at its rows, each of shape (2, n, k)."""
+        return [self.weight * one for one in filtered_columns(forms, self.log, self.settings, beta)]
+
+
+def join_filtered(
+    logs: Sequence[WeightedLog], change: Callable[[FilterSettings], FilterSettings] = lambda settings: settings
+) -> Regression:
+    """Filter logs of one arm, each with changed settings, and join them to one regression without standstill."""
+    parts = [drop_standstill(prepare(log.log, change(log.settings))) for log in logs]
+    return joined(parts, [log.weight for log in logs])
+
+
+def of_each_log(parts: Sequence[Array]) -> Array:
+    """Give each log its own coefficients of its columns (2, n, k), zero in the rows of the other logs."""
+    return np.stack([block_diag(*joint) for joint in zip(*parts, strict=True)])
+
+
+def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[str, Perturbation]:
+    """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
+    own = join_filtered(logs)
+    beta = solve(own.y, own.tau)
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
-    columns_of_forms = iter(filtered_columns(forms, log, settings, solve(own.y, own.tau)))
+    columns_of_forms = zip(*(log.columns(forms, beta) for log in logs), strict=True)
     results = {}
     for name, each in UNMODELLED_EFFECTS.items():
-        columns = [next(columns_of_forms) for _ in each]
+        parts = [next(columns_of_forms) for _ in each]
+        columns = [of_each_log(one) if name in OF_A_LOG else np.concatenate(one, axis=1) for one in parts]
         projected = [project_out(own, one) for one in columns]
         weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
         best = int(np.argmax(weights))
+        if name in LARGEST_SHARE and weights[best] > 0.0:
+            both = np.concatenate([own.y, columns[best]], axis=-1)
+            torque = columns[best] @ solve(both, own.tau)[len(beta) :]
+            share = np.abs(torque).max(axis=-1) / np.abs(own.tau).max(axis=-1)
+            weights[best] *= min(1.0, LARGEST_SHARE[name] / float(np.nanmax(share))) ** 2
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
     return results
 
 
-def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare a log with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
-    s = settings
+def perturbations(logs: Sequence[WeightedLog], delay_error: float = 0.0) -> dict[str, Perturbation]:
+    """Prepare logs with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
 
-    def prepared(changed: FilterSettings) -> Regression:
-        return drop_standstill(prepare(log, changed))
+    def filtered(cut: float, width: float) -> Regression:
+        return join_filtered(logs, lambda s: replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut))
 
-    filters = tuple(
-        prepared(replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut)) for cut, width in FILTER_FACTORS
-    )
-    plain = prepared(s)
-    results = {"filters": Perturbation(filters)}
+    def delayed(by: float) -> Regression:
+        return join_filtered(logs, lambda s: replace(s, delay=s.delay + by))
+
+    results = {"filters": Perturbation(tuple(filtered(*factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
-        delays = (s.delay + by for by in (-delay_error, delay_error))
-        results["delay"] = Perturbation(tuple(prepared(replace(s, delay=delay)) for delay in delays))
-    results |= unmodelled_effects(log, s, plain)
+        results["delay"] = Perturbation((delayed(-delay_error), delayed(delay_error)))
+    plain = join_filtered(logs)
+    results |= unmodelled_effects(logs, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results
 

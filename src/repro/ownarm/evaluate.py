@@ -16,7 +16,7 @@ from repro.identification.scores import position_errors, relative_rms, similarit
 from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem
+from repro.ownarm.prepare import IdentificationProblem, Options, left_out, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings
 from repro.ownarm.result import (
     HALVES,
@@ -99,8 +99,7 @@ def fit(
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
     if len(problem.logs) > 1 and method.claims_intervals:
         for log in problem.logs:
-            others = join_logs([other for other in problem.logs if other is not log], problem.prior)[0]
-            parts.append((log.loaded.name, others, log.regression))
+            parts.append((log.loaded.name, left_out(problem, log), log.regression))
     elif halves:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):

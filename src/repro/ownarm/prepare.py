@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ from repro.documents import read_json
 from repro.errors import InputError
 from repro.identification.calibration import (
     CALIBRATION,
+    CALIBRATION_TERMS,
+    SCALE,
     CalibrationError,
     calibration_limits,
     correct_calibration,
@@ -38,7 +41,16 @@ from repro.identification.filtering import (
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
 from repro.identification.scores import unexplained
 from repro.identification.solve import solve
-from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
+from repro.identification.uncertainty import (
+    Perturbation,
+    WeightedLog,
+    attach_prior,
+    join_filtered,
+    of_each_log,
+    perturbations,
+    project_out,
+    unmodelled_effects,
+)
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
@@ -97,16 +109,26 @@ class PreparedLog:
     """A fitted log, corrected and filtered."""
 
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
+    recorded: Log  # as it was loaded
     regression: Regression  # all samples but those of joints that never move: methods are evaluated on these
-    moving: Regression  # the same without standstill, subtracted friction projected out: methods are fitted to it
-    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
+    delay_error: float  # standard error of the delay, s
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
     hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
     terms: tuple[ExtraTerm, ...] = ()  # terms beyond Eq. 1, of all logs of the arm
-    load: Array | None = None  # (9,), parameters that give the load of friction
+    load: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # parameters that give the load of friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
+
+    @cached_property
+    def moving(self) -> Regression:
+        """The regression without standstill."""
+        return drop_standstill(self.regression)
+
+    @property
+    def taken(self) -> list[ExtraTerm]:
+        """Terms that were subtracted from the torque."""
+        return [term for term in self.terms if term.taken]
 
 
 @dataclass(frozen=True)
@@ -115,7 +137,7 @@ class IdentificationProblem:
 
     logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
     regression: Regression  # all of them together
-    moving: Regression  # the same without standstill, each log weighted by the inverse of its errors
+    moving: Regression  # the same without standstill, with subtracted terms projected out: methods are fitted to it
     as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
     excited: Identifiability  # which parameters the motion identifies
@@ -201,50 +223,41 @@ class _Corrected:
 
 
 def _correct(
-    loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = (), delay: Delay | None = None
+    loaded: LoadedLog,
+    arm: Arm,
+    options: Options,
+    others: Sequence[Regression] = (),
+    delay: Delay | None = None,
+    names: Sequence[str] = CALIBRATION_TERMS,
 ) -> _Corrected:
-    """Correct the calibration errors of a log.
+    """Correct the calibration errors with these names in a log.
 
     Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
     """
     recorded = loaded.log
     settings, chosen, delay_error = _choose_settings(recorded, arm, options, delay)
-    faults = find_calibration_errors(recorded, settings, others)
+    faults = find_calibration_errors(recorded, settings, others, names)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
         settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, delay)
-        faults = find_calibration_errors(recorded, settings, others)
+        faults = find_calibration_errors(recorded, settings, others, names)
         loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, delay)
     return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
 
 
 def _finish(
-    corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], others: Sequence[Regression] = ()
+    corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
 ) -> PreparedLog:
-    """Subtract the terms beyond Eq. 1 from a corrected log, filter it, and make its perturbations."""
-    loaded, settings, faults = corrected.loaded, corrected.settings, corrected.faults
+    """Subtract the terms beyond Eq. 1 from a corrected log, and filter it."""
+    recorded, loaded, settings, faults = corrected.recorded, corrected.loaded, corrected.settings, corrected.faults
     hidden = calibration_limits(loaded.log, settings, faults, others)
-    moving = corrected.moving
-    load, taken = solve(moving.y, moving.tau), [term for term in terms if term.taken]
+    taken = [term for term in terms if term.taken]
     if taken:
         loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
     regression = drop_idle_joints(prepare(loaded.log, settings))
-    moving = drop_standstill(regression)
-    if taken:
-        moving = project_out(moving, term_columns(TERMS, loaded.log, settings, load, taken))
-    as_good = perturbations(loaded.log, settings, corrected.delay_error)
-    if faults:
-        columns = term_columns(CALIBRATION, loaded.log, settings, solve(moving.y, moving.tau), faults)
-        as_good["set-up"] = Perturbation((project_out(moving, columns),))
-        instead = unmodelled_effects(corrected.recorded, settings, drop_standstill(prepare(loaded.log, settings)))
-        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
-        if "scale2" in values_of(faults):  # or the torque of joint 2 is right: then all parameters have its scale
-            factor = values_of(faults)["scale2"]
-            as_good["scale of joint 1"] = Perturbation((replace(moving, y=moving.y / factor),), rival=True)
-    doubt = _interval_doubt(loaded.log, moving, settings.delay, arm)
-    return PreparedLog(
-        loaded, regression, moving, as_good, settings, corrected.cutoff, faults, hidden, terms, load, doubt
-    )
+    doubt = _interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm)
+    chosen = settings, corrected.cutoff, corrected.delay_error
+    return PreparedLog(loaded, recorded, regression, *chosen, faults, hidden, terms, load, doubt)
 
 
 def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
@@ -293,19 +306,21 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
 
     Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
     others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
-    uncorrected log can make a good one look faulty.
+    uncorrected log can make a good one look faulty. A torque constant is the arm's: its error counts if each log shows
+    it by itself.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    delay = _common_delay(corrected, arm)
-    if delay is not None:
-        corrected = [_correct(loaded, arm, options, (), delay) for loaded in logs]
+    several, delay = len(logs) > 1, _common_delay(corrected, arm)
+    scaled = all(SCALE in values_of(log.faults) for log in corrected)
+    names = [name for name in CALIBRATION_TERMS if scaled or name != SCALE]
+    if several:
+        corrected = [_correct(loaded, arm, options, (), delay, names) for loaded in logs]
     others: list[list[Regression]] = [[] for _ in logs]
 
     def compare(k: int) -> _Corrected:
         others[k] = [log.moving for log in corrected if log is not corrected[k]]
-        return _correct(logs[k], arm, options, others[k], delay)
+        return _correct(logs[k], arm, options, others[k], delay, names)
 
-    several = len(logs) > 1
     for k in [k for k, log in enumerate(corrected) if several and log.faults]:
         corrected[k] = compare(k)
     remaining = [k for k, log in enumerate(corrected) if several and not log.faults]
@@ -318,28 +333,70 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         corrected[most] = found[most]
         remaining.remove(most)
     terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
-    return tuple(_finish(log, arm, terms, rest) for log, rest in zip(corrected, others, strict=True))
+    moving = joined([log.moving for log in corrected])
+    load = solve(moving.y, moving.tau)
+    return tuple(_finish(log, arm, terms, load, rest) for log, rest in zip(corrected, others, strict=True))
+
+
+#: Errors of a log over those of the best one from which on it counts less: smaller ones are the model's, not the log's.
+MAX_ERROR_RATIO = 3.0
+
+
+def _weights(logs: Sequence[PreparedLog]) -> list[float]:
+    """Weigh the rows of each of several logs by the time between them, and less if the log has large errors."""
+    h = np.array([log.moving.h for log in logs])
+    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
+    ratio = np.divide(MAX_ERROR_RATIO * min(size), size, out=np.ones_like(h), where=np.array(size) > 0.0)
+    return list(np.sqrt(h / h.max()) * np.minimum(ratio, 1.0))
+
+
+def _without_columns(moving: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Regression:
+    """Project the terms that were subtracted out of a regression: their values have errors."""
+    if not prepared[0].taken:
+        return moving
+    each = [
+        term_columns(TERMS, log.log, log.settings, one.load, one.taken) for log, one in zip(logs, prepared, strict=True)
+    ]
+    return project_out(moving, np.concatenate([log.weight * one for log, one in zip(logs, each, strict=True)], axis=1))
 
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
-    """Join several logs and a prior to one regression without standstill, and their alternatives."""
-    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
-    weights = [float(np.mean(size)) / one for one in size]
-    as_good = {}
-    for name in dict.fromkeys(name for log in logs for name in log.as_good):
-        each = [log.as_good.get(name, Perturbation((log.moving,), 0.0)) for log in logs]
-        members = max(len(one.regressions) for one in each)
-        mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
-        weight, rival = max(one.weight for one in each), any(one.rival for one in each)
-        as_good[name] = Perturbation(tuple(mixed), weight, rival)
-    moving = joined([log.moving for log in logs], weights)
+    """Join several logs and a prior to one regression without standstill, and its perturbations."""
+    weights = _weights(logs)
+    weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
+    moving = _without_columns(joined([log.moving for log in logs], weights), weighted, logs)
+    as_good = perturbations(weighted, max(log.delay_error for log in logs))
+    if any(log.faults for log in logs):
+        beta = solve(moving.y, moving.tau)
+        columns = [
+            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults)
+            for log, one in zip(weighted, logs, strict=True)
+        ]
+        as_good["set-up"] = Perturbation((project_out(moving, of_each_log(columns)),))
+        recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
+        instead = unmodelled_effects(recorded, join_filtered(weighted))
+        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
+        factors = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+        if factors:  # or the torque of joint 2 is right: then all parameters have its scale
+            scaled = replace(moving, y=moving.y / float(np.mean(factors)))
+            as_good["scale of joint 1"] = Perturbation((scaled,), rival=True)
     return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
 
-def _correct_as(log: Log, first: PreparedLog) -> Log:
-    """Correct a log and subtract its friction as in the first log."""
-    right, taken = correct_calibration(log, values_of(first.faults)), [term for term in first.terms if term.taken]
-    return subtract_terms(right, first.settings, first.load, taken) if taken and first.load is not None else right
+def left_out(problem: IdentificationProblem, log: PreparedLog) -> Regression:
+    """Join all logs of a problem but one, without standstill."""
+    logs = [other for other in problem.logs if other is not log]
+    if problem.prior is not None:
+        return join_logs(logs, problem.prior)[0]
+    return joined([other.moving for other in logs], _weights(logs))
+
+
+def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
+    """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms."""
+    first, names = logs[0], [values_of(log.faults) for log in logs]
+    common = {name: value for name, value in names[0].items() if all(name in each for each in names)}
+    right = correct_calibration(log, common)
+    return subtract_terms(right, first.settings, first.load, first.taken) if first.taken else right
 
 
 def make_problem(
@@ -348,7 +405,7 @@ def make_problem(
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
     logs = _prepare_logs(fitted, arm, options)
     first = logs[0]
-    validation = tuple(replace(loaded, log=_correct_as(loaded.log, first)) for loaded in validation)
+    validation = tuple(replace(loaded, log=_correct_as(loaded.log, logs)) for loaded in validation)
     for loaded in validation:
         _check_rate(loaded.log, first.cutoff)
     predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
