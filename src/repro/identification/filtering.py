@@ -252,6 +252,9 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
     wide = [prepare(replace(piece, left_out=None), every_sample) for piece in log.pieces]
     tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
+    if log.left_out is not None:  # a gap in the torque would have a spectrum of its own
+        counts = [prepare(piece, every_sample).mask for piece in log.pieces]
+        tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
     (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
