@@ -29,9 +29,8 @@ from repro.ownarm.prepare import (
     Options,
     load_log,
     make_problem,
-    read_prior,
-    with_plane,
 )
+from repro.ownarm.prior import read_prior, with_plane
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table

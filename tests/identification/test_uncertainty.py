@@ -20,6 +20,7 @@ from repro.identification.uncertainty import (
     GROUPS,
     UNMODELLED_EFFECTS,
     Perturbation,
+    WeightedLog,
     block_length,
     bootstrap,
     filtered_columns,
@@ -211,7 +212,7 @@ def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(n
     q, dq, ddq = motion(LOG.t)
     positions, torque = spoil(LOG, q, dq, ddq)
     log = replace(LOG, q=positions, tau=torque)
-    found = perturbations(log, SETTINGS)[name]
+    found = perturbations([WeightedLog(log, SETTINGS)])[name]
     plain, (other,) = prepare(log, SETTINGS), found.regressions
     without_it, with_it = (np.abs(solve(r.y, r.tau) / BETA - 1)[:5].max() for r in (plain, other))
     assert found.weight > 0.9
@@ -255,7 +256,7 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
     weights = []
     for _ in range(10):
         noisy = replace(LOG, tau=LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
-        found = perturbations(noisy, SETTINGS)
+        found = perturbations([WeightedLog(noisy, SETTINGS)])
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
 
@@ -270,7 +271,9 @@ def test_an_effect_that_explains_a_log_without_its_correction_has_weight(zero, c
     noise = 0.02 * np.random.default_rng(4).normal(size=LOG.tau.shape)
     recorded = change(replace(LOG, q=LOG.q + each(zero - 0.05, 0.0), tau=LOG.tau + noise))
     corrected = replace(recorded, q=recorded.q + each(0.05, 0.0))
-    found = unmodelled_effects(recorded, SETTINGS, prepare(corrected, SETTINGS))["torque of period half a turn"]
+    found = unmodelled_effects([WeightedLog(recorded, SETTINGS)], prepare(corrected, SETTINGS))[
+        "torque of period half a turn"
+    ]
     assert found.rival
     assert bool(found.weight > 0.9) is explains
     if explains:

@@ -40,16 +40,18 @@ MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1
 MAX_ZERO = 0.25
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
 MAX_SCALE = 3.0
-#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of joint 2 over the one
-#: that Eq. 1 shares with joint 1.
+#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
+#: that Eq. 1 shares with the other. The log does not tell which of both is wrong: joint 2, unless a prior tells.
 CALIBRATION: dict[str, Kind] = {
     "zero": Kind(zero_position, "rad", max_step=0.1),
     "offset": Kind(offset, "N m"),
-    "scale": Kind(scale, "1", (2,), 1.0, 0.3),
+    "scale": Kind(scale, "1", neutral=1.0, max_step=0.3),
 }
+#: Torque constants belong to the arm rather than to a log.
+OTHER_SCALE, SCALE = "scale1", "scale2"
 CALIBRATION_TERMS = term_names(CALIBRATION)
-#: The one that belongs to the arm rather than to a log.
-SCALE = "scale2"
+#: Those that a log is searched for.
+CANDIDATES = tuple(name for name in CALIBRATION_TERMS if name != OTHER_SCALE)
 
 
 @dataclass(frozen=True)
@@ -65,9 +67,18 @@ def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
     """Correct positions and torques of a log by the values of calibration errors; a missing one has no effect."""
     if not values:
         return log
-    zero, constant = (np.array([[values.get(f"{name}{j}", 0.0)] for j in (1, 2)]) for name in ("zero", "offset"))
-    factor = np.array([[1.0], [values.get(SCALE, 1.0)]])
+    zero, constant, factor = (
+        np.array([[values.get(f"{name}{j}", kind.neutral)] for j in (1, 2)]) for name, kind in CALIBRATION.items()
+    )
     return replace(log, q=log.q + zero, tau=(log.tau - constant) / factor)
+
+
+def blame_joint_1(errors: Sequence[CalibrationError]) -> tuple[CalibrationError, ...]:
+    """Attribute a scale to joint 1 instead of joint 2: its torque is as much too small as that of joint 2 too large."""
+    return tuple(
+        replace(e, name=OTHER_SCALE, value=1.0 / e.value, error=e.error / e.value**2) if e.name == SCALE else e
+        for e in errors
+    )
 
 
 def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
@@ -120,7 +131,7 @@ def find_calibration_errors(
     log: Log,
     settings: FilterSettings,
     others: Sequence[Regression] = (),
-    names: Sequence[str] = CALIBRATION_TERMS,
+    names: Sequence[str] = CANDIDATES,
 ) -> tuple[CalibrationError, ...]:
     """Find the calibration errors with these names in a log.
 
@@ -165,7 +176,7 @@ def _with_rivals(
 ) -> CalibrationError:
     """Add the calibration errors that explain the log nearly as well in place of this one."""
     instead = {}
-    for other in (name for name in CALIBRATION_TERMS if name not in names):
+    for other in (name for name in CANDIDATES if name not in names):
         exchanged = [other if name == error.name else name for name in names]
         rival = _evaluated(log, settings, _gauss_newton(log, settings, exchanged, others), other, others)
         if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and _is_credible(rival):
@@ -182,11 +193,13 @@ def calibration_limits(
     hidden.
     """
     r, columns = _calibration_problem(log, settings)
-    own = [CALIBRATION_TERMS.index(error.name) for error in corrected]
-    candidates = [k for k in _nonzero_columns(columns, r.mask) if k not in own]
+    names = [SCALE if error.name == OTHER_SCALE else error.name for error in corrected]
+    own = [CALIBRATION_TERMS.index(name) for name in names]
+    free = [name for name in CANDIDATES if name not in names]
+    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in free]
     a, b = weighted_rows(r, columns)
     first, second = np.abs(log.tau).max(axis=-1)
-    most = dict(zip(CALIBRATION_TERMS, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
+    most = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
     limits = detection_limits(a, b, own, candidates, r.h, other_rows(others))
     sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
     return {name: size if size < most[name] else None for name, size in sizes}

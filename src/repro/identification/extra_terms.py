@@ -105,8 +105,8 @@ def zero_position(log: SmoothLog) -> Array:
 
 
 def scale(log: SmoothLog) -> Array:
-    """Compute the change of the torque of joint 2 with its torque constant, shape (2, N, 1)."""
-    return one_joint(log.y @ log.beta)[..., 1:]
+    """Compute the change of the torque of each joint with its torque constant, shape (2, N, 2)."""
+    return one_joint(log.y @ log.beta)
 
 
 def rotor_inertia(log: SmoothLog) -> Array:

@@ -80,7 +80,7 @@ FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
 N_SIMEX_TERMS = 5
 #: Name of `simex` among the perturbations.
 SIMEX = "errors of the motion"
-#: Level of the F-test of further columns.
+#: Level of the F-tests of further columns, all effects together.
 F_TEST_LEVEL = 0.05
 
 
@@ -195,7 +195,7 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     if not 0.0 < after < before or freedom <= 0.0:
         return 0.0
     ratio = (before - after) / after * freedom / k
-    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
+    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL / len(UNMODELLED_EFFECTS), k, freedom)) / ratio)
 
 
 @dataclass(frozen=True)
@@ -240,8 +240,10 @@ def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[s
         if name in LARGEST_SHARE and weights[best] > 0.0:
             both = np.concatenate([own.y, columns[best]], axis=-1)
             torque = columns[best] @ solve(both, own.tau)[len(beta) :]
-            share = np.abs(torque).max(axis=-1) / np.abs(own.tau).max(axis=-1)
-            weights[best] *= min(1.0, LARGEST_SHARE[name] / float(np.nanmax(share))) ** 2
+            share, whole = np.abs(torque).max(axis=-1), np.abs(own.tau).max(axis=-1)
+            weights[best] *= (
+                float(np.min(np.minimum(1.0, LARGEST_SHARE[name] * whole / np.where(share, share, 1.0)))) ** 2
+            )
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
     return results
 

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
+from repro.identification.extra_terms import ROTOR
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
@@ -153,7 +154,7 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
     excited = torque_fraction(problem.moving, beta) > MIN_TORQUE_FRACTION
-    rough_joints = {term.name[-1] for log in problem.logs for term in log.terms if not term.taken}
+    rough_joints = {term.name[-1] for term in problem.first.terms if not (term.taken or term.name.startswith(ROTOR))}
     known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
     for k, name in enumerate(NAMES):

@@ -1,6 +1,6 @@
 """Prepare logs: options and filters chosen from the fitted log, calibration errors corrected, the problem to solve."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from repro.documents import read_json
 from repro.errors import InputError
 from repro.identification.calibration import (
     CALIBRATION,
-    CALIBRATION_TERMS,
+    CANDIDATES,
     SCALE,
     CalibrationError,
+    blame_joint_1,
     calibration_limits,
     correct_calibration,
     find_calibration_errors,
@@ -57,7 +57,8 @@ from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
 from repro.logs.torque_limits import unreliable_torque
-from repro.model.parameters import NAMES, UNITS, Array
+from repro.model.parameters import NAMES, Array
+from repro.ownarm.prior import with_plane
 
 
 @dataclass(frozen=True)
@@ -228,7 +229,7 @@ def _correct(
     options: Options,
     others: Sequence[Regression] = (),
     delay: Delay | None = None,
-    names: Sequence[str] = CALIBRATION_TERMS,
+    names: Sequence[str] = CANDIDATES,
 ) -> _Corrected:
     """Correct the calibration errors with these names in a log.
 
@@ -301,6 +302,31 @@ def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
     return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
 
 
+#: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
+COMPARED_ERROR, DECISIVE = 0.05, 4.0
+
+
+def _wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
+    """Decide by a prior which joint's torque constant is wrong; None if it cannot.
+
+    If it is that of joint 1 after all, all parameters are `factor` times those of the log with joint 2 corrected.
+    """
+    if prior is None:
+        return None
+    told = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
+    sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[told]
+    second, first = (float(np.sum(((size * beta - prior.mean)[told] / sd) ** 2)) for size in (1.0, factor))
+    return None if abs(second - first) < DECISIVE else 1 if first < second else 2
+
+
+def _blame_joint_1(log: _Corrected) -> _Corrected:
+    """Correct the torque of joint 1 instead of that of joint 2."""
+    faults = blame_joint_1(log.faults)
+    return replace(
+        log, faults=faults, loaded=replace(log.loaded, log=correct_calibration(log.recorded, values_of(faults)))
+    )
+
+
 def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
     """Prepare the logs of one arm, which has one delay and one set of terms beyond Eq. 1.
 
@@ -312,7 +338,7 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     corrected = [_correct(loaded, arm, options) for loaded in logs]
     several, delay = len(logs) > 1, _common_delay(corrected, arm)
     scaled = all(SCALE in values_of(log.faults) for log in corrected)
-    names = [name for name in CALIBRATION_TERMS if scaled or name != SCALE]
+    names = [name for name in CANDIDATES if scaled or name != SCALE]
     if several:
         corrected = [_correct(loaded, arm, options, (), delay, names) for loaded in logs]
     others: list[list[Regression]] = [[] for _ in logs]
@@ -332,6 +358,11 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         most = min(gains, key=gains.__getitem__)
         corrected[most] = found[most]
         remaining.remove(most)
+    if scaled and options.prior is not None:
+        moving = joined([log.moving for log in corrected])
+        factor = float(np.mean([values_of(log.faults)[SCALE] for log in corrected if SCALE in values_of(log.faults)]))
+        if _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
+            corrected = [_blame_joint_1(log) for log in corrected]
     terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
     moving = joined([log.moving for log in corrected])
     load = solve(moving.y, moving.tau)
@@ -377,8 +408,8 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
         instead = unmodelled_effects(recorded, join_filtered(weighted))
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
         factors = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
-        if factors:  # or the torque of joint 2 is right: then all parameters have its scale
-            scaled = replace(moving, y=moving.y / float(np.mean(factors)))
+        if factors and _wrong_torque(prior, beta, factor := float(np.mean(factors))) is None:
+            scaled = replace(moving, y=moving.y / factor)
             as_good["scale of joint 1"] = Perturbation((scaled,), rival=True)
     return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
@@ -426,79 +457,3 @@ def single_problem(problem: IdentificationProblem, log: PreparedLog) -> Identifi
 def at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
     return abs(delay) >= 0.99 * MAX_DELAY
-
-
-#: Largest parameter, and smallest standard deviation that is not zero.
-LARGEST, SMALLEST_SD = 1e9, 1e-6
-#: Parameters that no arm has below zero.
-NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
-#: Half of a 95 % interval over its standard deviation.
-HALF_95 = 1.96
-#: Names of the gravity loads.
-GRAVITY = ("g1", "g2")
-
-
-def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN401
-    """Give the nine parameters of the recommended method of a result."""
-    try:
-        index = [method["method"] for method in content["methods"]].index(content["recommended"])
-        parameters = list(content["methods"][index]["parameters"])
-    except (KeyError, ValueError, TypeError) as error:
-        raise InputError.at(place, "no recommended method", "parameters.json of repro identify") from error
-    place = f"{place}: methods[{index}].parameters"
-    if len(parameters) != len(NAMES):
-        raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
-    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
-        row = parameter if isinstance(parameter, dict) else {}
-        for key, wanted in (("name", name), ("unit", unit)):
-            if row.get(key) != wanted:
-                raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
-        _number(f"{place}[{k}].estimate", row.get("estimate"), -LARGEST)
-    return parameters
-
-
-def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
-    """Read a prior: a result, of which each 95 % interval counts, or ``{"g1": {"value": 1.0, "sd": 0.1}}``."""
-    place, content = ("prior", source) if isinstance(source, Mapping) else (str(source), read_json(Path(source)))
-    mean, sd = np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)
-    if isinstance(content, Mapping) and "methods" in content:
-        for k, parameter in enumerate(read_result(place, content)):
-            low, high = (parameter.get(end) for end in ("low", "high"))
-            if low is not None and high is not None:
-                ends = [_number(f"{place}: {NAMES[k]}.{end}", parameter[end], -LARGEST) for end in ("low", "high")]
-                mean[k], sd[k] = parameter["estimate"], max((ends[1] - ends[0]) / (2.0 * HALF_95), SMALLEST_SD)
-    elif isinstance(content, Mapping):
-        for name, entry in content.items():
-            if name not in NAMES:
-                raise InputError.at(f"{place}: {str(name)[:40]}", "no parameter", f"one of {', '.join(NAMES)}")
-            if not isinstance(entry, Mapping) or set(entry) != {"value", "sd"}:
-                expected = "value and sd, such as {'value': 1, 'sd': 0.1}"
-                raise InputError.at(f"{place}: {name}", ascii(entry)[:60], expected)
-            k, least = NAMES.index(name), 0.0 if name in NOT_NEGATIVE else -LARGEST
-            mean[k] = _number(f"{place}: {name}.value", entry["value"], least)
-            sd[k] = _number(f"{place}: {name}.sd", entry["sd"], 0.0)
-            if 0.0 < sd[k] < SMALLEST_SD:
-                expected = f"0 for a known value, or {SMALLEST_SD:g} and more"
-                raise InputError.at(f"{place}: {name}.sd", entry["sd"], expected)
-    if not np.isfinite(sd).any():
-        raise InputError.at(place, "no parameter with a standard deviation", "a result with intervals, or value and sd")
-    return Prior(mean, sd)
-
-
-def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
-    """Add that gravity turns no joint in a horizontal plane."""
-    if arm.plane != "horizontal":
-        return prior
-    gravity = np.isin(NAMES, GRAVITY)
-    mean, sd = (np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)) if prior is None else (prior.mean, prior.sd)
-    if prior is not None and np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
-        raise InputError.at("prior: g1, g2", mean[gravity].tolist(), "none, because the plane of the arm is horizontal")
-    return Prior(np.where(gravity, 0.0, mean), np.where(gravity, 0.0, sd))
-
-
-def _number(place: str, value: object, least: float) -> float:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and least <= value <= LARGEST):  # type: ignore[operator]
-        sizes = f"of at most {LARGEST:g}" if least < 0.0 else f"from 0 to {LARGEST:g}"
-        raise InputError.at(place, repr(value)[:60], f"a number {sizes}")
-    return float(value)  # type: ignore[arg-type]

@@ -55,9 +55,9 @@ def _measured(signal: Array, recorded: Array, noise: Array, rng: np.random.Gener
 
 def _inverse(errors: Mapping[str, float]) -> dict[str, float]:
     """Give the corrections that add estimated calibration errors again."""
-    scale = 1.0 / errors.get("scale2", 1.0)
-    inverse = {name: -(scale if name == "offset2" else 1.0) * value for name, value in errors.items()}
-    return inverse | ({"scale2": scale} if "scale2" in errors else {})
+    scales = {name: 1.0 / value for name, value in errors.items() if name.startswith("scale")}
+    inverse = {name: -value * scales.get(f"scale{name[-1]}", 1.0) for name, value in errors.items()}
+    return inverse | scales
 
 
 def _from_zero(log: Log) -> Log:

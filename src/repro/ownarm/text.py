@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.errors import option
-from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import MIN_Z_SCORE, ExtraTerm
+from repro.identification.calibration import OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
+from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm
 from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
@@ -89,14 +89,14 @@ def inconsistency(beta: Array) -> str:
 
 
 def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
-    """Report calibration errors and friction that was not subtracted, with the name of the log if there are several."""
+    """Report calibration errors, with the name of the log if there are several, and terms that were not subtracted."""
     lines = []
     for log in logs:
-        friction = (friction_line(term) for term in log.terms if not term.taken)
         where = f"in {log.loaded.name} " if len(logs) > 1 else ""
-        lines += [f"{where}{line}" for line in (*calibration_lines(log.faults, arm), *friction)]
-    same = all(_same_errors(log.faults, logs[0].faults) for log in logs)
-    return tuple(lines) if same else (*lines, DIFFERENT_ERRORS)
+        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm)]
+    if not all(_same_errors(log.faults, logs[0].faults) for log in logs):
+        lines.append(DIFFERENT_ERRORS)
+    return (*lines, *(term_line(term) for term in logs[0].terms if not term.taken))
 
 
 def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
@@ -114,7 +114,7 @@ def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str
         problem = {
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
-            "scale": f"the torque of joint {joint} is {size} what joint 1 implies: a torque constant is wrong",
+            "scale": f"the torque of joint {joint} is {size} what joint {3 - int(joint)} implies",
         }[fault.name[:-1]]
         if fault.instead:
             others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
@@ -123,6 +123,12 @@ def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines:
         lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
+    if any(fault.name == SCALE for fault in faults):
+        instead = arm_lines([fault for fault in blame_joint_1(faults) if fault.name == OTHER_SCALE], arm)
+        lines.append(
+            "the log does not tell which torque constant is wrong: inertia and gravity are right if it is that of "
+            f"joint 2; if it is that of joint 1, write {instead}; a known parameter decides ({option('prior', 'FILE')})"
+        )
     return tuple(lines)
 
 
@@ -137,7 +143,10 @@ def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
     pairs = {
         "zero": ("zero", np.array(arm.zero) - sign * turn),
         "offset": ("torque_offset", np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale)),
-        "scale": ("torque_scale", np.array(arm.torque_scale) * [1.0, values.get("scale2", 1.0)]),
+        "scale": (
+            "torque_scale",
+            np.array(arm.torque_scale) * [values.get(name, 1.0) for name in (OTHER_SCALE, SCALE)],
+        ),
     }
     kinds = [kind for kind in pairs if any(name.startswith(kind) for name in values)]
     return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for key, pair in (pairs[kind] for kind in kinds))
@@ -154,12 +163,15 @@ def _size(name: str, value: float, error: float | None = None) -> str:
     return f"{value * turn:.{digits}g}{interval} {unit}"
 
 
-def friction_line(term: ExtraTerm) -> str:
-    """Report a friction term that Eq. 1 does not contain."""
-    what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
-    size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
+def term_line(term: ExtraTerm) -> str:
+    """Report a term that Eq. 1 does not contain."""
+    kind, joint = term.name[:-1], term.name[-1]
+    what = {"load": "of its load", "stribeck": "N m more at rest", ROTOR: "kg m^2, next to I3"}[kind]
+    of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
+    size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
-    remedy = f": give {option('friction')}" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
+    asked = not term.taken and kind != ROTOR and term.gain >= MIN_ERROR_REDUCTION
+    remedy = f": give {option('friction')}" if asked else ""
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
@@ -223,7 +235,7 @@ def summary(result: Result) -> str:
     lines += [f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}" for p in best.parameters]
     if best.claims_intervals:
         lines.append(f"  {ALLOWED}")
-    lines += [f"  {friction_line(term)}" for terms in result.friction for term in terms if term.taken]
+    lines += [f"  {term_line(term)}" for term in result.terms if term.taken]
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:
