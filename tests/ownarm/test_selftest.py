@@ -10,8 +10,8 @@ from regression_example import broadband, log_from
 
 from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
+from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem

@@ -21,9 +21,10 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 from scipy.signal import butter, csd, savgol_filter, sosfiltfilt
 
-from repro.identification.regression import Regression, correlation_time, joined
+from repro.identification.regression import Regression, correlation_time, joined, masked
 from repro.identification.solve import solve
 from repro.logs.log import Log, period
+from repro.logs.torque_limits import MOST_CONTAMINATED
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
@@ -207,7 +208,13 @@ def _piece(log: Log, settings: FilterSettings) -> Regression:
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     mask = np.ones(q.shape, dtype=np.bool_)
-    return Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, np.stack(halves))
+    whole = Regression(
+        time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, np.stack(halves)
+    )
+    if log.left_out is None:
+        return whole
+    contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
+    return masked(whole, np.abs(contamination) <= MOST_CONTAMINATED)
 
 
 # Choice of the cut-off.
@@ -243,8 +250,11 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     first = prepare(log, replace(settings, cutoff=min(3.0, highest)))
     beta = solve(first.y, first.tau)
     every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
-    wide = [prepare(piece, every_sample) for piece in log.pieces]
+    wide = [prepare(replace(piece, left_out=None), every_sample) for piece in log.pieces]
     tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
+    if log.left_out is not None:  # a gap in the torque would have a spectrum of its own
+        counts = [prepare(piece, every_sample).mask for piece in log.pieces]
+        tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
     (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
@@ -327,6 +337,7 @@ def _delayed(log: Log, settings: FilterSettings, delays: Array) -> tuple[Array, 
     plain = prepare(log, replace(settings, delay=0.0))
     t = plain.t
     inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
-    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
+    fine = prepare(replace(log, left_out=None), replace(settings, delay=0.0, samples_per_cycle=np.inf))
     torque_at = CubicSpline(fine.t, fine.tau, axis=-1)
-    return plain.y[:, inside], np.stack([torque_at(t[inside] - delay) for delay in delays]), plain.h
+    torque = np.stack([torque_at(t[inside] - delay) for delay in delays])
+    return plain.y[:, inside], torque * plain.mask[:, inside], plain.h

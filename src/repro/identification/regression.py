@@ -116,8 +116,9 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
     )
 
 
-def _masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
-    """Set the rows outside of the mask to zero."""
+def masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
+    """Set further rows outside of the mask to zero."""
+    mask = mask & regression.mask
     return regression.change(lambda y: y * mask[..., np.newaxis], tau=regression.tau * mask, mask=mask)
 
 
@@ -132,14 +133,14 @@ def without_known(regression: Regression) -> Regression:
 def drop_idle_joints(regression: Regression) -> Regression:
     """Mask the rows of joints that never move: the torque that holds them is unknown in every sample."""
     moves = (np.abs(regression.dq) >= STANDSTILL_SPEED).mean(-1, keepdims=True) >= IDLE_FRACTION
-    return _masked(regression, np.broadcast_to(moves, regression.dq.shape))
+    return masked(regression, np.broadcast_to(moves, regression.dq.shape))
 
 
 def drop_standstill(regression: Regression) -> Regression:
     """Mask the rows of joints that stand still."""
     moving = np.abs(regression.dq) >= STANDSTILL_SPEED
     fraction = moving.mean(-1, keepdims=True)
-    return _masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
+    return masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
 
 
 def joint_variance(regression: Regression, beta: Array) -> Array:

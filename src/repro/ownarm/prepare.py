@@ -39,6 +39,7 @@ from repro.identification.filtering import (
     prepare,
 )
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.scores import unexplained
 from repro.identification.solve import solve
 from repro.identification.uncertainty import (
     Perturbation,
@@ -55,6 +56,7 @@ from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
+from repro.logs.torque_limits import unreliable_torque
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prior import with_plane
 
@@ -159,6 +161,8 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     raw = read_log(source, arm)
     description = describe(raw, arm)
     log = uniform(raw)
+    if (wrong := unreliable_torque(log)).any():
+        log = replace(log, left_out=wrong)
     fresh = tuple(note for note in log.notes if note not in description.notes)
     return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
 
@@ -252,7 +256,7 @@ def _finish(
     if taken:
         loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
     regression = drop_idle_joints(prepare(loaded.log, settings))
-    doubt = _interval_doubt(loaded.log, settings.delay, arm)
+    doubt = _interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm)
     chosen = settings, corrected.cutoff, corrected.delay_error
     return PreparedLog(loaded, recorded, regression, *chosen, faults, hidden, terms, load, doubt)
 
@@ -262,13 +266,28 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
     return _prepare_logs([loaded], arm, options)[0]
 
 
-def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
+#: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
+#: joints' squared errors over those with friction alone.
+MIN_EXPLAINED, MAX_OVER_FRICTION = 0.5, 0.5
+FRICTION = slice(NAMES.index("b1"), None)
+
+
+def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
     """Find a reason to claim no intervals.
 
-    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero.
+    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero. Where Eq. 1
+    predicts little of a torque, the motion is not the one that this torque caused, or unmodelled effects caused it. A
+    torque that only compensates friction is explained without inertia and gravity, whatever they are.
     """
-    if quiet := quiet_joints(log):
-        return f"the torque of joint {quiet[0]} is little more than noise"
+    left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
+    worst = int(np.argmax(left))
+    if left[worst] > 1.0 - MIN_EXPLAINED:
+        if quiet := quiet_joints(log):
+            return f"the torque of joint {quiet[0]} is little more than noise"
+        explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
+        return f"Eq. 1 predicts only {explained} from the rest of the log"
+    if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
+        return "friction alone explains the torque as well as Eq. 1"
     return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
 
 

@@ -21,8 +21,8 @@ from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period, segments, uniform
+from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, join_logs, prepare_log
