@@ -316,7 +316,7 @@ def identify(
     >>> import repro
     >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
     >>> result.parameters.loc["g1", "verdict"]
-    'known to 9 %'
+    'known to 18 %'
     >>> result.parameters["estimate"].round(2).to_dict()
     {'I1': 0.13, 'I2': 0.0, 'I3': 0.02, 'g1': 0.97, 'g2': 0.09, 'b1': 0.1, 'b2': 0.11, 'k1': 0.55, 'k2': 0.23}
     >>> unseen = result.errors[result.errors["part"] == "validation"]
