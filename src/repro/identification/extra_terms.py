@@ -363,8 +363,10 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
 
 def subtract_terms(log: Log, settings: FilterSettings, beta: Array, terms: Sequence[ExtraTerm]) -> Log:
     """Subtract these terms from the torque of a log; `beta` gives the load."""
-    smooth = SmoothLog.of(log, settings, beta)
-    subset = [TERM_NAMES.index(term.name) for term in terms]
-    torque = raw_columns(TERMS, smooth)[..., subset] @ np.array([term.value for term in terms])
-    acting = np.clip(log.t + settings.delay, log.t[0], log.t[-1])
-    return replace(log, tau=log.tau - CubicSpline(log.t, torque, axis=1)(acting))
+    subset, values = [TERM_NAMES.index(term.name) for term in terms], np.array([term.value for term in terms])
+    left = []
+    for piece in log.pieces:
+        torque = raw_columns(TERMS, SmoothLog.of(piece, settings, beta))[..., subset] @ values
+        acting = np.clip(piece.t + settings.delay, piece.t[0], piece.t[-1])
+        left.append(piece.tau - CubicSpline(piece.t, torque, axis=1)(acting))
+    return replace(log, tau=np.concatenate(left, axis=1))
