@@ -230,6 +230,10 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
     expected = {1: ("scale1", 1.0 / 1.4), 2: ("scale2", 1.4), None: ("scale2", 1.4)}[wrong]
     assert (fault.name, fault.value) == (expected[0], pytest.approx(expected[1], rel=0.02))
     assert ("scale of joint 1" in problem.as_good) is (wrong is None)
+    if wrong is None:
+        both = problem.moving, *problem.as_good["scale of joint 1"].regressions
+        second, first = (METHODS["instrumental"].estimate(replace(r, prior=None)).beta for r in both)
+        assert first == pytest.approx(1.4 * second, rel=0.01)
     assert any("torque_scale" in line for line in calibration_lines([fault], ARM))
 
 
@@ -246,6 +250,14 @@ def test_taken_out_is_what_was_put_in():
     put_in = 0.1 * load_friction(log_with().t)[0], 0.2 * stribeck(log_with().t)[1]
     for joint in (0, 1):
         assert np.std(left[joint, inside]) < 0.1 * np.std(put_in[joint][inside])
+
+
+def test_a_term_is_subtracted_from_each_piece_by_itself():
+    log, terms = log_with(), [ExtraTerm("rotor2", 0.01, 0.0, 0.0, True)]
+    n = log.t.size // 2
+    split = replace(log, t=log.t + 2.0 * (np.arange(log.t.size) >= n), breaks=(n,))
+    halves = [subtract_terms(piece, DELAYED, BETA, terms).tau for piece in split.pieces]
+    np.testing.assert_array_equal(subtract_terms(split, DELAYED, BETA, terms).tau, np.concatenate(halves, axis=1))
 
 
 def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_out_right():

@@ -7,13 +7,15 @@ import pandas as pd
 import pytest
 from log_example import BETA, motion
 from ownarm_problem import ARM, loaded, silent, solved
-from regression_example import log_from
+from regression_example import log_from, resting
 
+from repro.identification.extra_terms import ExtraTerm
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.ownarm.evaluate import add_runs
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.prepare import Options, join_logs, make_problem
+from repro.ownarm.prior import read_prior
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 
@@ -158,3 +160,27 @@ def test_a_noisy_log_counts_less():
     n = problem.logs[0].moving.t.size
     kept = [np.abs(problem.moving.tau[:, :n]).max() / sizes[0], np.abs(problem.moving.tau[:, n:]).max() / sizes[1]]
     assert kept[0] > 5 * kept[1]
+
+
+def test_a_log_with_an_idle_joint_counts_as_much_as_its_other_joint_is_good():
+    problem = make_problem((noisy_log("a.csv", 0), loaded(resting(1, 0.3))), (), ARM, OPTIONS)
+    n, idle = problem.logs[0].moving.t.size, problem.logs[1].moving
+    assert np.abs(problem.moving.tau[:, n:]).max() == pytest.approx(np.abs(idle.tau).max())
+
+
+def test_logs_with_different_terms_can_be_joined():
+    logs = make_problem((noisy_log("a.csv", 0), noisy_log("b.csv", 1)), (), ARM, OPTIONS).logs
+    ours = [replace(log, terms=(ExtraTerm("rotor2", 0.01, 1e-4, 0.5, True),)) for log in logs]
+    one, each = (join_logs(with_rotor)[0] for with_rotor in ((logs[0], ours[1]), ours))
+    np.testing.assert_array_equal(one.y, each.y)
+
+
+def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wrong():
+    logs = [noisy_log(name, seed) for seed, name in enumerate(("a.csv", "b.csv"))]
+    logs = [replace(one, log=replace(one.log, tau=one.log.tau * np.array([[1.3], [1.0]]))) for one in logs]
+    found = []
+    for g1 in (BETA[3], 1.3 * BETA[3]):
+        prior = read_prior({"g1": {"value": g1, "sd": 0.01}})
+        found.append(make_problem(logs, (), ARM, replace(OPTIONS, prior=prior)).first)
+    assert [log.faults[0].name for log in found] == ["scale1", "scale2"]
+    assert [log.hidden["zero2"] for log in found] == [pytest.approx(found[0].hidden["zero2"], rel=0.01)] * 2

@@ -152,6 +152,12 @@ def joint_variance(regression: Regression, beta: Array) -> Array:
     return np.asarray(np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor))
 
 
+def mean_variance(regression: Regression, beta: Array) -> float:
+    """Mean squared torque error of the joints that have rows, N^2 m^2; 1 if neither has."""
+    present = regression.mask.any(-1, keepdims=True)
+    return float(np.mean(joint_variance(regression, beta), where=present)) if present.any() else 1.0
+
+
 def correlation_time(error: Array, h: float) -> float:
     """Sum the autocorrelation of residuals (2, n), `h` apart, up to its first zero, s; the longer of both joints."""
     n = error.shape[-1]

@@ -63,7 +63,7 @@ from repro.identification.regression import (
     correlation_time,
     drop_standstill,
     joined,
-    joint_variance,
+    mean_variance,
 )
 from repro.identification.solve import solve
 from repro.logs.log import Log
@@ -181,6 +181,8 @@ def simex(regression: Regression) -> Regression:
 
 def project_out(regression: Regression, columns: Array) -> Regression:
     """Project columns (2, n, k) out of torque and regressor, as if they were in the model of least squares."""
+    if not columns.shape[-1]:
+        return regression
     x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
     basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
@@ -246,10 +248,8 @@ def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[s
         if name in LARGEST_SHARE and weights[best] > 0.0:
             both = np.concatenate([own.y, columns[best]], axis=-1)
             torque = columns[best] @ solve(both, own.tau)[len(beta) :]
-            share, whole = np.abs(torque).max(axis=-1), np.abs(own.tau).max(axis=-1)
-            weights[best] *= (
-                float(np.min(np.minimum(1.0, LARGEST_SHARE[name] * whole / np.where(share, share, 1.0)))) ** 2
-            )
+            share, most = np.abs(torque).max(axis=-1), LARGEST_SHARE[name] * np.abs(own.tau).max(axis=-1)
+            weights[best] *= float(np.min(np.divide(most, share, out=np.ones(2), where=share > most))) ** 2
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
     return results
 
@@ -298,7 +298,7 @@ def attach_prior(
     """
     beta = solve(regression.y, regression.tau)
     rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
-    variance, y = float(np.mean(joint_variance(regression, beta))), regression.y.reshape(-1, len(beta))
+    variance, y = mean_variance(regression, beta), regression.y.reshape(-1, len(beta))
     sampling = variance * rows * np.diag(np.linalg.pinv(y.T @ y))
     shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, others))
     inflation = 1.0 + np.where(sampling > 0.0, shifted / np.where(sampling > 0.0, sampling, 1.0), 0.0)

@@ -38,7 +38,7 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, mean_variance
 from repro.identification.scores import unexplained
 from repro.identification.solve import solve
 from repro.identification.uncertainty import (
@@ -217,7 +217,7 @@ class _Corrected:
     delay_error: float
     faults: tuple[CalibrationError, ...]
 
-    @property
+    @cached_property
     def moving(self) -> Regression:
         """The regression without standstill."""
         return drop_standstill(prepare(self.loaded.log, self.settings))
@@ -306,6 +306,12 @@ def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
 COMPARED_ERROR, DECISIVE = 0.05, 4.0
 
 
+def _scale(logs: Sequence[_Corrected] | Sequence[PreparedLog]) -> float | None:
+    """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
+    values = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+    return float(np.mean(values)) if values else None
+
+
 def _wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
     """Decide by a prior which joint's torque constant is wrong; None if it cannot.
 
@@ -341,11 +347,12 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     names = [name for name in CANDIDATES if scaled or name != SCALE]
     if several:
         corrected = [_correct(loaded, arm, options, (), delay, names) for loaded in logs]
-    others: list[list[Regression]] = [[] for _ in logs]
+
+    def others(one: _Corrected) -> list[Regression]:
+        return [log.moving for log in corrected if log is not one]
 
     def compare(k: int) -> _Corrected:
-        others[k] = [log.moving for log in corrected if log is not corrected[k]]
-        return _correct(logs[k], arm, options, others[k], delay, names)
+        return _correct(logs[k], arm, options, others(corrected[k]), delay, names)
 
     for k in [k for k, log in enumerate(corrected) if several and log.faults]:
         corrected[k] = compare(k)
@@ -358,15 +365,13 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         most = min(gains, key=gains.__getitem__)
         corrected[most] = found[most]
         remaining.remove(most)
-    if scaled and options.prior is not None:
-        moving = joined([log.moving for log in corrected])
-        factor = float(np.mean([values_of(log.faults)[SCALE] for log in corrected if SCALE in values_of(log.faults)]))
-        if _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
-            corrected = [_blame_joint_1(log) for log in corrected]
+    moving, factor = joined([log.moving for log in corrected]), _scale(corrected)
+    if factor is not None and _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
+        corrected = [_blame_joint_1(log) for log in corrected]
     terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
     moving = joined([log.moving for log in corrected])
     load = solve(moving.y, moving.tau)
-    return tuple(_finish(log, arm, terms, load, rest) for log, rest in zip(corrected, others, strict=True))
+    return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
 
 
 #: Errors of a log over those of the best one from which on it counts less: smaller ones are the model's, not the log's.
@@ -376,26 +381,31 @@ MAX_ERROR_RATIO = 3.0
 def _weights(logs: Sequence[PreparedLog]) -> list[float]:
     """Weigh the rows of each of several logs by the time between them, and less if the log has large errors."""
     h = np.array([log.moving.h for log in logs])
-    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
+    size = [float(np.sqrt(mean_variance(log.moving, solve(log.moving.y, log.moving.tau)))) for log in logs]
     ratio = np.divide(MAX_ERROR_RATIO * min(size), size, out=np.ones_like(h), where=np.array(size) > 0.0)
     return list(np.sqrt(h / h.max()) * np.minimum(ratio, 1.0))
 
 
-def _without_columns(moving: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Regression:
-    """Project the terms that were subtracted out of a regression: their values have errors."""
-    if not prepared[0].taken:
-        return moving
+def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Array:
+    """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
+    taken = list({term.name: term for one in prepared for term in one.taken}.values())
+    if not taken:
+        return np.empty((*whole.tau.shape, 0))
     each = [
-        term_columns(TERMS, log.log, log.settings, one.load, one.taken) for log, one in zip(logs, prepared, strict=True)
+        log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken)
+        for log, one in zip(logs, prepared, strict=True)
     ]
-    return project_out(moving, np.concatenate([log.weight * one for log, one in zip(logs, each, strict=True)], axis=1))
+    return np.concatenate(each, axis=1)
 
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
     """Join several logs and a prior to one regression without standstill, and its perturbations."""
     weights = _weights(logs)
     weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
-    moving = _without_columns(joined([log.moving for log in logs], weights), weighted, logs)
+    # The values of what was subtracted have errors, so that its columns are projected out.
+    whole = joined([log.moving for log in logs], weights)
+    subtracted = _subtracted_columns(whole, weighted, logs)
+    moving = project_out(whole, subtracted)
     as_good = perturbations(weighted, max(log.delay_error for log in logs))
     if any(log.faults for log in logs):
         beta = solve(moving.y, moving.tau)
@@ -403,13 +413,14 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
             log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults)
             for log, one in zip(weighted, logs, strict=True)
         ]
-        as_good["set-up"] = Perturbation((project_out(moving, of_each_log(columns)),))
+        both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
+        as_good["set-up"] = Perturbation((project_out(whole, both),))
         recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
         instead = unmodelled_effects(recorded, join_filtered(weighted))
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
-        factors = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
-        if factors and _wrong_torque(prior, beta, factor := float(np.mean(factors))) is None:
-            scaled = replace(moving, y=moving.y / factor)
+        factor = _scale(logs)
+        if factor is not None and _wrong_torque(prior, beta, factor) is None:
+            scaled = moving.change(lambda y: y / factor)
             as_good["scale of joint 1"] = Perturbation((scaled,), rival=True)
     return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
