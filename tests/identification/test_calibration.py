@@ -211,6 +211,13 @@ def test_the_rotor_of_joint_2_is_subtracted_unasked_and_i3_comes_out_right():
     assert METHODS["ordinary"].estimate(problem.moving).beta[:5] == pytest.approx(BETA[:5], rel=0.01)
 
 
+def test_the_delay_does_not_absorb_the_rotor():
+    for rotor in (0.1, 0.4):
+        first = ready_of(log_with(rotor=rotor * BETA[2]), friction=False).first
+        assert first.settings.delay == pytest.approx(DELAYED.delay, abs=3e-4)
+        assert first.taken[0].value == pytest.approx(rotor * BETA[2], rel=0.05)
+
+
 def test_logs_of_one_arm_have_one_rotor():
     logs = [log_with(rotor=0.1 * BETA[2], seed=seed, noise=0.1, seconds=15.0 + seed) for seed in (1, 2, 3)]
     (term,) = (term for term in find_terms([(log, DELAYED) for log in logs], False) if term.taken)

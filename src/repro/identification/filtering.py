@@ -302,8 +302,10 @@ def choose_steepness(log: Log, settings: FilterSettings) -> float:
     return STEEPNESS_GRID[int(np.argmin(errors))]
 
 
-def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
+def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = None) -> tuple[float, float]:
     """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
+
+    Columns (2, n, k) at the retained samples join the regressor: of effects that the delay would otherwise absorb.
 
     A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
     squared errors of ordinary least squares is close to a parabola about the true delay. Unmodelled effects move it by
@@ -311,7 +313,10 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     delay of at most `EXPECTED_DELAY`, and its standard error includes the distance.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
-    pieces = [_delayed(piece, settings, delays) for piece in log.pieces]
+    ends = np.cumsum([retained_samples(piece, settings)[1].size for piece in log.pieces])
+    more = np.empty((2, ends[-1], 0)) if columns is None else columns
+    parts = zip(log.pieces, np.split(more, ends[:-1], axis=1), strict=True)
+    pieces = [_delayed(piece, settings, delays, part) for piece, part in parts]
     y, tau, h = np.concatenate([y for y, _, _ in pieces], 1), np.concatenate([x for _, x, _ in pieces], 2), pieces[0][2]
     residual = np.stack([x - y @ solve(y, x) for x in tau])
     error = np.sum(residual**2, axis=(1, 2))
@@ -332,12 +337,13 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)
 
 
-def _delayed(log: Log, settings: FilterSettings, delays: Array) -> tuple[Array, Array, float]:
-    """Regressor of a piece of a log, its torque with each delay (len(delays), 2, n), and time between samples."""
+def _delayed(log: Log, settings: FilterSettings, delays: Array, columns: Array) -> tuple[Array, Array, float]:
+    """Give regressor and columns of a piece of a log, its torque by delay (len(delays), 2, n), and the period."""
     plain = prepare(log, replace(settings, delay=0.0))
     t = plain.t
     inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
     fine = prepare(replace(log, left_out=None), replace(settings, delay=0.0, samples_per_cycle=np.inf))
     torque_at = CubicSpline(fine.t, fine.tau, axis=-1)
     torque = np.stack([torque_at(t[inside] - delay) for delay in delays])
-    return plain.y[:, inside], torque * plain.mask[:, inside], plain.h
+    y = np.concatenate([plain.y, columns * plain.mask[..., np.newaxis]], axis=-1)
+    return y[:, inside], torque * plain.mask[:, inside], plain.h

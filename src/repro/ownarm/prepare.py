@@ -217,6 +217,10 @@ class _Corrected:
     delay_error: float
     faults: tuple[CalibrationError, ...]
 
+    def delayed(self, delay: Delay) -> "_Corrected":
+        """Replace the delay and its standard error."""
+        return replace(self, settings=replace(self.settings, delay=delay[0]), delay_error=delay[1])
+
     @cached_property
     def moving(self) -> Regression:
         """The regression without standstill."""
@@ -302,6 +306,18 @@ def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
     return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
 
 
+def _estimate_delay_again(
+    logs: Sequence[_Corrected], arm: Arm, terms: Sequence[ExtraTerm], load: Array
+) -> list[_Corrected]:
+    """Estimate the delay next to terms beyond Eq. 1: without them it compensates for a part of them."""
+    again = []
+    for log in logs:
+        columns = term_columns(TERMS, log.loaded.log, log.settings, load, terms)
+        again.append(log.delayed(estimate_delay(log.loaded.log, log.settings, columns)))
+    common = _common_delay(again, arm)
+    return again if common is None else [log.delayed(common) for log in again]
+
+
 #: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
 COMPARED_ERROR, DECISIVE = 0.05, 4.0
 
@@ -331,6 +347,13 @@ def _blame_joint_1(log: _Corrected) -> _Corrected:
     return replace(
         log, faults=faults, loaded=replace(log.loaded, log=correct_calibration(log.recorded, values_of(faults)))
     )
+
+
+def _find_terms(logs: Sequence[_Corrected], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
+    """Find the terms beyond Eq. 1 of all logs; also the parameters that give the load of friction."""
+    moving = joined([log.moving for log in logs])
+    terms = find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
+    return terms, solve(moving.y, moving.tau)
 
 
 def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
@@ -368,9 +391,10 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     moving, factor = joined([log.moving for log in corrected]), _scale(corrected)
     if factor is not None and _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
         corrected = [_blame_joint_1(log) for log in corrected]
-    terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
-    moving = joined([log.moving for log in corrected])
-    load = solve(moving.y, moving.tau)
+    terms, load = _find_terms(corrected, options)
+    if arm.delay is None and (taken := [term for term in terms if term.taken]):
+        corrected = _estimate_delay_again(corrected, arm, taken, load)
+        terms, load = _find_terms(corrected, options)
     return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
 
 
