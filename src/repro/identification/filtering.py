@@ -339,11 +339,12 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
 
 def _delayed(log: Log, settings: FilterSettings, delays: Array, columns: Array) -> tuple[Array, Array, float]:
     """Give regressor and columns of a piece of a log, its torque by delay (len(delays), 2, n), and the period."""
-    plain = prepare(log, replace(settings, delay=0.0))
+    settings = replace(settings, delay=0.0)
+    plain = prepare(log, settings)
     t = plain.t
     inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
-    fine = prepare(replace(log, left_out=None), replace(settings, delay=0.0, samples_per_cycle=np.inf))
-    torque_at = CubicSpline(fine.t, fine.tau, axis=-1)
+    n, every = retained_samples(log, replace(settings, samples_per_cycle=np.inf))
+    torque_at = CubicSpline(log.t[every], filtered_torque(log.tau[:, :n], period(log), settings)[:, every], axis=-1)
     torque = np.stack([torque_at(t[inside] - delay) for delay in delays])
     y = np.concatenate([plain.y, columns * plain.mask[..., np.newaxis]], axis=-1)
     return y[:, inside], torque * plain.mask[:, inside], plain.h
