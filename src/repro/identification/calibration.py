@@ -88,13 +88,13 @@ def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
 
 def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     """Regression of a log without standstill, and the columns of all calibration errors."""
-    r = drop_standstill(prepare(log, settings))
+    r = drop_standstill(prepare(log, settings, even_odd=False))
     return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
 
 
 def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, float], others: Array) -> float:
     """Relative RMS error of least squares of a corrected log and others, mean of its joints that have torque."""
-    regression = drop_standstill(prepare(correct_calibration(log, values), settings))
+    regression = drop_standstill(prepare(correct_calibration(log, values), settings, even_odd=False))
     beta = solve(regression.y, regression.tau)
     if len(others):
         own = reduced_rows(*weighted_rows(regression, np.empty((*regression.tau.shape, 0))))

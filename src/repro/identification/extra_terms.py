@@ -337,7 +337,7 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     Friction is subtracted if it may be, the rotor always. The logs are uniformly sampled and have correct calibration;
     the load is that of least squares.
     """
-    r = joined([drop_standstill(prepare(log, settings)) for log, settings in logs])
+    r = joined([drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs])
     load = solve(r.y, r.tau)
     columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
     a, b = weighted_rows(r, np.concatenate(columns, axis=1))

@@ -187,13 +187,13 @@ def _interpolated(x: Array, at: Array) -> Array:
     return sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
 
 
-def prepare(log: Log, settings: FilterSettings) -> Regression:
+def prepare(log: Log, settings: FilterSettings, even_odd: bool = True) -> Regression:
     """Filter, cut and decimate each piece of a uniformly sampled log; ValueError if nothing remains."""
-    parts = [_piece(piece, settings) for piece in log.pieces]
+    parts = [_piece(piece, settings, even_odd) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 
 
-def _piece(log: Log, settings: FilterSettings) -> Regression:
+def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     """Prepare a log in one piece."""
     h = period(log)
     n, keep = retained_samples(log, settings)
@@ -201,16 +201,15 @@ def _piece(log: Log, settings: FilterSettings) -> Regression:
     moved = smooth_motion(recorded, h, settings)
     y = filtered_regressor(moved, h, settings)
     halves = []
-    for first in (0, 1):
+    for first in (0, 1) if even_odd else ():
         every_other = slice(first, None, 2)
         half = filtered_regressor(smooth_motion(recorded[:, every_other], 2 * h, settings), 2 * h, settings)
         halves.append(_interpolated(half, (keep - first) / 2))
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     mask = np.ones(q.shape, dtype=np.bool_)
-    whole = Regression(
-        time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, np.stack(halves)
-    )
+    both = np.stack(halves) if even_odd else None
+    whole = Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, both)
     if log.left_out is None:
         return whole
     contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
@@ -247,13 +246,13 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     band = (frequency >= LOWEST_CUTOFF) & (frequency <= highest)
     by_noise = _first_below(frequency[band], position.max(0)[band], MIN_SIGNAL_TO_NOISE)
 
-    first = prepare(log, replace(settings, cutoff=min(3.0, highest)))
+    first = prepare(log, replace(settings, cutoff=min(3.0, highest)), even_odd=False)
     beta = solve(first.y, first.tau)
     every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
-    wide = [prepare(replace(piece, left_out=None), every_sample) for piece in log.pieces]
+    wide = [prepare(replace(piece, left_out=None), every_sample, even_odd=False) for piece in log.pieces]
     tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
     if log.left_out is not None:  # a gap in the torque would have a spectrum of its own
-        counts = [prepare(piece, every_sample).mask for piece in log.pieces]
+        counts = [prepare(piece, every_sample, even_odd=False).mask for piece in log.pieces]
         tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
@@ -296,7 +295,7 @@ def choose_steepness(log: Log, settings: FilterSettings) -> float:
     """Choose lambda of Eq. 1 with the smallest sum of squared errors, each joint over its torque's energy."""
     errors = []
     for steepness in STEEPNESS_GRID:
-        r = prepare(log, replace(settings, friction_steepness=steepness))
+        r = prepare(log, replace(settings, friction_steepness=steepness), even_odd=False)
         weight = 1.0 / np.mean(r.tau**2, axis=-1, keepdims=True)
         errors.append(float(np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)))
     return STEEPNESS_GRID[int(np.argmin(errors))]
@@ -340,7 +339,7 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
 def _delayed(log: Log, settings: FilterSettings, delays: Array, columns: Array) -> tuple[Array, Array, float]:
     """Give regressor and columns of a piece of a log, its torque by delay (len(delays), 2, n), and the period."""
     settings = replace(settings, delay=0.0)
-    plain = prepare(log, settings)
+    plain = prepare(log, settings, even_odd=False)
     t = plain.t
     inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
     n, every = retained_samples(log, replace(settings, samples_per_cycle=np.inf))
