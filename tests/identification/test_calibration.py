@@ -21,7 +21,7 @@ from repro.identification.regression import drop_standstill
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.prepare import SCALE_OF_JOINT_1, Options, make_problem
 from repro.ownarm.prior import read_prior
 from repro.ownarm.text import calibration_lines
 
@@ -236,12 +236,14 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
     (fault,) = problem.first.faults
     expected = {1: ("scale1", 1.0 / 1.4), 2: ("scale2", 1.4), None: ("scale2", 1.4)}[wrong]
     assert (fault.name, fault.value) == (expected[0], pytest.approx(expected[1], rel=0.02))
-    assert ("scale of joint 1" in problem.as_good) is (wrong is None)
     if wrong is None:
-        both = problem.moving, *problem.as_good["scale of joint 1"].regressions
+        both = problem.moving, *problem.as_good[SCALE_OF_JOINT_1].regressions
         second, first = (METHODS["instrumental"].estimate(replace(r, prior=None)).beta for r in both)
         assert first == pytest.approx(1.4 * second, rel=0.01)
-    assert any("torque_scale" in line for line in calibration_lines([fault], ARM))
+    assert problem.scale_open is (wrong is None)
+    lines = calibration_lines([fault], ARM, problem.scale_open)
+    assert any("torque_scale" in line for line in lines)
+    assert any("--prior" in line for line in lines) is (wrong is None)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -41,7 +41,7 @@ MAX_ZERO = 0.25
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
 MAX_SCALE = 3.0
 #: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
-#: that Eq. 1 shares with the other. The log does not tell which of both is wrong: joint 2, unless a prior tells.
+#: that Eq. 1 shares with the other. A log cannot determine which of the two is wrong: joint 2, unless a prior decides.
 CALIBRATION: dict[str, Kind] = {
     "zero": Kind(zero_position, "rad", max_step=0.1),
     "offset": Kind(offset, "N m"),

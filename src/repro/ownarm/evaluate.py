@@ -200,7 +200,10 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         methods=methods,
         recommended=recommended,
         reason=reason,
-        warnings=(*calibration_warnings(problem.logs, arm), *warnings(problem, methods, recommended, excitation)),
+        warnings=(
+            *calibration_warnings(problem.logs, arm, problem.scale_open),
+            *warnings(problem, methods, recommended, excitation),
+        ),
         setup=tuple(log.faults for log in problem.logs),
         hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),

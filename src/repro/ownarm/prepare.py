@@ -132,6 +132,10 @@ class PreparedLog:
         return [term for term in self.terms if term.taken]
 
 
+#: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2.
+SCALE_OF_JOINT_1 = "scale of joint 1"
+
+
 @dataclass(frozen=True)
 class IdentificationProblem:
     """The regressions that the methods solve and are evaluated on."""
@@ -144,6 +148,11 @@ class IdentificationProblem:
     excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
     prior: Prior | None = None  # of the parameters
+
+    @property
+    def scale_open(self) -> bool:
+        """Whether the torque constant of either joint may be the wrong one."""
+        return SCALE_OF_JOINT_1 in self.as_good
 
     @property
     def doubt(self) -> str:
@@ -335,9 +344,9 @@ def _wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None
     """
     if prior is None:
         return None
-    told = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
-    sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[told]
-    second, first = (float(np.sum(((size * beta - prior.mean)[told] / sd) ** 2)) for size in (1.0, factor))
+    compared = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
+    sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[compared]
+    second, first = (float(np.sum(((size * beta - prior.mean)[compared] / sd) ** 2)) for size in (1.0, factor))
     return None if abs(second - first) < DECISIVE else 1 if first < second else 2
 
 
@@ -398,7 +407,7 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
 
 
-#: Errors of a log over those of the best one from which on it counts less: smaller ones are the model's, not the log's.
+#: RMS error of a log over that of the best one above which its rows count less: the model causes smaller differences.
 MAX_ERROR_RATIO = 3.0
 
 
@@ -445,7 +454,7 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
         factor = _scale(logs)
         if factor is not None and _wrong_torque(prior, beta, factor) is None:
             scaled = moving.change(lambda y: y / factor)
-            as_good["scale of joint 1"] = Perturbation((scaled,), rival=True)
+            as_good[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
     return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
 

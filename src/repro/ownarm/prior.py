@@ -1,4 +1,4 @@
-"""The prior of the parameters: read from a file or a mapping, and joined with what the plane of the arm says."""
+"""The prior of the parameters: read from a file or a mapping, and completed by the plane of the arm."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -88,12 +88,12 @@ def inconsistency(beta: Array) -> str:
     return "; ".join(failing)
 
 
-def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
+def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm, scale_open: bool) -> tuple[str, ...]:
     """Report calibration errors, with the name of the log if there are several, and terms that were not subtracted."""
     lines = []
     for log in logs:
         where = f"in {log.loaded.name} " if len(logs) > 1 else ""
-        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm)]
+        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm, scale_open)]
     if not all(_same_errors(log.faults, logs[0].faults) for log in logs):
         lines.append(DIFFERENT_ERRORS)
     return (*lines, *(term_line(term) for term in logs[0].terms if not term.taken))
@@ -106,8 +106,11 @@ def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationE
     return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
-def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str, ...]:
-    """Report each calibration error of a log, then the lines to write into the arm file."""
+def calibration_lines(faults: Sequence[CalibrationError], arm: Arm, scale_open: bool) -> tuple[str, ...]:
+    """Report each calibration error of a log, then the lines to write into the arm file.
+
+    If the scale is open, the torque constant of joint 1 may be wrong instead of that of joint 2.
+    """
     lines = []
     for fault in faults:
         joint, size = fault.name[-1], _size(fault.name, fault.value, fault.error)
@@ -123,11 +126,11 @@ def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines:
         lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
-    if any(fault.name == SCALE for fault in faults):
+    if scale_open and any(fault.name == SCALE for fault in faults):
         instead = arm_lines([fault for fault in blame_joint_1(faults) if fault.name == OTHER_SCALE], arm)
         lines.append(
-            "the log does not tell which torque constant is wrong: inertia and gravity are right if it is that of "
-            f"joint 2; if it is that of joint 1, write {instead}; a known parameter decides ({option('prior', 'FILE')})"
+            "a log cannot determine which torque constant is wrong: the estimates are right if it is that of joint 2; "
+            f"if it is that of joint 1, write {instead} instead; a known parameter decides ({option('prior', 'FILE')})"
         )
     return tuple(lines)
 
@@ -189,7 +192,7 @@ def detection_limits(result: Result) -> tuple[str, ...]:
 def _limit(kind: str, size: float | None) -> str:
     if size is None:
         return "of any size"
-    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.0f} %"}
+    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.2g} %"}
     return f"up to {units[kind]}"
 
 
