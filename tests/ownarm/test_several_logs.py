@@ -162,6 +162,18 @@ def test_a_noisy_log_counts_less():
     assert kept[0] > 5 * kept[1]
 
 
+def test_a_noisy_log_does_not_hide_the_rotor():
+    def with_rotor(name, seed, noise):
+        log = noisy_log(name, seed, noise=noise)
+        _, _, (_, ddq) = motion(log.log.t + 3.0 * seed)
+        return replace(log, log=replace(log.log, tau=log.log.tau + np.stack([0.0 * ddq, 0.1 * BETA[2] * ddq])))
+
+    alone = make_problem((with_rotor("a.csv", 0, 0.02),), (), ARM, OPTIONS).first
+    beside = make_problem((with_rotor("a.csv", 0, 0.02), with_rotor("n.csv", 1, 1.0)), (), ARM, OPTIONS).first
+    assert [term.name for term in alone.taken] == [term.name for term in beside.taken] == ["rotor2"]
+    assert beside.taken[0].value == pytest.approx(0.1 * BETA[2], rel=0.1)
+
+
 def test_a_log_with_an_idle_joint_counts_as_much_as_its_other_joint_is_good():
     problem = make_problem((noisy_log("a.csv", 0), loaded(resting(1, 0.3))), (), ARM, OPTIONS)
     n, idle = problem.logs[0].moving.t.size, problem.logs[1].moving

@@ -331,16 +331,27 @@ def detection_limits(
     return limits
 
 
+def _residual(regression: Regression, columns: Array) -> float:
+    """RMS error of least squares with further columns, N m, never zero."""
+    a = np.concatenate([regression.y, columns * regression.mask[..., np.newaxis]], axis=-1)
+    error = regression.tau - a @ _fit(a, regression.tau)
+    return float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0
+
+
 def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[ExtraTerm, ...]:
     """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`.
 
     Friction is subtracted if it may be, the rotor always. The logs are uniformly sampled and have correct calibration;
-    the load is that of least squares.
+    the load is that of least squares. Each of several logs is weighted by its errors with all terms in the model: a
+    noisy log must not hide what a good one shows.
     """
-    r = joined([drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs])
-    load = solve(r.y, r.tau)
+    each = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
+    whole = joined(each)
+    load = solve(whole.y, whole.tau)
     columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
-    a, b = weighted_rows(r, np.concatenate(columns, axis=1))
+    weights = [1.0 / _residual(r, c) for r, c in zip(each, columns, strict=True)] if len(logs) > 1 else [1.0]
+    r = joined(each, weights)
+    a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
     candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]
 
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
