@@ -182,12 +182,18 @@ def _check_rate(log: Log, cutoff: Cutoff) -> None:
         raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
 
 
-#: Delay of the torque and its standard error, s.
-Delay = tuple[float, float]
+@dataclass(frozen=True)
+class _Common:
+    """What logs of one arm have in common."""
+
+    hertz: float  # cut-off: the lowest of the logs, as a row must mean the same in each
+    delay: float  # of the torque, s
+    delay_error: float
+    names: tuple[str, ...]  # of the calibration errors that a log is searched for
 
 
 def _choose_settings(
-    log: Log, arm: Arm, options: Options, delay: Delay | None = None
+    log: Log, arm: Arm, options: Options, common: _Common | None = None
 ) -> tuple[FilterSettings, Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
@@ -196,14 +202,16 @@ def _choose_settings(
     chosen = choose_cutoff(log, settings)
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
+    elif common is not None and common.hertz < chosen.hertz:
+        chosen = replace(chosen, hertz=common.hertz, reason="the lowest cut-off of the logs")
     settings = replace(settings, cutoff=chosen.hertz)
     _check_rate(log, chosen)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
         return settings, chosen, 0.0
-    value, error = delay or estimate_delay(log, settings)
-    return replace(settings, delay=value), chosen, error
+    delay, error = (common.delay, common.delay_error) if common else estimate_delay(log, settings)
+    return replace(settings, delay=delay), chosen, error
 
 
 @dataclass(frozen=True)
@@ -228,21 +236,21 @@ def _correct(
     arm: Arm,
     options: Options,
     others: Sequence[Regression] = (),
-    delay: Delay | None = None,
-    names: Sequence[str] = CANDIDATES,
+    common: _Common | None = None,
 ) -> _Corrected:
-    """Correct the calibration errors with these names in a log.
+    """Correct the calibration errors of a log.
 
     Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
     """
     recorded = loaded.log
-    settings, chosen, delay_error = _choose_settings(recorded, arm, options, delay)
+    settings, chosen, delay_error = _choose_settings(recorded, arm, options, common)
+    names = common.names if common else CANDIDATES
     faults = find_calibration_errors(recorded, settings, others, names)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, delay)
+        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, common)
         faults = find_calibration_errors(recorded, settings, others, names)
         loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
-        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, delay)
+        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
     return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
 
 
@@ -291,15 +299,20 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
     return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
 
 
-def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
-    """Weigh the delays of several logs of an arm by their precision; their scatter widens the error (Birge)."""
-    if len(logs) == 1 or arm.delay is not None:
-        return None
+def _common(logs: Sequence[_Corrected]) -> _Common:
+    """Find what several logs of an arm have in common.
+
+    Their delays are weighted by their precision, and their scatter widens the error (Birge). A torque constant is the
+    arm's: its error counts if each log shows it by itself.
+    """
+    scaled = all(SCALE in values_of(log.faults) for log in logs)
+    names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
     delay = np.array([log.settings.delay for log in logs])
     weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
     mean = float(np.average(delay, weights=weight))
     birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
-    return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
+    error = float(np.sqrt(max(birge, 1.0) / weight.sum()))
+    return _Common(min(log.settings.cutoff for log in logs), mean, error, names)
 
 
 #: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
@@ -328,28 +341,26 @@ def _blame_joint_1(log: _Corrected) -> _Corrected:
 
 
 def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
-    """Prepare the logs of one arm, which has one delay and one set of terms beyond Eq. 1.
+    """Prepare the logs of one arm, which has one delay, one set of terms beyond Eq. 1, and here one cut-off.
 
     Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
     others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
-    uncorrected log can make a good one look faulty. A torque constant is the arm's: its error counts if each log shows
-    it by itself.
+    uncorrected log can make a good one look faulty.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    several, delay = len(logs) > 1, _common_delay(corrected, arm)
-    scaled = all(SCALE in values_of(log.faults) for log in corrected)
-    names = [name for name in CANDIDATES if scaled or name != SCALE]
-    if several:
-        corrected = [_correct(loaded, arm, options, (), delay, names) for loaded in logs]
     others: list[list[Regression]] = [[] for _ in logs]
+    common = _common(corrected) if len(logs) > 1 else None
 
     def compare(k: int) -> _Corrected:
         others[k] = [log.moving for log in corrected if log is not corrected[k]]
-        return _correct(logs[k], arm, options, others[k], delay, names)
+        return _correct(logs[k], arm, options, others[k], common)
 
-    for k in [k for k, log in enumerate(corrected) if several and log.faults]:
-        corrected[k] = compare(k)
-    remaining = [k for k, log in enumerate(corrected) if several and not log.faults]
+    remaining = []
+    if common is not None:
+        corrected = [_correct(loaded, arm, options, (), common) for loaded in logs]
+        for k in [k for k, log in enumerate(corrected) if log.faults]:
+            corrected[k] = compare(k)
+        remaining = [k for k, log in enumerate(corrected) if not log.faults]
     while remaining:
         found = {k: compare(k) for k in remaining}
         gains = {k: min(fault.after / fault.before for fault in log.faults) for k, log in found.items() if log.faults}
@@ -358,13 +369,12 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         most = min(gains, key=gains.__getitem__)
         corrected[most] = found[most]
         remaining.remove(most)
-    if scaled and options.prior is not None:
-        moving = joined([log.moving for log in corrected])
-        factor = float(np.mean([values_of(log.faults)[SCALE] for log in corrected if SCALE in values_of(log.faults)]))
-        if _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
-            corrected = [_blame_joint_1(log) for log in corrected]
-    terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
     moving = joined([log.moving for log in corrected])
+    factors = [values_of(log.faults)[SCALE] for log in corrected if SCALE in values_of(log.faults)]
+    if factors and _wrong_torque(options.prior, solve(moving.y, moving.tau), float(np.mean(factors))) == 1:
+        corrected = [_blame_joint_1(log) for log in corrected]
+        moving = joined([log.moving for log in corrected])
+    terms = find_terms([(log.loaded.log, log.settings) for log in corrected], options.friction)
     load = solve(moving.y, moving.tau)
     return tuple(_finish(log, arm, terms, load, rest) for log, rest in zip(corrected, others, strict=True))
 
@@ -374,11 +384,9 @@ MAX_ERROR_RATIO = 3.0
 
 
 def _weights(logs: Sequence[PreparedLog]) -> list[float]:
-    """Weigh the rows of each of several logs by the time between them, and less if the log has large errors."""
-    h = np.array([log.moving.h for log in logs])
+    """Weigh the rows of each of several logs: one with large errors counts less."""
     size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
-    ratio = np.divide(MAX_ERROR_RATIO * min(size), size, out=np.ones_like(h), where=np.array(size) > 0.0)
-    return list(np.sqrt(h / h.max()) * np.minimum(ratio, 1.0))
+    return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
 
 
 def _without_columns(moving: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Regression:
