@@ -191,12 +191,18 @@ def _check_rate(log: Log, cutoff: Cutoff) -> None:
         raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
 
 
-#: Delay of the torque and its standard error, s.
-Delay = tuple[float, float]
+@dataclass(frozen=True)
+class _Common:
+    """What logs of one arm have in common."""
+
+    hertz: float  # cut-off: the lowest of the logs, as a row must mean the same in each
+    delay: float  # of the torque, s
+    delay_error: float
+    names: tuple[str, ...]  # of the calibration errors that a log is searched for
 
 
 def _choose_settings(
-    log: Log, arm: Arm, options: Options, delay: Delay | None = None
+    log: Log, arm: Arm, options: Options, common: _Common | None = None
 ) -> tuple[FilterSettings, Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
@@ -205,14 +211,16 @@ def _choose_settings(
     chosen = choose_cutoff(log, settings)
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
+    elif common is not None and common.hertz < chosen.hertz:
+        chosen = replace(chosen, hertz=common.hertz, reason="the lowest cut-off of the logs")
     settings = replace(settings, cutoff=chosen.hertz)
     _check_rate(log, chosen)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
         return settings, chosen, 0.0
-    value, error = delay or estimate_delay(log, settings)
-    return replace(settings, delay=value), chosen, error
+    delay, error = (common.delay, common.delay_error) if common else estimate_delay(log, settings)
+    return replace(settings, delay=delay), chosen, error
 
 
 @dataclass(frozen=True)
@@ -226,9 +234,9 @@ class _Corrected:
     delay_error: float
     faults: tuple[CalibrationError, ...]
 
-    def delayed(self, delay: Delay) -> "_Corrected":
+    def delayed(self, delay: float, error: float) -> "_Corrected":
         """Replace the delay and its standard error."""
-        return replace(self, settings=replace(self.settings, delay=delay[0]), delay_error=delay[1])
+        return replace(self, settings=replace(self.settings, delay=delay), delay_error=error)
 
     @cached_property
     def moving(self) -> Regression:
@@ -241,21 +249,21 @@ def _correct(
     arm: Arm,
     options: Options,
     others: Sequence[Regression] = (),
-    delay: Delay | None = None,
-    names: Sequence[str] = CANDIDATES,
+    common: _Common | None = None,
 ) -> _Corrected:
-    """Correct the calibration errors with these names in a log.
+    """Correct the calibration errors of a log.
 
     Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
     """
     recorded = loaded.log
-    settings, chosen, delay_error = _choose_settings(recorded, arm, options, delay)
+    settings, chosen, delay_error = _choose_settings(recorded, arm, options, common)
+    names = common.names if common else CANDIDATES
     faults = find_calibration_errors(recorded, settings, others, names)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, delay)
+        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, common)
         faults = find_calibration_errors(recorded, settings, others, names)
         loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
-        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, delay)
+        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
     return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
 
 
@@ -304,27 +312,32 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
     return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
 
 
-def _common_delay(logs: Sequence[_Corrected], arm: Arm) -> Delay | None:
-    """Weigh the delays of several logs of an arm by their precision; their scatter widens the error (Birge)."""
-    if len(logs) == 1 or arm.delay is not None:
-        return None
+def _common(logs: Sequence[_Corrected]) -> _Common:
+    """Find what several logs of an arm have in common.
+
+    Their delays are weighted by their precision, and their scatter widens the error (Birge). A torque constant is the
+    arm's: its error counts if each log shows it by itself.
+    """
+    scaled = all(SCALE in values_of(log.faults) for log in logs)
+    names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
     delay = np.array([log.settings.delay for log in logs])
     weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
     mean = float(np.average(delay, weights=weight))
     birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
-    return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
+    error = float(np.sqrt(max(birge, 1.0) / weight.sum()))
+    return _Common(min(log.settings.cutoff for log in logs), mean, error, names)
 
 
-def _estimate_delay_again(
-    logs: Sequence[_Corrected], arm: Arm, terms: Sequence[ExtraTerm], load: Array
-) -> list[_Corrected]:
+def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm], load: Array) -> list[_Corrected]:
     """Estimate the delay next to terms beyond Eq. 1: without them it compensates for a part of them."""
     again = []
     for log in logs:
         columns = term_columns(TERMS, log.loaded.log, log.settings, load, terms)
-        again.append(log.delayed(estimate_delay(log.loaded.log, log.settings, columns)))
-    common = _common_delay(again, arm)
-    return again if common is None else [log.delayed(common) for log in again]
+        again.append(log.delayed(*estimate_delay(log.loaded.log, log.settings, columns)))
+    if len(logs) == 1:
+        return again
+    common = _common(again)
+    return [log.delayed(common.delay, common.delay_error) for log in again]
 
 
 #: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
@@ -366,29 +379,27 @@ def _find_terms(logs: Sequence[_Corrected], options: Options) -> tuple[tuple[Ext
 
 
 def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
-    """Prepare the logs of one arm, which has one delay and one set of terms beyond Eq. 1.
+    """Prepare the logs of one arm, which has one delay, one set of terms beyond Eq. 1, and here one cut-off.
 
     Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
     others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
-    uncorrected log can make a good one look faulty. A torque constant is the arm's: its error counts if each log shows
-    it by itself.
+    uncorrected log can make a good one look faulty.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    several, delay = len(logs) > 1, _common_delay(corrected, arm)
-    scaled = all(SCALE in values_of(log.faults) for log in corrected)
-    names = [name for name in CANDIDATES if scaled or name != SCALE]
-    if several:
-        corrected = [_correct(loaded, arm, options, (), delay, names) for loaded in logs]
+    common = _common(corrected) if len(logs) > 1 else None
 
     def others(one: _Corrected) -> list[Regression]:
         return [log.moving for log in corrected if log is not one]
 
     def compare(k: int) -> _Corrected:
-        return _correct(logs[k], arm, options, others(corrected[k]), delay, names)
+        return _correct(logs[k], arm, options, others(corrected[k]), common)
 
-    for k in [k for k, log in enumerate(corrected) if several and log.faults]:
-        corrected[k] = compare(k)
-    remaining = [k for k, log in enumerate(corrected) if several and not log.faults]
+    remaining = []
+    if common is not None:
+        corrected = [_correct(loaded, arm, options, (), common) for loaded in logs]
+        for k in [k for k, log in enumerate(corrected) if log.faults]:
+            corrected[k] = compare(k)
+        remaining = [k for k, log in enumerate(corrected) if not log.faults]
     while remaining:
         found = {k: compare(k) for k in remaining}
         gains = {k: min(fault.after / fault.before for fault in log.faults) for k, log in found.items() if log.faults}
@@ -402,7 +413,7 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         corrected = [_blame_joint_1(log) for log in corrected]
     terms, load = _find_terms(corrected, options)
     if arm.delay is None and (taken := [term for term in terms if term.taken]):
-        corrected = _estimate_delay_again(corrected, arm, taken, load)
+        corrected = _estimate_delay_again(corrected, taken, load)
         terms, load = _find_terms(corrected, options)
     return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
 
@@ -412,11 +423,9 @@ MAX_ERROR_RATIO = 3.0
 
 
 def _weights(logs: Sequence[PreparedLog]) -> list[float]:
-    """Weigh the rows of each of several logs by the time between them, and less if the log has large errors."""
-    h = np.array([log.moving.h for log in logs])
+    """Weigh the rows of each of several logs: one with large errors counts less."""
     size = [float(np.sqrt(mean_variance(log.moving, solve(log.moving.y, log.moving.tau)))) for log in logs]
-    ratio = np.divide(MAX_ERROR_RATIO * min(size), size, out=np.ones_like(h), where=np.array(size) > 0.0)
-    return list(np.sqrt(h / h.max()) * np.minimum(ratio, 1.0))
+    return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
 
 
 def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Array:
