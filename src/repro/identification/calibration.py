@@ -43,9 +43,9 @@ MAX_SCALE = 3.0
 #: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
 #: that Eq. 1 shares with the other. A log cannot determine which of the two is wrong: joint 2, unless a prior decides.
 CALIBRATION: dict[str, Kind] = {
-    "zero": Kind(zero_position, "rad", max_step=0.1),
-    "offset": Kind(offset, "N m"),
-    "scale": Kind(scale, "1", neutral=1.0, max_step=0.3),
+    "zero": Kind(zero_position, max_step=0.1),
+    "offset": Kind(offset),
+    "scale": Kind(scale, neutral=1.0, max_step=0.3),
 }
 #: Torque constants belong to the arm rather than to a log.
 OTHER_SCALE, SCALE = "scale1", "scale2"
@@ -140,7 +140,8 @@ def find_calibration_errors(
     r, columns = _calibration_problem(log, settings)
     rows = other_rows(others)
     candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in names]
-    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, rows)]
+    subset = best_subset(*weighted_rows(r, columns), dict.fromkeys(candidates, MIN_ERROR_REDUCTION), rows)
+    names = [CALIBRATION_TERMS[k] for k in subset]
     while names:
         values = _gauss_newton(log, settings, names, rows)
         errors = [_evaluated(log, settings, values, name, rows) for name in names]

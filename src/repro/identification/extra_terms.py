@@ -129,17 +129,18 @@ class Kind:
     """A kind of term, with a column for each of its joints."""
 
     columns: Columns
-    unit: str  # of its value
     joints: tuple[int, ...] = (1, 2)
+    min_reduction: float = MIN_ERROR_REDUCTION  # fraction of the cross-validated squared error that it must reduce
     neutral: float = 0.0  # value without effect
     max_step: float = np.inf  # longest step of Gauss-Newton, as columns are valid near the log that they are made on
 
 
-#: Friction in proportion to the load, friction at rest on top of k, and the rotor of joint 2.
+#: Friction in proportion to the load, friction at rest on top of k (N m), and the rotor of joint 2 (kg m^2). Every gear
+#: has a rotor, and a column that is not needed only widens the intervals: little evidence is enough.
 TERMS: dict[str, Kind] = {
-    "load": Kind(load_friction, "1"),
-    "stribeck": Kind(stribeck, "N m"),
-    "rotor": Kind(rotor_inertia, "kg m^2", (2,)),
+    "load": Kind(load_friction),
+    "stribeck": Kind(stribeck),
+    "rotor": Kind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
 }
 #: The kind that is no friction: it is subtracted without being asked.
 ROTOR = "rotor"
@@ -296,15 +297,15 @@ def _nine_and(subset: Sequence[int]) -> list[int]:
 
 
 def best_subset(
-    a: Array, b: Array, candidates: Sequence[int], others: Array = NO_ROWS, by_joint: bool = False
+    a: Array, b: Array, candidates: Mapping[int, float], others: Array = NO_ROWS, by_joint: bool = False
 ) -> list[int]:
-    """Choose the columns behind the nine that predict blocks best, each worth `MIN_ERROR_REDUCTION` of the error.
+    """Choose the columns behind the nine that predict blocks best, each worth a fraction of the error by number.
 
     That is the squared error of both joints, or the product of theirs.
     """
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
-    penalty = [-len(subset) * np.log(1.0 - MIN_ERROR_REDUCTION) for subset in subsets]
+    penalty = [-sum(np.log(1.0 - candidates[k]) for k in subset) for subset in subsets]
     errors = (_block_error(blocks, _nine_and(subset), others) for subset in subsets)
     error = [np.sum(np.log(each)) if by_joint else np.log(each.sum()) for each in errors]
     return list(subsets[int(np.argmin(np.add(error, penalty)))])
@@ -362,7 +363,9 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
-    chosen = best_subset(a, b, [k for k in candidates if friction or TERM_NAMES[k].startswith(ROTOR)], by_joint=True)
+    reductions = {k: TERMS[TERM_NAMES[k][:-1]].min_reduction for k in candidates}
+    asked = {k: least for k, least in reductions.items() if friction or TERM_NAMES[k].startswith(ROTOR)}
+    chosen = best_subset(a, b, asked, by_joint=True)
     while True:
         terms = [evaluated(k, chosen) for k in candidates]
         credible = [term for term in terms if term.value > MIN_Z_SCORE * term.error]
