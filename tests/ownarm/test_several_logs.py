@@ -196,3 +196,19 @@ def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wr
         found.append(make_problem(logs, (), ARM, replace(OPTIONS, prior=prior)).first)
     assert [log.faults[0].name for log in found] == ["scale1", "scale2"]
     assert [log.hidden["zero2"] for log in found] == [pytest.approx(found[0].hidden["zero2"], rel=0.01)] * 2
+
+
+def test_a_poor_log_does_not_veto_the_torque_constant_that_a_good_one_shows():
+    good, poor = noisy_log("a.csv", 0), near((0.3, 0.9), "slow.csv", noise=0.3)
+    wrong = [loaded(replace(log.log, tau=log.log.tau * np.array([[1.0], [1.15]]))) for log in (good, poor)]
+    assert faults_of(*wrong)[0] == {"scale2": pytest.approx(1.15, abs=0.01)}
+
+
+def test_a_log_is_not_predicted_from_one_that_does_not_determine_it():
+    def one_joint(joint, name):
+        log = log_from(lambda t: tuple(x * (np.arange(2) == joint)[:, np.newaxis] for x in motion(t)), seconds=15.0)
+        return loaded(replace(log, name=name, tau=log.tau + 0.02 * np.random.default_rng(joint).normal(size=(2, 1))))
+
+    _, result, _ = result_of(one_joint(0, "first.csv"), one_joint(1, "second.csv"))
+    assert not any("disagrees" in line for line in result.warnings)
+    assert all(max(score.relative_rms) < 1.0 for score in result.best.halves)

@@ -10,7 +10,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 from repro.logs.armfile import Arm
 from repro.logs.conventions import better_convention, late_torque
 from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed, uniform
-from repro.logs.torque_limits import at_limit, quantisation_step, unreliable_torque
+from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
 from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
@@ -36,7 +36,7 @@ _RATIOS: Final = (
 
 def saturated_fraction(log: Log) -> tuple[float, float]:
     """Fraction of the samples whose torque is at its limit, for each joint."""
-    first, second = np.mean(at_limit(log), axis=1)
+    first, second = np.mean(saturated(log), axis=1)
     return float(first), float(second)
 
 

@@ -49,7 +49,7 @@ def quantisation_step(x: Array) -> float | None:
     return step if float((apart < 0.1).mean()) > 0.9 else None
 
 
-def at_limit(log: Log) -> Mask:
+def saturated(log: Log) -> Mask:
     """Find the samples (2, N) whose torque is at its limit.
 
     An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
@@ -117,7 +117,7 @@ def _unreliable(log: Log) -> Mask:
     h, on = period(log), np.any(log.tau != 0.0, axis=0)
     driven = np.logical_or.accumulate(on) & np.logical_or.accumulate(on[::-1])[::-1]
     stuck = np.stack([_stuck(tau, q, h) for tau, q in zip(log.tau, log.q, strict=True)])
-    suspected = at_limit(log) | (stuck & driven)
+    suspected = saturated(log) | (stuck & driven)
     if not suspected.any():
         return suspected
     s = smoothed(log)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
+from repro.identification.excitation import MIN_TORQUE_FRACTION, excitation, torque_fraction
 from repro.identification.extra_terms import ROTOR
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
@@ -100,8 +100,10 @@ def fit(
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
     if len(problem.logs) > 1 and method.claims_intervals:
         for log in problem.logs:
-            parts.append((log.loaded.name, left_out(problem, log), log.regression))
-    elif halves:
+            others = left_out(problem, log)
+            if excitation(others).rank == problem.excited.rank:  # else they cannot predict what it excites
+                parts.append((log.loaded.name, others, log.regression))
+    if halves and not parts:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
             parts.append((name, r.take(used), problem.regression.take(predicted)))

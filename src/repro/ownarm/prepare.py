@@ -56,7 +56,7 @@ from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
-from repro.logs.torque_limits import unreliable_torque
+from repro.logs.torque_limits import saturated, unreliable_torque
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prior import with_plane
 
@@ -290,6 +290,9 @@ def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
 #: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
 #: joints' squared errors over those with friction alone.
 MIN_EXPLAINED, MAX_OVER_FRICTION = 0.5, 0.5
+#: Fraction of the samples of a torque at its limit above which no interval is claimed, if Eq. 1 leaves more than the
+#: second fraction of the squared torque: the rest shows too little of what acted.
+MAX_SATURATED, MAX_LEFT_SATURATED = 0.5, 0.04
 FRICTION = slice(NAMES.index("b1"), None)
 
 
@@ -307,18 +310,30 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
             return f"the torque of joint {quiet[0]} is little more than noise"
         explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
         return f"Eq. 1 predicts only {explained} from the rest of the log"
+    at_limit = saturated(log).mean(axis=-1)
+    worst = int(np.argmax(at_limit))
+    if at_limit[worst] > MAX_SATURATED and left[worst] > MAX_LEFT_SATURATED:
+        return f"the torque of joint {worst + 1} is at its limit in {100.0 * at_limit[worst]:.0f} % of the samples"
     if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
-        return "friction alone explains the torque as well as Eq. 1"
-    return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
+        return "friction alone explains the torque nearly as well as Eq. 1"
+    return "the delay of the torque is beyond the search range" if arm.delay is None and delay_at_limit(delay) else ""
+
+
+def _shows_scale(log: _Corrected, size: float) -> bool:
+    """Whether a log would show by itself that the torque constant of a joint is wrong by this fraction."""
+    limit = calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE]
+    return limit is not None and limit < size
 
 
 def _common(logs: Sequence[_Corrected]) -> _Common:
     """Find what several logs of an arm have in common.
 
     Their delays are weighted by their precision, and their scatter widens the error (Birge). A torque constant is the
-    arm's: its error counts if each log shows it by itself.
+    arm's: its error counts if no log contradicts it that would show it by itself.
     """
-    scaled = all(SCALE in values_of(log.faults) for log in logs)
+    scales = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+    away = abs(float(np.mean(scales)) - 1.0) if scales else 0.0
+    scaled = bool(scales) and not any(SCALE not in values_of(log.faults) and _shows_scale(log, away) for log in logs)
     names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
     delay = np.array([log.settings.delay for log in logs])
     weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
@@ -507,6 +522,6 @@ def single_problem(problem: IdentificationProblem, log: PreparedLog) -> Identifi
     return replace(alone, moving=moving, as_good=as_good)
 
 
-def at_limit(delay: float) -> bool:
+def delay_at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
     return abs(delay) >= 0.99 * MAX_DELAY

@@ -175,6 +175,8 @@ def term_line(term: ExtraTerm) -> str:
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
     asked = not term.taken and kind != ROTOR and term.gain >= MIN_ERROR_REDUCTION
     remedy = f": give {option('friction')}" if asked else ""
+    if kind == ROTOR and not term.taken:
+        remedy = "; the intervals allow for it"
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
