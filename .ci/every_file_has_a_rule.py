@@ -36,10 +36,10 @@ def strays(made: set[str], folders: list[Path]) -> list[str]:
 
 
 def unrecorded(made: set[str], results: Path) -> list[str]:
-    """Outputs that are not there, or that the record does not have as they are."""
+    """Outputs and sidecars that are not there, or outputs that the record does not have as they are."""
     graph = json.loads((results / RECORD).read_text(encoding="utf-8"))["@graph"]
     recorded = {entity["name"]: entity["sha256"] for entity in graph if "sha256" in entity}
-    found = []
+    found = [f"{results / name}: found no file" for name in sorted(SIDECARS) if not (results / name).is_file()]
     for name in sorted(made):
         there = hashlib.sha256(Path(name).read_bytes()).hexdigest() if Path(name).is_file() else "no file"
         if recorded.get(name) != there:

@@ -124,6 +124,8 @@ def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):
     file, table, arrays = (repro.identify(one, method="ordinary").beta for one in given)
     assert (file == table).all()
     assert (file == arrays).all()
+    alone = repro.identify([LOG, "data/captures/T1.bin"], method="ordinary").details.runs
+    assert [run.log for run in alone] == ["T3.bin", "T1.bin"]
 
 
 def test_a_turned_arm_is_read_by_its_conventions():
@@ -232,7 +234,7 @@ def test_tables_and_drawing_of_a_result(result):
     assert set(result.residuals["log"]) == {"T3.bin", "T1.bin"}
     residual = result.residuals["torque_nm"] - result.residuals["rebuilt_nm"]
     assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
-    assert isinstance(result.plot(1), Figure)
+    assert isinstance(result.plot(-1), Figure)
     assert "simulated" in result._repr_html_()
     for call, place in ((lambda: result.of("robust"), "method"), (lambda: result.plot(7), "log: found 7")):
         with pytest.raises(repro.InputError, match=f"^{place}"):
@@ -290,10 +292,12 @@ def test_lists_are_as_good_as_arrays(result):
         result.simulate(t, tau, [0, np.nan], [0, 0])
 
 
-def test_algorithm1_gives_the_numbers_of_the_workflow():
+@pytest.mark.parametrize("longer", [0, -500])  # than Eq. 10: time runs in another scale
+def test_algorithm1_gives_the_numbers_of_the_workflow(longer):
     config = load_config(Path("config/config.yaml"))
     recording = read_recording(Path("data/captures/ID.bin"), config)
-    signals, program = signal_settings(config), recording.program
+    program = replace(recording.program, n2=recording.program.n2 + longer)
+    recording, signals = replace(recording, program=program), signal_settings(config)
     network = repro.load_network("data/networks/cnn.safetensors")
     few = replace(search_settings(config), executions=3, inner_limit=4, threshold=0.9)
     algorithm1 = Algorithm1("published", network, data_settings(config).image, few, RefinementSettings(passes=0))

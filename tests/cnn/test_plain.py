@@ -57,6 +57,13 @@ def test_its_likelihood_is_above_that_of_the_prior(trained):
     assert found < prior - 3.0
 
 
+def test_the_first_step_of_a_weight_is_the_learning_rate():
+    one = (PlainSettings(width=8, steps=1, batch=16, learning_rate=rate) for rate in (0.0, 1e-3))
+    before, after = (train_plain(SAMPLED, DATA, settings, 1).parameters() for settings in one)
+    longest = max(float((a - b).abs().max()) for a, b in zip(before, after, strict=True))
+    assert longest == pytest.approx(1e-3, rel=1e-2)
+
+
 def test_weights_come_back_from_disk(tmp_path):
     brief = PlainSettings(width=8, steps=3, batch=16)
     network = train_plain(SAMPLED, DATA, brief, 1)

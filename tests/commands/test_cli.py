@@ -190,7 +190,6 @@ def test_what_is_wrong_is_reported_and_writes_nothing(tmp_path, stored, capsys):
     assert "--trajectory: found 'T5'" in refused(capsys, "record", "--trajectory", "T5", "--out", new)
     assert "gone.csv: found No such file" in refused(capsys, "record", "--trajectory", "gone.csv", "--out", new)
     assert "--link: found --listen socket" in refused(capsys, "simulate", "--listen", "socket", "--link", new)
-    assert "--faults: found 'crop=1'" in refused(capsys, "simulate", "--faults", "crop=1")
     assert "new.bin: found No such file" in refused(capsys, "decode", new)
     table = tmp_path / "table.csv"
     stored.chmod(0o644)

@@ -14,6 +14,7 @@ from repro.commands.boards import program_of
 from repro.commands.excite import read_guess
 from repro.config import load_config
 from repro.errors import InputError
+from repro.identification.exciting_motion import Envelope, published
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log
 from repro.model.dynamics import inverse_dynamics
@@ -54,6 +55,9 @@ def test_what_is_written_is_the_motion_that_is_reported(tmp_path, capsys):
     assert told["torque_nm"] == approx(np.abs(inverse_dynamics(q, dq, ddq, BETA)).max(1))
     assert (np.array(told["torque_nm"]) <= LIMITS["torque_limit"]).all()
     assert content["settings"]["guess"] == BETA.tolist()
+    limits = Envelope(read_arm(tmp_path / "arm.yaml"), BETA)
+    eq10 = published(limits, (3200, 1 / 400), 4 / 8, np.full(2, 0.05))  # up to the highest harmonic
+    assert content["eq10"]["speed_rad_s"] == approx(np.abs(eq10.dq).max(1))
     lines = capsys.readouterr().out.splitlines()
     for name in NAMES:
         ours, theirs, ratio = (

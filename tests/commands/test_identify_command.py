@@ -151,9 +151,10 @@ def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_fi
 def small_budgets(monkeypatch):
     """A network tested on few images, and a short search with it."""
     few = SearchSettings(executions=4, inner_limit=3, threshold=0.9237, feasibility="positive-definite")
+    short = algorithm1.RefinementSettings(passes=60)
     small = partial(architecture.TrainingSettings, test_samples=64, batch=16)
     monkeypatch.setattr(architecture, "TrainingSettings", small)
-    monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few))
+    monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few, refinement=short))
 
 
 def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures, small_budgets):
@@ -183,7 +184,7 @@ def test_a_network_of_another_arithmetic_is_not_used(log, tmp_path, no_figures, 
 
 def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
     runs, run = [], algorithm1._run
-    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(given) or run(*given, **named))
+    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(run(*given, **named)) or runs[-1])
     common = (log, "--steps", 2, "--cache", tmp_path / "cache", "--method", "algorithm1")
     found = {}
     for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
@@ -191,6 +192,10 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures,
         found[name] = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"].apply(list)
     assert len(runs) == 2
     assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
+    content = json.loads((tmp_path / "both" / "parameters.json").read_text())
+    (note,) = next(m["notes"][:1] for m in content["methods"] if m["method"] == "algorithm1+refinement")
+    reached = [runs[1][0][f"algorithm1+{name}"].details["similarity"] for name in ("refinement", "local-search")]
+    assert [float(number) / 100 for number in re.findall(r"[\d.]+(?= %)", note)] == pytest.approx(reached, rel=6e-5)
 
 
 def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):

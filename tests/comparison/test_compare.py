@@ -78,16 +78,17 @@ def test_names_of_rows_are_exact_also_where_a_network_had_a_part():
 
 
 @pytest.mark.parametrize(
-    ("method", "column", "kind"),
+    ("table", "method", "column", "kind"),
     [
-        ("differential-evolution", "total", Kind.TRAINED),  # a random search, although no network has a part in it
-        ("algorithm1/one-run", "total", Kind.TRAINED),
-        ("algorithm1", "true", Kind.COMPUTED),
-        ("bounded", "total", Kind.COMPUTED),
+        ("tables/table06", "differential-evolution", "total", Kind.TRAINED),  # a random search without a network
+        ("tables/table06", "algorithm1/one-run", "total", Kind.TRAINED),
+        ("tables/table04", "algorithm1", "true", Kind.COMPUTED),
+        ("tables/table06", "bounded", "total", Kind.COMPUTED),
+        *((f"{folder}/scores", "bounded", "total", Kind.TRAINED) for folder in ("coverage", "factorial", "spread")),
     ],
 )
-def test_a_random_search_is_compared_as_a_network_is(method, column, kind):
-    assert Tolerances().kind("tables/table06", {"method": method, column: "0.99"}, column) is kind
+def test_a_random_search_is_compared_as_a_network_is(table, method, column, kind):
+    assert tolerances().kind(table, {"method": method, column: "0.99"}, column) is kind
 
 
 def test_rows_and_columns_must_be_the_same():

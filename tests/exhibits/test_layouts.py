@@ -49,6 +49,10 @@ def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
     assert "N4" in refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"])
 
 
+def test_losses_of_interpretations_are_in_ten_thousandths(tmp_path: Path) -> None:
+    assert "| as configured | 40000 | 1.25 |" in laid_out(tmp_path, "ablation", TABLES["ablation"]())[1]
+
+
 def one_finding(**fields: object) -> pd.DataFrame:
     usual = {"place": "Table 7", "what": "a total", "arithmetic": "1 + 1", "verdict": "misprint"}
     return pd.DataFrame([{**usual, "found": None, "printed": None, "unit": None, "note": None, **fields}])

@@ -41,6 +41,9 @@ def test_stalls_are_due_once_and_lose_their_bytes():
     n = injector.counts["stall"]
     assert n > 0 and len(data) == len(CLEAN) - 4 * n
     assert [injector.take_stall(), injector.take_stall()] == [0.5 * n, 0.0]
+    # A byte arrives if neither it nor the one before stalls: a stall that begins within another loses no more.
+    often = ErrorInjector(ErrorRates(stall=0.3, stall_bytes=2), np.random.default_rng(3)).apply(CLEAN)
+    assert len(often) == pytest.approx(0.7**2 * len(CLEAN), rel=0.03)
 
 
 @pytest.mark.parametrize("sizes", [[20_000], [100, 20, 4000], [123, 1, 50]])

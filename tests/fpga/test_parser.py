@@ -153,6 +153,13 @@ def test_short_ambiguity_is_settled_by_what_follows(drop):
     assert b"".join(frames) == sent[8:]
 
 
+def test_a_frame_too_far_from_the_last_one_is_skipped_though_the_next_is_near():
+    position = np.full((2, 20), 100)
+    position[0, 10:] = [140, *[120] * 9]
+    data = encode(position, 0 * position)
+    assert b"".join(parse(data)[0]) == data[:80] + data[88:]
+
+
 def test_false_lock_ends_when_the_arm_moves():
     moving = motion(100)
     data = (at_rest(150) + moving)[2:]

@@ -59,6 +59,8 @@ def test_a_served_board_sends_what_the_loop_computes(endpoint, effects):
             line.write(encode_program(CONTROL, DESIRED) + encode_start(200))
             assert line.read(1600) == expected
     assert len(set(np.frombuffer(expected, dtype=">u8").tolist())) > 100
+    board.receive(encode_start(200))  # the trajectory is forgotten
+    assert not board.running and "200 of 200 samples" in board.refusals[-1]
 
 
 def test_a_slow_reader_loses_nothing(endpoint):

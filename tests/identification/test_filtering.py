@@ -190,6 +190,13 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
     assert error == 0.02
 
 
+def test_the_standard_error_of_a_delay_is_its_scatter():
+    log = log_from(log_example.motion)
+    noise = 0.3 * np.random.default_rng(0).normal(size=(24, *log.tau.shape))
+    delays, errors = np.transpose([estimate_delay(replace(log, tau=log.tau + n), FilterSettings()) for n in noise])
+    assert 0.95 < np.mean(errors) / np.std(delays) < 1.35
+
+
 # Standstill.
 
 

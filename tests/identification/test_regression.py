@@ -153,13 +153,13 @@ def test_the_estimate_is_the_mean_of_the_posterior(name):
     assert np.abs(expected - alone).max() > 5e-4
 
 
-@pytest.mark.parametrize("name", ["weighted", "robust", "instrumental"])
-def test_methods_that_weight_rows_are_between_the_log_and_the_prior(name):
+@pytest.mark.parametrize(("name", "share"), [("weighted", 0.05), ("robust", 0.6), ("instrumental", 0.05)])
+def test_methods_that_weight_rows_are_between_the_log_and_the_prior(name, share):
     r = noisy(BETA, size=SIZE)
     r = replace(r, even_odd=np.stack([r.y, r.y]))
     found = METHODS[name].estimate(replace(r, prior=replace(PRIOR, variance=SIZE**2))).beta
     expected, covariance = posterior(r, PRIOR, SIZE**2)
-    assert np.abs(found - expected).max() < 0.6 * np.sqrt(covariance.diagonal()).max()
+    assert np.abs(found - expected).max() < share * np.sqrt(covariance.diagonal()).max()
     strong = METHODS[name].estimate(replace(r, prior=Prior(PRIOR.mean, 1e-4 * PRIOR.sd, SIZE**2))).beta
     assert strong[[0, 3, 5, 8]] == pytest.approx(PRIOR.mean[[0, 3, 5, 8]], rel=1e-3)
 

@@ -61,6 +61,7 @@ REFUSED = [
     ("blanks in a name", text(renamed(q1="q1 [deg]")).replace(",", " "), {}, "line 2: found 7 cells, expected 8"),
     ("decimal commas", line_changed(lambda s: s.replace(".", ",")), {}, "(decimal commas?), expected 7"),
     ("no header", text(good()).partition("\n")[2], {}, "line 1: found numbers (0,"),
+    ("no header but empty cells", "0,NaN,1,2,3\n" * 300, {}, "line 1: found numbers (0,NaN"),
     ("a column twice", text(good()).replace("dq2", "dq1", 1), {}, "header: found the column 'dq1' twice"),
     ("a row too long", line_changed(lambda s: s + ",1"), {}, "line 100: found 8 cells, expected 7"),
     ("a comma at the end", line_changed(lambda s: s + ","), {}, "line 100: found 8 cells (a separator at its end)"),
@@ -80,6 +81,12 @@ REFUSED = [
     ("degrees without a unit", scaled(1 / DEGREE, "q1", "q2"), {}, "turns if it is rad, expected units.position in"),
     ("a third joint", {**good(), "q0": good()["q1"], "tau0": good()["tau1"]}, {}, "found columns of a joint 0: q0,"),
     ("ambiguous", renamed(dq1="pos1"), {}, "found 2 columns for q1: q1, pos1, expected one"),
+    (
+        "two units",
+        renamed(q1="q1 [rad]", dq1="q1 [deg]"),
+        {},
+        "found 2 columns for q1: q1 [rad], q1 [deg], expected one",
+    ),
     ("unknown unit", renamed(q1="q1 [grad]"), {}, "column q1 [grad]: found the unit 'grad', expected a unit of"),
     (
         "unknown unit of a named column",

@@ -69,6 +69,11 @@ def test_the_format_does_not_matter(file, separator, comma, header, twice, empty
     ]
 
 
+def test_commas_that_may_group_digits_are_decimal_next_to_commas_that_cannot(file):
+    log = read(file, ["time;q1;q2;tau1;tau2", *(f"{k}e-2;1,{k:03d};0,5;0,{k};0,7{k}" for k in range(300))])
+    np.testing.assert_allclose(log.q[0], 1.0 + 1e-3 * np.arange(300), atol=1e-12)
+
+
 def test_rows_left_out_are_reported_by_line(file):
     written = lines()
     for number in (4, 5, 6, 9):

@@ -73,6 +73,8 @@ def test_pieces_that_are_too_short_are_left_out():
     assert log.breaks == ()
     np.testing.assert_allclose(log.t, GOOD.t[1000:], atol=1e-9)
     np.testing.assert_allclose(log.tau, GOOD.tau[:, 1000:], atol=1e-12)
+    thin = log_of(recording(np.r_[0.0:3.0:0.02, 4.0:14.0:0.02]))
+    assert uniform(thin).t.size == 500  # 150 samples are too few, though they last 3 s
     with pytest.raises(InputError, match=r"log\.csv: time: found 1 gap of up to 8\.5 s, 1\.99 s"):
         uniform(without(300, 2000))
 

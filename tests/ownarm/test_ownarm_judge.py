@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA
-from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent
+from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent, solved
 from regression_example import exciting
 
 from repro.identification.least_squares import METHODS
@@ -16,8 +16,13 @@ from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
+<<<<<<< HEAD
 from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.ownarm.text import NOT_EXCITED
+=======
+from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.text import IMPOSSIBLE, NOT_EXCITED
+>>>>>>> main
 
 pytestmark = pytest.mark.slow
 
@@ -121,6 +126,7 @@ def test_a_condition_that_holds_is_told_whatever_the_size_of_the_torque(factor):
     assert not free.consistent
     assert m.consistent
     assert [p.verdict for p in m.parameters].count(HELD) == 1
+    assert solved(problem_of(r), ("consistent",))[0].excitation.unexcited == ()
     alike = factor * METHODS["consistent"].estimate(noisy(beta, n=300)).beta[0]
     assert m.parameters[0].estimate == pytest.approx(alike, rel=1e-4)
 
@@ -143,6 +149,23 @@ def test_a_parameter_that_moves_next_to_nothing_is_not_excited_unless_it_is_know
     assert with_interval(0.0021, 1.5) == "cannot be distinguished from zero"
     assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == "known to 3 %"
     assert with_interval(1e-5, 0.3) == "known to 30 %"
+
+
+def test_only_what_depends_on_where_masses_are_may_be_negative():
+    far = 0.1 * BETA
+    found = Fit(METHODS["ordinary"], Estimate(-BETA), Uncertainty(0.5 * far, -BETA - far, -BETA + far), ())
+    rows = evaluate(found, problem_of(exciting(400)), (None,)).parameters
+    assert [p.name for p in rows if p.verdict != IMPOSSIBLE] == ["I2", "g1", "g2"]
+
+
+def test_spectra_have_amplitudes_over_hertz():
+    r = noisy(BETA)
+    hertz = 30 / (r.t.size * r.h)
+    wave = 0.7 * np.cos(2.0 * np.pi * hertz * (r.t - r.t[0] + 0.5 * r.h))
+    _, curves = solved(problem_of(replace(r, tau=np.stack([wave, wave]))), ("ordinary",))
+    (signals,) = curves.signals
+    most = int(signals.tau_spectrum[0].argmax())
+    assert (signals.frequency[most], signals.tau_spectrum[0, most]) == pytest.approx((hertz, 0.7), rel=1e-6)
 
 
 def test_a_method_without_intervals_says_so():

@@ -30,7 +30,7 @@ from repro.ownarm.figures import (
 )
 from repro.ownarm.outputs import render_page
 from repro.ownarm.result import Curves, Parameter
-from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, rounded, scores_table
+from repro.ownarm.tables import PARAMETER_COLUMNS, SCORE_COLUMNS, parameters_table, predictions, rounded, scores_table
 
 pytestmark = pytest.mark.slow
 TIMES = style.TIMES
@@ -61,6 +61,7 @@ def test_the_recommended_parameters_stand_each_in_its_row(page):
             assert float(shown) == pytest.approx(true, abs=0.05 * error)
         assert float(row[5]) == pytest.approx(error, rel=0.05)
         assert row[3] == verdict
+    assert "5.1 ms: it acts later than recorded" in page.one("preparation")["text"]
     assert [row[2] for row in rows] == ["kg·m²"] * 3 + ["N·m"] * 2 + ["N·m·s/rad"] * 2 + ["N·m"] * 2
 
 
@@ -140,6 +141,9 @@ def test_nothing_is_loaded_and_the_policy_allows_what_is_there(page, text, figur
 
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
     result, curves = example_result(), example_curves()
+    tiny = method("tiny", "Tiny", parameters=(parameter(1.234e-7, 2.2e-9), *parameters(1.0)[1:]))
+    row = Page(render_page(replace(result, methods=(tiny,), recommended="tiny"), curves, {})).rows("recommended")[1]
+    assert (row[1], row[5]) == (f"1.234{TIMES}10⁻⁷", f"0.022{TIMES}10⁻⁷")
     wild = method("wild", "Wild", parameters=parameters(np.inf), fit=score(LOGS[0], np.inf, np.nan))
     result = replace(
         result, methods=(*result.methods, wild), excitation=replace(result.excitation, rank=8, condition=np.inf)
@@ -203,6 +207,8 @@ def test_tables_are_tidy_and_hold_every_number():
     assert table[table["method"] == "cnn"][["standard_error", "low", "high"]].isna().all(axis=None)
     scores = scores_table(result)
     assert tuple(scores.columns) == SCORE_COLUMNS
+    shown = [heading.partition(":")[0] for heading, _ in predictions(result.best)]
+    assert shown == ["Validation", "Validation", "Half on half", "Half on half", "Fitted"]  # unseen logs first
     assert scores.groupby("method", sort=False).size().to_dict() == {"ols": 10, "consistent": 10, "cnn": 6}
     assert set(scores["part"]) == {"fit", "half", "validation"}
     row = scores.query("method == 'cnn' and log == 'ramp_2.csv' and joint == 2").iloc[0]

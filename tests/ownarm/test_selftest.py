@@ -16,7 +16,11 @@ from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem
+<<<<<<< HEAD
 from repro.ownarm.selftest import inverse_errors, self_test, synthetic_log
+=======
+from repro.ownarm.selftest import _inverse, self_test, synthetic_log
+>>>>>>> main
 from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
@@ -65,11 +69,10 @@ def test_the_truth_is_the_estimate_and_comes_out_again(clean):
     assert [p.true for p in test.parameters] == pytest.approx(beta.tolist())
     for p in test.parameters:
         assert p.low <= p.median <= p.high
+        assert p.low < p.high  # as they would not be without noise
         assert p.intervals == test.draws == 5
         assert p.median == pytest.approx(p.true, rel=0.1, abs=0.02)
     assert np.mean([p.hold / p.intervals for p in test.parameters]) >= 0.9
-    # Not the same numbers, as they would be if the noise were left out.
-    assert all(p.low < p.high for p in test.parameters)
 
 
 def test_where_eq_1_is_right_noise_makes_the_error(clean):
@@ -97,6 +100,12 @@ def test_stribeck_friction_is_told_from_noise():
     assert "The model causes the rest" in self_test_verdict(test)
     assert max(test.noise) < 0.5
     assert max(test.real) > 2 * max(test.error)
+
+
+def test_errors_that_are_put_in_are_taken_out_again():
+    errors, log = {"zero1": 0.1, "offset2": 0.3, "scale2": 1.4}, recorded().log
+    again = correct_calibration(correct_calibration(log, _inverse(errors)), errors)
+    assert [again.q, again.tau] == [pytest.approx(log.q), pytest.approx(log.tau)]
 
 
 def test_a_made_log_is_recorded_as_the_real_one_was():

@@ -1,6 +1,7 @@
 """Verdicts on parameters, and calibration errors as lines of the arm file."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -63,6 +64,7 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
     rng = np.random.default_rng(0)
     raw = Log(name="log.csv", t=np.arange(50) / 100, q=0.3 * rng.normal(size=(2, 50)), tau=rng.normal(size=(2, 50)))
     common = {"sign": list(sign), "torque_sign": [-1, 1], "second_joint_absolute": absolute, "zero": [0.1, -0.2]}
+    common["torque_scale"] = [1.2, 0.8]
     file = tmp_path / "arm.yaml"
 
     def read(keys):
@@ -70,6 +72,7 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
         return to_eq1(raw, read_arm(file))
 
     arm = Arm(zero=(0.1, -0.2), sign=sign, torque_sign=(-1.0, 1.0), second_joint_absolute=absolute)
+    arm = replace(arm, torque_scale=(1.2, 0.8))
     lines = yaml.safe_load(arm_lines(ERRORS, arm).replace("; ", "\n"))
     assert set(lines) == {"zero", "torque_offset", "torque_scale"}
     expected = correct_calibration(read(common), {fault.name: fault.value for fault in ERRORS})

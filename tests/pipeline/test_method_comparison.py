@@ -87,12 +87,13 @@ def test_each_conclusion(difference, low, high, p, conclusion):
 
 
 def test_arms_are_the_unit_and_id_does_not_count():
-    row = compared([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07])
+    differences = [0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07]
+    row = compared(differences)
     assert (row["arms"], row["wins"]) == (7, 6)
-    assert row["difference"] == pytest.approx(
-        np.median(walsh_averages(np.array([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07])))
-    )
-    assert row["p"] == pytest.approx(stats.wilcoxon([0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07]).pvalue)
+    assert row["difference"] == pytest.approx(np.median(walsh_averages(np.array(differences))))
+    assert row["p"] == pytest.approx(stats.wilcoxon(differences).pvalue)
+    of_two = comparisons(scores_of(differences), ["algorithm1"], 2 * ["least-squares"]).iloc[0]
+    assert (of_two["low"], of_two["high"]) == pytest.approx(walsh_interval(np.array(differences), 0.975))
 
 
 def test_arms_that_chatter_are_in_the_first_set_alone():

@@ -89,7 +89,7 @@ def test_joint_factors_by_hand():
     calibration[[0, 1, 2, 3], [4, 8, 0, 2]] = [1.5, 0.5, 3.0, 4.0]
     factors = np.ones((2, 9))
     factors[:, 2] = 2.0
-    np.testing.assert_allclose(stage.joint_factors(factors, calibration, (0.4, 0.6)), [1.5, 2.0])
+    np.testing.assert_allclose(stage.joint_factors(factors, calibration, (0.4, 0.5)), [1.5, 2.0])
 
 
 def test_the_other_generator_draws_arms_that_links_can_give(config):

@@ -4,13 +4,14 @@ import hashlib
 import shutil
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import torch
 from experiment_example import changed, full_config
 
 from repro.errors import InputError
 from repro.pipeline.networks import algorithm1_of
-from repro.pipeline.stored_networks import check_stored, configuration_digest, stored_files, take_stored
+from repro.pipeline.stored_networks import check_stored, configuration_digest, model_card, stored_files, take_stored
 from repro.settings import of_network
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,6 +45,13 @@ def test_the_networks_of_the_default_configuration_are_there(tmp_path, network):
     card = out["card"].read_text()
     assert card.startswith(stored["card"].read_text())
     assert "This run did not train it" in card
+
+
+def test_the_card_states_when_the_loss_was_a_thousandth(tmp_path):
+    (tmp_path / "weights").write_bytes(b"")
+    history = pd.DataFrame({"step": [1, 2, 3], "train_loss": 0.1, "test_loss": [5e-3, 9e-4, 8e-4]})
+    card = model_card(tmp_path / "weights", history, [1.0, 20.0, 30.0], "float32", "", CONFIG)
+    assert "1e-3: step 2, after 20 s" in card
 
 
 def test_the_reference_was_made_with_these_networks():

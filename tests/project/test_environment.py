@@ -75,6 +75,7 @@ def test_every_locked_package_is_pinned_and_has_hashes():
             assert pinned(requirement).local is None, f"{name}: a local version fits one index only"
             assert requirement.url is None
             assert hashes[name], f"{name}: no hash"
+    assert not RUNTIME.keys() & TEST.keys()
 
 
 @pytest.mark.parametrize("file", LOCK_FILES)
@@ -83,10 +84,6 @@ def test_the_lock_names_no_place_and_no_cuda_library(file):
     assert not re.search(r"://|--(extra-)?index-url|--find-links|--trusted-host|(^|\s)-[ifce]\s|/", text, re.MULTILINE)
     requirements, _ = read_lock(file)
     assert not [name for name in requirements if name.startswith(("nvidia-", "cuda-")) or name == "triton"]
-
-
-def test_the_two_locks_do_not_overlap():
-    assert not RUNTIME.keys() & TEST.keys()
 
 
 @pytest.mark.parametrize("python", PYTHONS)
@@ -106,12 +103,9 @@ def test_python_range_is_the_one_locked():
         assert f"for Python {', '.join(PYTHONS)};" in (ROOT / file).read_text(encoding="utf-8").splitlines()[1]
 
 
-def test_conda_versions_equal_the_lock():
+def test_conda_has_every_direct_dependency_in_the_version_of_the_lock():
     wrong = {name: (str(v), str(LOCK[name])) for name, v in conda_pins().items() if v != pinned(LOCK[name])}
     assert not wrong
-
-
-def test_conda_has_every_direct_dependency():
     names = {canonicalize_name(requirement.name) for requirement in [*DIRECT, *DIRECT_TEST, *BUILD]}
     assert names == conda_pins().keys()
 

@@ -205,15 +205,9 @@ def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, words):
 def test_a_ledger_that_is_no_table_is_refused(tmp_path):
     example = make_example(tmp_path)
     path = example.results / "claims.csv"
-    header, *rest = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    header = next(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     path.write_text(",".join(header[:-1]) + "\n", encoding="utf-8")
     with pytest.raises(InputError, match="header: found no column note"):
-        build_report(example)
-    path.write_text(",".join(header) + "\n" + ",".join(rest[0][:3]) + "\n", encoding="utf-8")
-    with pytest.raises(InputError, match="line 2: found 3 fields, expected"):
-        build_report(example)
-    path.write_bytes(b"\xff\xfe")
-    with pytest.raises(InputError, match="not UTF-8"):
         build_report(example)
 
 
