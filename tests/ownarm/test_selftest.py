@@ -16,11 +16,7 @@ from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem
-<<<<<<< HEAD
 from repro.ownarm.selftest import inverse_errors, self_test, synthetic_log
-=======
-from repro.ownarm.selftest import _inverse, self_test, synthetic_log
->>>>>>> main
 from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
@@ -104,7 +100,7 @@ def test_stribeck_friction_is_told_from_noise():
 
 def test_errors_that_are_put_in_are_taken_out_again():
     errors, log = {"zero1": 0.1, "offset2": 0.3, "scale2": 1.4}, recorded().log
-    again = correct_calibration(correct_calibration(log, _inverse(errors)), errors)
+    again = correct_calibration(correct_calibration(log, inverse_errors(errors)), errors)
     assert [again.q, again.tau] == [pytest.approx(log.q), pytest.approx(log.tau)]
 
 
