@@ -80,7 +80,7 @@ FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
 N_SIMEX_TERMS = 5
 #: Name of `simex` among the perturbations.
 SIMEX = "errors of the motion"
-#: Level of the F-tests of further columns, all effects together.
+#: Level of the F-test of further columns.
 F_TEST_LEVEL = 0.05
 
 
@@ -145,7 +145,11 @@ ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constant
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     ZEROS: (zero_position,),
     OFFSETS: (offset,),
-    "load-dependent and Stribeck friction": tuple(
+    "load-dependent friction": (load_friction,),
+    "Stribeck friction": tuple(
+        partial(stribeck, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
+    ),
+    "both kinds of friction": tuple(
         partial(friction, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
     ),
     "torque of period one turn": (once_a_turn,),
@@ -203,7 +207,7 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     if not 0.0 < after < before or freedom <= 0.0:
         return 0.0
     ratio = (before - after) / after * freedom / k
-    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL / len(UNMODELLED_EFFECTS), k, freedom)) / ratio)
+    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
 
 
 @dataclass(frozen=True)
