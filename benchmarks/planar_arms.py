@@ -4,7 +4,6 @@ Masses, lengths and inertias are drawn and the nine parameters follow from them.
 random knots, so that its derivatives are exact. The torque is the sum of moments of both links (Newton and Euler).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +14,24 @@ RATE = 250.0
 SECONDS = 25.0
 #: Steps of an encoder of 8192 counts, rad, and noise of the torque as a share of the RMS torque.
 ENCODER, NOISE = 2.0 * np.pi / 8192.0, 0.01
+#: Torque that depends on the position: fewest periods a turn, one more than the most, largest amplitude over g1.
+WAVES = {"position": (1, 8, 0.06), "cogging": (20, 80, 0.08)}
+#: Effects beyond Eq. 1.
+KINDS = {
+    "clean": "none",
+    "coarse": "encoder and noise 8 times as coarse",
+    "offset": "torque offsets, 3 and 5 % of the load",
+    "scale1": "torque of joint 1 wrong by 15 %",
+    "constant": "torque constant falls by 5 to 15 % with the current",
+    "position": "torque of 1 to 7 periods a turn (board: 4), 2 to 6 % of g1",
+    "cogging": "torque of 20 to 79 periods a turn (board: 49), 2 to 8 % of g1",
+    "friction": "Stribeck friction, 20 to 50 % of k, and (planar) friction up to 6 % of the load",
+    "temperature": "b and k fall by 20 to 50 %",
+    "rotor5": "rotor of joint 2, 5 % of I3",
+    "rotor30": "rotor of joint 2, 30 % of I3",
+    "flexible": "elastic gear behind the encoder, 0.3 to 1.5 degrees",
+    "backlash": "backlash behind the encoder, 0.2 to 1 degree",
+}
 
 
 @dataclass(frozen=True)
@@ -46,10 +63,6 @@ class Motion:
     q: np.ndarray
     dq: np.ndarray
     ddq: np.ndarray
-
-
-#: Further torque of both joints, N m, of an arm along a motion.
-Effect = Callable[[Arm, Motion, np.random.Generator], np.ndarray]
 
 
 def draw_arm(rng: np.random.Generator) -> Arm:
@@ -97,11 +110,46 @@ def friction_torque(arm: Arm, m: Motion) -> np.ndarray:
     return arm.viscous[:, None] * m.dq + arm.coulomb[:, None] * np.tanh(arm.steepness * m.dq)
 
 
+def warm_up(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Relative change of friction while an arm warms up, with mean zero."""
+    fall = np.exp(-t / 8.0)
+    return rng.uniform(0.2, 0.5) * (fall - fall.mean())
+
+
+def disturbed(kind: str, arm: Arm, m: Motion, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Position and torque of both joints, each (2, n), with an effect of one of `KINDS`."""
+    q, rigid, friction = m.q, rigid_torque(arm, m), friction_torque(arm, m)
+    torque, largest = rigid + friction, np.abs(rigid).max(axis=-1, keepdims=True)
+    match kind:
+        case "position" | "cogging":
+            low, high, share = WAVES[kind]
+            wave = np.sin(rng.integers(low, high, (2, 1)) * q + rng.uniform(0.0, 2.0 * np.pi, (2, 1)))
+            torque += rng.uniform(0.02, share) * arm.beta[3] * np.array([[1.0], [0.5]]) * wave
+        case "friction":
+            stribeck = rng.uniform(0.2, 0.5) * np.exp(-((m.dq / rng.uniform(0.1, 0.4)) ** 2))
+            size = stribeck * arm.coulomb[:, None] + rng.uniform(0.0, 0.06) * np.abs(rigid)
+            torque += size * np.tanh(arm.steepness * m.dq)
+        case "temperature":
+            torque += warm_up(m.t, rng) * friction
+        case "rotor5" | "rotor30":
+            torque[1] += float(kind.removeprefix("rotor")) / 100.0 * arm.beta[2] * m.ddq[1]
+        case "flexible":
+            q = q + np.radians(rng.uniform(0.3, 1.5, (2, 1))) * rigid / largest
+        case "backlash":
+            q = q + np.radians(rng.uniform(0.1, 0.5, (2, 1))) * np.tanh(rigid / (0.05 * largest))
+        case "constant":
+            current = np.abs(torque) / np.abs(torque).max(axis=-1, keepdims=True)
+            torque *= 1.0 + rng.uniform(0.05, 0.15, (2, 1)) * current ** rng.integers(1, 4)
+        case "scale1":
+            torque[0] *= rng.choice([0.85, 1.15])
+        case "offset":
+            torque += np.array([[0.03], [0.05]]) * largest
+    return q, torque
+
+
 def record(
-    arm: Arm, m: Motion, further: np.ndarray, rng: np.random.Generator, coarse: float = 1.0
+    q: np.ndarray, torque: np.ndarray, rng: np.random.Generator, coarse: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Position and torque as a log would contain them; `coarse` multiplies encoder step and noise."""
-    torque = rigid_torque(arm, m) + friction_torque(arm, m) + further
-    size = np.sqrt(np.mean(torque**2, axis=-1, keepdims=True))
-    step = coarse * ENCODER
-    return step * np.rint(m.q / step), torque + coarse * NOISE * size * rng.normal(size=torque.shape)
+    size, step = np.sqrt(np.mean(torque**2, axis=-1, keepdims=True)), coarse * ENCODER
+    return step * np.rint(q / step), torque + coarse * NOISE * size * rng.normal(size=torque.shape)

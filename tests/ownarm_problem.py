@@ -34,7 +34,7 @@ def problem_of(regression, validation=(), moving=None, estimates_delay=True, **s
     moving = regression if moving is None else moving
     made_up = Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
     log = loaded(log_of(recording(np.arange(0.0, 20.0, 0.005))))
-    prepared = PreparedLog(log, regression, moving, {}, FilterSettings(**settings), made_up)
+    prepared = PreparedLog(log, log.log, regression, FilterSettings(**settings), made_up, delay_error=0.0)
     return IdentificationProblem(
         (prepared,), regression, moving, {}, tuple(validation), excitation(moving), estimates_delay
     )

@@ -29,9 +29,8 @@ from repro.ownarm.prepare import (
     Options,
     load_log,
     make_problem,
-    read_prior,
-    with_plane,
 )
+from repro.ownarm.prior import read_prior, with_plane
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table
@@ -317,7 +316,7 @@ def identify(
     >>> import repro
     >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
     >>> result.parameters.loc["g1", "verdict"]
-    'known to 9 %'
+    'known to 18 %'
     >>> result.parameters["estimate"].round(2).to_dict()
     {'I1': 0.13, 'I2': 0.0, 'I3': 0.02, 'g1': 0.97, 'g2': 0.09, 'b1': 0.1, 'b2': 0.11, 'k1': 0.55, 'k2': 0.23}
     >>> unseen = result.errors[result.errors["part"] == "validation"]

@@ -60,6 +60,7 @@ class LinkSet:
     k: tuple[float, float]  # coulomb friction of each joint, N m
     gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
     notes: tuple[str, ...] = ()  # what was chosen or found on the way, one line each
+    rotor: float = 0.0  # inertia of the rotor of joint 2 about its axis, next to I3, kg m^2
 
     @property
     def rows(self) -> tuple[tuple[int, float, float, float, float, float], ...]:
@@ -193,6 +194,7 @@ _URDF_HEAD = (
     "law for it (often a stick-slip limit, sometimes nothing), not the k tanh(lambda dq) it was identified with.",
     "Position, effort and velocity limits are placeholders: a log does not tell them.",
     "Planar motion shows the inertia about the joints' axis alone; ixx and izz are those of a slender rod.",
+    "URDF has no inertia of rotors: that of joint 1 is part of link 1, and that of joint 2 is left out.",
 )
 _MJCF_HEAD = (
     "Two-joint arm from identified parameters. Lengths in m, masses in kg, angles in rad.",
@@ -200,6 +202,7 @@ _MJCF_HEAD = (
     "Friction: damping is viscous (b). frictionloss is the Coulomb torque (k), in MuJoCo's own form: a constraint",
     "that holds the joint at rest up to this torque, not the k tanh(lambda dq) it was identified with.",
     "Planar motion shows the inertia about the joints' axis alone; the others are those of a slender rod.",
+    "armature is the inertia of the rotor of joint 2, where the log shows one; that of joint 1 is part of link 1.",
 )
 
 
@@ -271,7 +274,10 @@ def mjcf(links: LinkSet, name: str) -> str:
         place = {"pos": _below(start)} if number > 1 else {}
         body = SubElement(body, "body", {"name": f"link{number}", **place})
         damping, friction = links.b[number - 1], links.k[number - 1]
-        SubElement(body, "joint", name=f"joint{number}", damping=_numbers(damping), frictionloss=_numbers(friction))
+        joint = {"name": f"joint{number}", "damping": _numbers(damping), "frictionloss": _numbers(friction)}
+        if number == 2 and links.rotor > 0.0:
+            joint["armature"] = _numbers(links.rotor)
+        SubElement(body, "joint", joint)
         moments = _numbers(*principal_inertia(inertia))
         SubElement(body, "inertial", pos=_below(centre), mass=_numbers(mass), diaginertia=moments)
         SubElement(body, "geom", fromto=f"{_below(0.0)} {_below(length)}", size=_numbers(0.04 * length))

@@ -97,7 +97,7 @@ def fill_folder(
                 raise InputError.at(str(out / name), "a folder", "a file of an earlier run, or a name that is free")
         earlier = folder / "earlier"  # files of another run; the optional ones contradict this one
         earlier.mkdir()
-        older = [name for name in {*names, *optional} if os.path.lexists(out / name)]
+        older = [name for name in dict.fromkeys((*names, *optional)) if os.path.lexists(out / name)]
         steps = [(out / name, earlier / name) for name in older]
         _move([*steps, *((folder / name, out / name) for name in names)], out)
         for name in older:

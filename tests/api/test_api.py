@@ -27,7 +27,7 @@ from repro.settings import data_settings, search_settings, signal_settings
 SIGNATURES = {
     "identify": "log, validate, arm, method, filter, cutoff, friction, prior, self_test, seed, steps, cache",
     "Identification": "details, method, _curves, _arm, _inputs",
-    "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks",
+    "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks, left_out",
     "read_log": "source, arm",
     "read_arm": "path",
     "excite": "arm, duration, rate, harmonics, noise, guess, seed",

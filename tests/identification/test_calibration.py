@@ -9,18 +9,21 @@ from ownarm_problem import ARM, loaded
 from regression_example import log_from
 
 from repro.identification.calibration import (
-    CALIBRATION_TERMS,
+    CANDIDATES,
     calibration_limits,
     correct_calibration,
     find_calibration_errors,
 )
-from repro.identification.extra_terms import FrictionTerm, find_friction, subtract_friction
+from repro.identification.extra_terms import ExtraTerm, find_terms, subtract_terms
 from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import METHODS
 from repro.identification.regression import drop_standstill
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.prepare import SCALE_OF_JOINT_1, Options, make_problem
+from repro.ownarm.prior import read_prior
+from repro.ownarm.text import calibration_lines
 
 SETTINGS = FilterSettings()
 CLEAN = log_from(motion, seconds=20.0)
@@ -99,7 +102,7 @@ def test_a_log_without_a_fault_has_none():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CALIBRATION_TERMS)
+@pytest.mark.parametrize("name", CANDIDATES)
 def test_a_fault_is_found_from_the_size_that_is_said(name):
     """Half of it is not, half as much again is: both rules hold for a column added to the nine, but for curvature."""
     log = noisy(3, size=0.2)
@@ -117,7 +120,7 @@ def test_a_scale_that_a_log_does_not_show_of_itself_shows_beside_another():
     log = noisy(1, log_from(lambda t: tuple(0.3 * x for x in motion(t)), seconds=6.0), size=0.1)
     others = [drop_standstill(prepare(noisy(2), SETTINGS))]
     alone, beside = calibration_limits(log, SETTINGS, ()), calibration_limits(log, SETTINGS, (), others)
-    assert all(beside[name] < alone[name] for name in CALIBRATION_TERMS)
+    assert all(beside[name] < alone[name] for name in CANDIDATES)
     assert beside["scale2"] < 0.5 * alone["scale2"]
     scale = 1.0 + 1.5 * beside["scale2"]
     wrong = spoilt(log, scale2=scale)
@@ -131,7 +134,7 @@ def test_what_is_put_right_is_not_among_what_may_be_hidden():
     log = spoilt(noisy(1), zero1=0.1)
     found = find_calibration_errors(log, SETTINGS)
     hidden = calibration_limits(correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
-    assert {*hidden} == {*CALIBRATION_TERMS} - {"zero1"}
+    assert {*hidden} == {*CANDIDATES} - {"zero1"}
     assert hidden == pytest.approx(calibration_limits(noisy(1), SETTINGS, found), rel=0.1)
 
 
@@ -171,9 +174,10 @@ def stribeck(t):
     return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
 
 
-def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02):
-    log = log_from(motion, seconds=40.0, delay=DELAYED.delay)
+def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02, rotor=0.0, seconds=40.0):
+    log = log_from(motion, seconds=seconds, delay=DELAYED.delay)
     more = np.array(load)[:, None] * load_friction(log.t) + np.array(rest)[:, None] * stribeck(log.t)
+    more[1] += rotor * motion(log.t + DELAYED.delay)[2][1]
     return replace(log, tau=log.tau + more + noise * np.random.default_rng(seed).normal(size=log.tau.shape))
 
 
@@ -192,7 +196,7 @@ def ready_of(log, friction):
     ],
 )
 def test_what_is_there_is_found_with_its_size(load, rest, names):
-    found = {term.name: term for term in find_friction(log_with(load, rest), DELAYED, True) if term.taken}
+    found = {term.name: term for term in find_terms([(log_with(load, rest), DELAYED)], True) if term.taken}
     assert list(found) == names
     true = dict(zip(("load1", "load2", "stribeck1", "stribeck2"), (*load, *rest), strict=True))
     for name, term in found.items():
@@ -200,19 +204,69 @@ def test_what_is_there_is_found_with_its_size(load, rest, names):
         assert term.gain > 0.2
 
 
+def test_the_rotor_of_joint_2_is_subtracted_unasked_and_i3_comes_out_right():
+    problem = ready_of(log_with(rotor=0.1 * BETA[2]), friction=False)
+    (term,) = problem.first.taken
+    assert (term.name, term.value) == ("rotor2", pytest.approx(0.1 * BETA[2], rel=0.1))
+    assert METHODS["ordinary"].estimate(problem.moving).beta[:5] == pytest.approx(BETA[:5], rel=0.01)
+
+
+def test_the_delay_does_not_absorb_the_rotor():
+    for rotor in (0.1, 0.4):
+        first = ready_of(log_with(rotor=rotor * BETA[2]), friction=False).first
+        assert first.settings.delay == pytest.approx(DELAYED.delay, abs=3e-4)
+        assert first.taken[0].value == pytest.approx(rotor * BETA[2], rel=0.05)
+
+
+def test_logs_of_one_arm_have_one_rotor():
+    logs = [log_with(rotor=0.1 * BETA[2], seed=seed, noise=0.1, seconds=15.0 + seed) for seed in (1, 2, 3)]
+    (term,) = (term for term in find_terms([(log, DELAYED) for log in logs], False) if term.taken)
+    assert term.value == pytest.approx(0.1 * BETA[2], rel=0.2)
+    alone = [term.error for log in logs for term in find_terms([(log, DELAYED)], False)]
+    assert all(term.error < error for error in alone)
+
+
+@pytest.mark.parametrize(("wrong", "beta"), [(1, 1.0), (2, 1.0), (None, 1.2)])
+def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
+    factor = np.array([[1.0 / 1.4 if wrong == 1 else 1.0], [1.4 if wrong != 1 else 1.0]])
+    log = noisy(1)
+    log = replace(log, tau=log.tau * factor)
+    prior = read_prior({"g1": {"value": beta * BETA[3], "sd": 0.02}, "k1": {"value": 9.0, "sd": 1.0}})
+    problem = make_problem((loaded(log),), (), ARM, Options(("ordinary",), "unused", prior=prior))
+    (fault,) = problem.first.faults
+    expected = {1: ("scale1", 1.0 / 1.4), 2: ("scale2", 1.4), None: ("scale2", 1.4)}[wrong]
+    assert (fault.name, fault.value) == (expected[0], pytest.approx(expected[1], rel=0.02))
+    if wrong is None:
+        both = problem.moving, *problem.as_good[SCALE_OF_JOINT_1].regressions
+        second, first = (METHODS["instrumental"].estimate(replace(r, prior=None)).beta for r in both)
+        assert first == pytest.approx(1.4 * second, rel=0.01)
+    assert problem.scale_open is (wrong is None)
+    lines = calibration_lines([fault], ARM, problem.scale_open)
+    assert any("torque_scale" in line for line in lines)
+    assert any("--prior" in line for line in lines) is (wrong is None)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_nothing_is_found_where_there_is_nothing(seed):
-    assert find_friction(log_with(seed=seed), DELAYED, True) == ()
+    assert find_terms([(log_with(seed=seed), DELAYED)], True) == ()
 
 
 def test_taken_out_is_what_was_put_in():
-    terms = [FrictionTerm("load1", 0.1, 0.0, 0.0, True), FrictionTerm("stribeck2", 0.2, 0.0, 0.0, True)]
+    terms = [ExtraTerm("load1", 0.1, 0.0, 0.0, True), ExtraTerm("stribeck2", 0.2, 0.0, 0.0, True)]
     inside = slice(100, -100)  # the ends, where filters do not see both sides, apart
     spoilt, clean = log_with((0.1, 0.0), (0.0, 0.2), noise=0.0), log_with(noise=0.0)
-    left = subtract_friction(spoilt, DELAYED, BETA, terms).tau - clean.tau
+    left = subtract_terms(spoilt, DELAYED, BETA, terms).tau - clean.tau
     put_in = 0.1 * load_friction(log_with().t)[0], 0.2 * stribeck(log_with().t)[1]
     for joint in (0, 1):
         assert np.std(left[joint, inside]) < 0.1 * np.std(put_in[joint][inside])
+
+
+def test_a_term_is_subtracted_from_each_piece_by_itself():
+    log, terms = log_with(), [ExtraTerm("rotor2", 0.01, 0.0, 0.0, True)]
+    n = log.t.size // 2
+    split = replace(log, t=log.t + 2.0 * (np.arange(log.t.size) >= n), breaks=(n,))
+    halves = [subtract_terms(piece, DELAYED, BETA, terms).tau for piece in split.pieces]
+    np.testing.assert_array_equal(subtract_terms(split, DELAYED, BETA, terms).tau, np.concatenate(halves, axis=1))
 
 
 def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_out_right():

@@ -191,7 +191,7 @@ def test_a_delay_beyond_reach_ends_at_the_limit_of_its_side(late):
 
 
 def test_the_standard_error_of_a_delay_is_its_scatter():
-    log = log_from(log_example.motion)
+    log = log_from(log_example.motion, delay=0.004)  # in the middle of the range that needs no evidence
     noise = 0.3 * np.random.default_rng(0).normal(size=(24, *log.tau.shape))
     delays, errors = np.transpose([estimate_delay(replace(log, tau=log.tau + n), FilterSettings()) for n in noise])
     assert 0.95 < np.mean(errors) / np.std(delays) < 1.35
@@ -325,3 +325,29 @@ def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, k
     # Where directions are undetermined, the rows that pull on them are in the cost, too.
     pulled = 1e-6 * max(np.sum((scale * beta) ** 2) for beta in (one, other)) * (kind != "all")
     assert rows == pytest.approx(whole, rel=1e-8, abs=1e-8 + pulled)
+
+
+def test_rows_that_a_wrong_torque_reaches_through_the_filters_are_left_out():
+    wrong = np.zeros(LOG.tau.shape, dtype=bool)
+    wrong[0, 1000:1040] = True
+    damaged = replace(LOG, tau=LOG.tau + 5.0 * wrong)
+    setting = FilterSettings()
+    whole, r = prepare(LOG, setting), prepare(replace(damaged, left_out=wrong), setting)
+    assert r.mask[1].all()
+    out = r.t[~r.mask[0]]
+    assert 4.8 < out.min() < 5.0
+    assert 5.2 < out.max() < 5.4
+    assert not r.tau[~r.mask].any()
+    assert not r.y[~r.mask].any()
+    np.testing.assert_allclose(r.tau[r.mask], whole.tau[r.mask], atol=0.05 * 5.0)
+    np.testing.assert_array_equal(drop_standstill(r).mask, drop_standstill(whole).mask & r.mask)
+    error = [np.abs(solve(x.y, x.tau) - BETA).max() for x in (r, prepare(damaged, setting))]
+    assert error[0] < 0.2 * error[1]
+    assert error[1] > 0.1
+    logs = LOG, replace(damaged, left_out=wrong), damaged
+    undamaged, repaired, spoiled = (
+        np.interp(2.5, c.frequency, c.coherence[0]) for c in (choose_cutoff(x, setting) for x in logs)
+    )
+    assert spoiled < repaired - 0.05
+    assert repaired == pytest.approx(undamaged, abs=0.02)
+    assert estimate_delay(replace(damaged, left_out=wrong), setting)[0] == pytest.approx(0.0, abs=1e-3)

@@ -19,6 +19,7 @@ from repro.identification.regression import (
     Prior,
     drop_standstill,
     joined,
+    masked,
     residual_autocorrelation,
 )
 from repro.identification.solve import solve
@@ -221,6 +222,12 @@ def test_the_log_counts_by_its_whole_variance():
     assert estimate.beta[3] == pytest.approx(weight * BETA[3] + (1.0 - weight) * prior.mean[3], abs=0.02)
     spread = bootstrap(method, attached, estimate, others, np.random.default_rng(1))
     assert spread.standard_error[3] == pytest.approx(0.1 * 0.2 / np.hypot(0.1, 0.2), rel=0.1)
+
+
+def test_a_joint_without_rows_does_not_weaken_the_log():
+    r = noisy(BETA, size=SIZE)
+    one = masked(r, np.array([[True], [False]]) & r.mask)
+    assert attach_prior(PRIOR, one, {})[0].prior.variance == pytest.approx(SIZE**2, rel=0.1)
 
 
 def test_what_the_motion_does_not_excite_comes_from_the_prior():

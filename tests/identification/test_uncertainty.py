@@ -20,6 +20,7 @@ from repro.identification.uncertainty import (
     GROUPS,
     UNMODELLED_EFFECTS,
     Perturbation,
+    WeightedLog,
     block_length,
     bootstrap,
     filtered_columns,
@@ -195,14 +196,17 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
+FRICTION = "both kinds of friction"
+
+
 @pytest.mark.parametrize(
     ("name", "spoil"),
     [
         ("zero positions", lambda log, q, dq, ddq: (log.q + each(0.03, -0.02), log.tau)),
         ("torque offsets", lambda log, q, dq, ddq: (log.q, log.tau + each(0.2, -0.1))),
-        ("load-dependent friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
-        ("Stribeck friction", lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.1 * loaded(q, dq, ddq))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.5))),
+        (FRICTION, lambda log, q, dq, ddq: (log.q, log.tau + 0.3 * near_rest(dq, 0.1))),
         ("torque of period one turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(q))),
         ("torque of period half a turn", lambda log, q, dq, ddq: (log.q, log.tau + wave(2.0 * q))),
     ],
@@ -211,7 +215,7 @@ def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(n
     q, dq, ddq = motion(LOG.t)
     positions, torque = spoil(LOG, q, dq, ddq)
     log = replace(LOG, q=positions, tau=torque)
-    found = perturbations(log, SETTINGS)[name]
+    found = perturbations([WeightedLog(log, SETTINGS)])[name]
     plain, (other,) = prepare(log, SETTINGS), found.regressions
     without_it, with_it = (np.abs(solve(r.y, r.tau) / BETA - 1)[:5].max() for r in (plain, other))
     assert found.weight > 0.9
@@ -255,7 +259,7 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
     weights = []
     for _ in range(10):
         noisy = replace(LOG, tau=LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
-        found = perturbations(noisy, SETTINGS)
+        found = perturbations([WeightedLog(noisy, SETTINGS)])
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
 
@@ -270,7 +274,9 @@ def test_an_effect_that_explains_a_log_without_its_correction_has_weight(zero, c
     noise = 0.02 * np.random.default_rng(4).normal(size=LOG.tau.shape)
     recorded = change(replace(LOG, q=LOG.q + each(zero - 0.05, 0.0), tau=LOG.tau + noise))
     corrected = replace(recorded, q=recorded.q + each(0.05, 0.0))
-    found = unmodelled_effects(recorded, SETTINGS, prepare(corrected, SETTINGS))["torque of period half a turn"]
+    found = unmodelled_effects([WeightedLog(recorded, SETTINGS)], prepare(corrected, SETTINGS))[
+        "torque of period half a turn"
+    ]
     assert found.rival
     assert bool(found.weight > 0.9) is explains
     if explains:

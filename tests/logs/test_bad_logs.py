@@ -31,11 +31,11 @@ from log_damage import (
     without,
     without_velocity,
 )
-from log_example import BETA, text
+from log_example import BETA, motion, text
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm, read_arm
-from repro.logs.diagnostics import describe, diagnose
+from repro.logs.diagnostics import describe, diagnose, saturated_fraction
 from repro.logs.load import read_log
 from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
@@ -152,6 +152,9 @@ SUSPECTED = [
     ("zero horizontal, other side", offset(-np.pi / 2, 0), {}, "zero: [-1.5708, 0]"),
     ("zero folded back", offset(0, np.pi), {}, "with q2 = 0 folded back"),
     ("zero at a right angle", offset(0, np.pi / 2), {}, "zero: [0, 1.5708]"),
+    ("q1 in half as many counts", scaled(2, "q1", "dq1"), {}, "multiply counts_per_turn by [2, 1] in the arm file"),
+    ("q2 in four times the counts", scaled(0.25, "q2", "dq2"), {}, "multiply counts_per_turn by [1, 0.25] in"),
+    ("both in twice the counts", scaled(0.5, "q1", "q2", "dq1", "dq2"), {}, "both positions 0.5 times the true one"),
     ("torque of another arm", good() | dict(zip(("tau1", "tau2"), NOISE, strict=True)), {}, "little more than noise"),
     ("torque recorded late", shifted_torque(-0.12), {}, "0.120 s earlier than recorded"),
     ("torque recorded early", shifted_torque(0.1), {}, "0.100 s later than recorded"),
@@ -248,6 +251,43 @@ def test_a_free_fall_is_no_other_reading(seed):
     warnings = diagnose(log, Arm())
     assert len(warnings) <= 1
     assert all("this log can only test the motion" in line for line in warnings)
+
+
+@pytest.mark.parametrize(
+    ("table", "named"),
+    [
+        (good(), None),
+        (other_sign("tau1"), "torque_sign: [-1, 1]"),
+        (absolute(), "second_joint_absolute: true"),
+        (scaled(2, "q1", "dq1"), "multiply counts_per_turn by [2, 1]"),
+    ],
+)
+def test_noise_of_the_torque_of_joint_2_hides_no_convention(table, named):
+    table = {name: np.array(values) for name, values in table.items()}
+    tau = np.stack([table["tau1"], table["tau2"] + 3.0 * np.std(table["tau2"]) * NOISE[1]])
+    log = Log(name="log.csv", t=table["time"], q=np.stack([table["q1"], table["q2"]]), tau=tau)
+    found = [warning for warning in diagnose(log, Arm()) if "reads better" in warning]
+    assert len(found) == (named is not None)
+    assert all(f"if so, {named} in the arm file" in warning for warning in found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_switched_torque_is_neither_noise_nor_saturated(noise):
+    """A controller that only switches its torque: most of it is above any cutoff, and what is below drives the arm."""
+    h, most, n = 0.002, np.array([8.0, 4.0]), 4000
+    wanted, speed, _ = motion(h * np.arange(n))
+    q, tau, x, v = np.empty((2, n)), np.empty((2, n)), wanted[:, 0], speed[:, 0]
+    for k in range(n):
+        q[:, k], tau[:, k] = x, most * np.sign(20.0 * (wanted[:, k] - x) + speed[:, k] - v)
+        for _ in range(4):
+            v = v + 0.25 * h * forward_dynamics(x, v, tau[:, k], BETA)
+            x = x + 0.25 * h * v
+    log = Log(
+        name="log.csv", t=h * np.arange(n), q=q, tau=tau + noise * np.random.default_rng(2).normal(size=tau.shape)
+    )
+    assert diagnose(log, Arm()) == ()
+    assert saturated_fraction(log) == (0.0, 0.0)
 
 
 def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path):

@@ -10,8 +10,9 @@ from log_example import RATE, assert_same, log_of, recording
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import describe, quantisation_step, saturated_fraction
+from repro.logs.diagnostics import describe, saturated_fraction
 from repro.logs.log import uniform
+from repro.logs.torque_limits import quantisation_step, unreliable_torque
 
 GOOD = recording()
 SIGNALS = ("q", "dq", "tau")
@@ -111,3 +112,82 @@ def test_saturation_is_measured(limit):
     known = np.array([limit, limit])
     np.testing.assert_allclose(saturated_fraction(dataclasses.replace(log_of(GOOD), tau=tau)), truth, atol=1e-9)
     np.testing.assert_allclose(saturated_fraction(log_of(GOOD, torque_limit=known)), truth, atol=0.002)
+
+
+#: Noise of a torque sensor, 0.01 N m.
+NOISE = 0.01 * np.random.default_rng(7).normal(size=GOOD.tau.shape)
+
+
+def changed(**samples):
+    """The good log with some torques of a joint replaced; `noise` too, unless it is False."""
+    tau = GOOD.tau + NOISE
+    for joint, replaced in samples.items():
+        tau[int(joint[-1]) - 1] = replaced(tau[int(joint[-1]) - 1])
+    return log_of(dataclasses.replace(GOOD, tau=tau))
+
+
+def held_from(begin, end, value=None):
+    def held(tau):
+        return np.where((np.arange(tau.size) >= begin) & (np.arange(tau.size) < end), value or tau[begin], tau)
+
+    return held
+
+
+@pytest.mark.parametrize(
+    ("log", "joint", "samples"),
+    [
+        (changed(tau1=lambda tau: np.minimum(tau, 2.5)), 1, GOOD.tau[0] + NOISE[0] >= 2.5),
+        (changed(tau2=lambda tau: np.maximum(tau, -0.9)), 2, GOOD.tau[1] + NOISE[1] <= -0.9),
+        (changed(tau2=held_from(1000, 1080)), 2, np.isin(np.arange(2400), np.arange(1000, 1080))),
+        (changed(tau1=held_from(500, 560, 1e-9)), 1, np.isin(np.arange(2400), np.arange(500, 560))),
+        (changed(tau1=held_from(1700, 2400)), 1, np.arange(2400) >= 1700),
+    ],
+    ids=["limit", "lower limit", "stuck", "lost", "stuck to the end"],
+)
+def test_a_torque_that_the_motion_contradicts_is_left_out(log, joint, samples):
+    found = unreliable_torque(log)
+    np.testing.assert_array_equal(found[joint - 1], samples)
+    assert not found[2 - joint].any()
+    (warning,) = (line for line in describe(log, Arm()).warnings if "leaves them out" in line)
+    assert f"joint {joint} is at a limit or stuck in {samples.sum()} samples" in warning
+
+
+def steps(size):
+    return lambda tau: size * np.rint(tau / size)
+
+
+def rarely(n):
+    return lambda tau: tau[np.arange(tau.size) // n * n]
+
+
+@pytest.mark.parametrize("size", [0.02, 0.1, 0.4])
+def test_a_torque_in_steps_is_neither_at_a_limit_nor_stuck(size):
+    assert not unreliable_torque(changed(tau1=steps(size), tau2=steps(0.5 * size))).any()
+
+
+@pytest.mark.parametrize("n", [4, 20])
+def test_a_torque_that_is_rarely_updated_is_neither_at_a_limit_nor_stuck(n):
+    assert not unreliable_torque(changed(tau1=rarely(n), tau2=rarely(n))).any()
+
+
+def test_drives_that_are_off_at_an_end_are_not_stuck():
+    rest = np.arange(2400) >= 1600
+    tau = np.where(rest, 0.0, GOOD.tau + NOISE)
+    assert not unreliable_torque(log_of(dataclasses.replace(GOOD, tau=tau))).any()
+
+
+def test_a_limit_that_acts_is_not_left_out():
+    """The torque that a drive reports at its known limit is the one that moves the arm."""
+    log = log_of(GOOD, torque_limit=np.array([2.5, 9.0]))
+    assert saturated_fraction(log)[0] > 0.05
+    assert not unreliable_torque(log).any()
+
+
+def test_left_out_samples_go_with_their_pieces():
+    left_out = np.zeros((2, 2400), dtype=bool)
+    left_out[1, 1195:1210] = True
+    log = log_of(GOOD, left_out=left_out, breaks=(1200,))
+    assert [piece.left_out.sum(axis=1).tolist() for piece in log.pieces] == [[0, 5], [0, 10]]
+    assert uniform(log) is log
+    with pytest.raises(InputError, match=r"log\.csv: left_out: found bool of shape \(2, 7\), expected bool of shape"):
+        log_of(GOOD, left_out=left_out[:, :7])

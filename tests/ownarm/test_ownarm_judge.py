@@ -16,11 +16,13 @@ from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
-from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.prepare import Options, load_log, make_problem
 from repro.ownarm.text import IMPOSSIBLE, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
+#: Standard normal numbers.
+WHITE = np.random.default_rng(8).normal(size=(2, 4800))
 HELD = "held at zero: the log alone would make it negative"
 
 
@@ -57,6 +59,51 @@ def test_no_interval_is_claimed_of_a_log_that_least_squares_shrinks(tmp_path, lo
     found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
     assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
     assert {p.verdict for p in found.parameters} - {NOT_EXCITED} == {f"no interval: {why}"}
+
+
+@pytest.mark.parametrize(
+    ("torque", "why"),
+    [
+        (
+            lambda log: log.tau[:, ::-1],
+            "Eq. 1 predicts only 0 % of the squared torque of joint 2 from the rest of the log",
+        ),
+        (lambda log: 0.4 * np.tanh(20.0 * np.gradient(log.q, log.t, axis=1)), "friction alone explains the torque"),
+        (lambda log: log.tau, None),
+        (lambda log: log.tau + 5.0 * log.tau.std(axis=1, keepdims=True) * WHITE[:, : log.t.size], None),
+    ],
+    ids=["another motion", "friction compensation", "good", "noise above the motion"],
+)
+def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path, torque, why):
+    """Noise that is white is averaged away; a torque of another motion is not."""
+    loaded = prepared_from_file(tmp_path, seconds=24.0).first.loaded
+    tau = torque(loaded.log) + 1e-3 * WHITE[:, : loaded.log.t.size]
+    changed = (replace(loaded, log=replace(loaded.log, tau=tau)),)
+    problem = make_problem(changed, (), ARM, Options(("ordinary",), tmp_path))
+    found = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+    if why is None:
+        assert problem.doubt == ""
+        assert all(p.low < true < p.high for p, true in zip(found.parameters[3:5], BETA[3:5], strict=True))
+    else:
+        assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
+        assert {why in p.verdict for p in found.parameters if p.verdict != NOT_EXCITED} == {True}
+
+
+def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):
+    """A sensor that ends at 70 % of the largest torque of joint 1, and at 90 % of that of joint 2."""
+    log = prepared_from_file(tmp_path).first.loaded.log
+    noisy_torque = log.tau + 0.01 * np.random.default_rng(3).normal(size=log.tau.shape)
+    most = np.array([[0.7], [0.9]]) * np.abs(noisy_torque).max(axis=1, keepdims=True)
+    loaded = load_log(replace(log, tau=np.clip(noisy_torque, -most, most)), ARM)
+    np.testing.assert_array_equal(loaded.log.left_out, np.abs(noisy_torque) >= most)
+    assert sum("leaves them out" in line for line in loaded.description.warnings) == 2
+    found = {}
+    for name, used in (("without", loaded), ("with", replace(loaded, log=replace(loaded.log, left_out=None)))):
+        problem = make_problem((used,), (), ARM, Options(("ordinary",), tmp_path))
+        method = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
+        found[name] = max(abs(p.estimate / true - 1.0) for p, true in zip(method.parameters[:5], BETA, strict=False))
+    assert found["without"] < 0.3 * found["with"]
+    assert found["with"] > 0.08
 
 
 @pytest.mark.parametrize("factor", [1e-4, 3000.0])

@@ -183,7 +183,7 @@ def test_a_file_that_cannot_be_moved_leaves_all_as_it_was(tmp_path, monkeypatch,
     rename = Path.rename
 
     def immutable(path, target):
-        if path.name == "b.csv" and target.parent.name == to:
+        if path.name == "b.csv" and target.parent.name == to and path.parent.name != "earlier":
             raise OSError(errno.EPERM, "Operation not permitted")
         return rename(path, target)
 

@@ -9,7 +9,7 @@ from ownarm_problem import problem_of
 from regression_example import exciting
 
 from repro.model.parameters import NAMES
-from repro.ownarm.prepare import read_prior
+from repro.ownarm.prior import read_prior
 from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
 from repro.ownarm.result import Excitation
 

@@ -14,7 +14,8 @@ from repro.errors import InputError
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import NAMES, UNITS, Links, inertial_from_links
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options, read_prior
+from repro.ownarm.prepare import Options
+from repro.ownarm.prior import read_prior
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
 GOOD = {"value": 1.0, "sd": 0.1}

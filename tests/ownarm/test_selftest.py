@@ -11,12 +11,12 @@ from regression_example import broadband, log_from
 from repro.identification.calibration import correct_calibration
 from repro.identification.filtering import prepare
 from repro.identification.least_squares import METHODS
-from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, uniform
+from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import add_self_test
 from repro.ownarm.prepare import Options, make_problem
-from repro.ownarm.selftest import _inverse, self_test, synthetic_log
+from repro.ownarm.selftest import inverse_errors, self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
@@ -100,7 +100,7 @@ def test_stribeck_friction_is_told_from_noise():
 
 def test_errors_that_are_put_in_are_taken_out_again():
     errors, log = {"zero1": 0.1, "offset2": 0.3, "scale2": 1.4}, recorded().log
-    again = correct_calibration(correct_calibration(log, _inverse(errors)), errors)
+    again = correct_calibration(correct_calibration(log, inverse_errors(errors)), errors)
     assert [again.q, again.tau] == [pytest.approx(log.q), pytest.approx(log.tau)]
 
 
@@ -148,3 +148,10 @@ def test_the_recommended_method_with_intervals_is_outcome():
     assert test.real == pytest.approx(best.fit.relative_rms)
     mute = replace(result, methods=tuple(replace(m, claims_intervals=False) for m in result.methods))
     assert add_self_test(mute, problem, ARM, OPTIONS, silent) == mute
+
+
+def test_the_inverse_of_a_correction_restores_the_log():
+    log, errors = recorded().log, {"zero2": 0.05, "offset2": 0.3, "scale2": 1.4, "offset1": -0.1}
+    again = correct_calibration(correct_calibration(log, errors), inverse_errors(errors))
+    np.testing.assert_allclose(again.q, log.q)
+    np.testing.assert_allclose(again.tau, log.tau)

@@ -87,4 +87,4 @@ def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apar
         faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
         return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
 
-    assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm())) == apart
+    assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm(), False)) == apart

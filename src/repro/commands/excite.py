@@ -94,7 +94,7 @@ def read_guess(given: list[str] | None) -> "Array | None":
     import numpy as np
 
     from repro.documents import read_json
-    from repro.ownarm.prepare import read_result
+    from repro.ownarm.prior import read_result
 
     if given is None:
         return None

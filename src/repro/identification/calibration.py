@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.identification.extra_terms import (
-    MIN_ERROR_REDUCTION,
     MIN_Z_SCORE,
     N_NINE,
     Kind,
@@ -29,7 +28,7 @@ from repro.identification.extra_terms import (
     weighted_rows,
     zero_position,
 )
-from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
 from repro.identification.regression import Regression, drop_standstill
 from repro.identification.solve import solve
 from repro.logs.log import Log
@@ -41,14 +40,18 @@ MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1
 MAX_ZERO = 0.25
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
 MAX_SCALE = 3.0
-#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of joint 2 over the one
-#: that Eq. 1 shares with joint 1.
+#: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
+#: that Eq. 1 shares with the other. A log cannot determine which of the two is wrong: joint 2, unless a prior decides.
 CALIBRATION: dict[str, Kind] = {
-    "zero": Kind(zero_position, "rad", max_step=0.1),
-    "offset": Kind(offset, "N m"),
-    "scale": Kind(scale, "1", (2,), 1.0, 0.3),
+    "zero": Kind(zero_position, max_step=0.1),
+    "offset": Kind(offset),
+    "scale": Kind(scale, neutral=1.0, max_step=0.3),
 }
+#: Torque constants belong to the arm rather than to a log.
+OTHER_SCALE, SCALE = "scale1", "scale2"
 CALIBRATION_TERMS = term_names(CALIBRATION)
+#: Those that a log is searched for.
+CANDIDATES = tuple(name for name in CALIBRATION_TERMS if name != OTHER_SCALE)
 
 
 @dataclass(frozen=True)
@@ -64,9 +67,18 @@ def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
     """Correct positions and torques of a log by the values of calibration errors; a missing one has no effect."""
     if not values:
         return log
-    zero, constant = (np.array([[values.get(f"{name}{j}", 0.0)] for j in (1, 2)]) for name in ("zero", "offset"))
-    factor = np.array([[1.0], [values.get("scale2", 1.0)]])
+    zero, constant, factor = (
+        np.array([[values.get(f"{name}{j}", kind.neutral)] for j in (1, 2)]) for name, kind in CALIBRATION.items()
+    )
     return replace(log, q=log.q + zero, tau=(log.tau - constant) / factor)
+
+
+def blame_joint_1(errors: Sequence[CalibrationError]) -> tuple[CalibrationError, ...]:
+    """Attribute a scale to joint 1 instead of joint 2: its torque is as much too small as that of joint 2 too large."""
+    return tuple(
+        replace(e, name=OTHER_SCALE, value=1.0 / e.value, error=e.error / e.value**2) if e.name == SCALE else e
+        for e in errors
+    )
 
 
 def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
@@ -76,13 +88,13 @@ def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
 
 def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     """Regression of a log without standstill, and the columns of all calibration errors."""
-    r = drop_standstill(prepare(log, settings))
+    r = drop_standstill(prepare(log, settings, even_odd=False))
     return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
 
 
 def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, float], others: Array) -> float:
     """Relative RMS error of least squares of a corrected log and others, mean of its joints that have torque."""
-    regression = drop_standstill(prepare(correct_calibration(log, values), settings))
+    regression = drop_standstill(prepare(correct_calibration(log, values), settings, even_odd=False))
     beta = solve(regression.y, regression.tau)
     if len(others):
         own = reduced_rows(*weighted_rows(regression, np.empty((*regression.tau.shape, 0))))
@@ -116,13 +128,20 @@ def _gauss_newton(
 
 
 def find_calibration_errors(
-    log: Log, settings: FilterSettings, others: Sequence[Regression] = ()
+    log: Log,
+    settings: FilterSettings,
+    others: Sequence[Regression] = (),
+    names: Sequence[str] = CANDIDATES,
 ) -> tuple[CalibrationError, ...]:
-    """Find the calibration errors of a log; `others` are correct regressions of the arm, with the same parameters."""
+    """Find the calibration errors with these names in a log.
+
+    `others` are correct regressions of the arm, with the same parameters.
+    """
     r, columns = _calibration_problem(log, settings)
     rows = other_rows(others)
-    candidates = _nonzero_columns(columns, r.mask)
-    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, rows)]
+    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in names]
+    subset = best_subset(*weighted_rows(r, columns), dict.fromkeys(candidates, MIN_ERROR_REDUCTION), rows)
+    names = [CALIBRATION_TERMS[k] for k in subset]
     while names:
         values = _gauss_newton(log, settings, names, rows)
         errors = [_evaluated(log, settings, values, name, rows) for name in names]
@@ -158,7 +177,7 @@ def _with_rivals(
 ) -> CalibrationError:
     """Add the calibration errors that explain the log nearly as well in place of this one."""
     instead = {}
-    for other in (name for name in CALIBRATION_TERMS if name not in names):
+    for other in (name for name in CANDIDATES if name not in names):
         exchanged = [other if name == error.name else name for name in names]
         rival = _evaluated(log, settings, _gauss_newton(log, settings, exchanged, others), other, others)
         if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and _is_credible(rival):
@@ -175,11 +194,13 @@ def calibration_limits(
     hidden.
     """
     r, columns = _calibration_problem(log, settings)
-    own = [CALIBRATION_TERMS.index(error.name) for error in corrected]
-    candidates = [k for k in _nonzero_columns(columns, r.mask) if k not in own]
+    names = [SCALE if error.name == OTHER_SCALE else error.name for error in corrected]
+    own = [CALIBRATION_TERMS.index(name) for name in names]
+    free = [name for name in CANDIDATES if name not in names]
+    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in free]
     a, b = weighted_rows(r, columns)
     first, second = np.abs(log.tau).max(axis=-1)
-    most = dict(zip(CALIBRATION_TERMS, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
+    most = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
     limits = detection_limits(a, b, own, candidates, r.h, other_rows(others))
     sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
     return {name: size if size < most[name] else None for name, size in sizes}

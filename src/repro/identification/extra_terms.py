@@ -1,10 +1,11 @@
-"""Terms that extend Eq. 1, chosen by cross-validation: further friction, and the columns of calibration errors.
+"""Terms that extend Eq. 1, chosen by cross-validation: a rotor, further friction, and calibration errors.
 
-Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate column next to
-the nine of the regressor (`FRICTION`, and `CALIBRATION` of `repro.identification.calibration`). The chosen subset of
-the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the squared error
-by `MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other logs of the
-arm, to which none of the terms applies, may take part in the fit.
+The gear of joint 2 turns its rotor with joint 2 alone, while Eq. 1 has one I3 for both rows; the rotor of joint 1 is
+part of I1. Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate
+column next to the nine of the regressor (`TERMS`, and `CALIBRATION` of `repro.identification.calibration`). The chosen
+subset of the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the
+squared error of the joints it acts on by `MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors
+away from no effect. Other logs of the arm, to which none of the terms applies, may take part in the fit.
 
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
@@ -18,35 +19,63 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from repro.identification.filtering import (
+    MIN_ERROR_REDUCTION,
     FilterSettings,
     Moved,
     filter_columns,
+    filtered_torque,
     prepare,
     retained_samples,
     smooth_motion,
 )
-from repro.identification.regression import Regression, correlation_time, drop_standstill
+from repro.identification.regression import Regression, correlation_time, drop_standstill, joined
 from repro.identification.solve import solve
 from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 
-#: Fraction of the cross-validated squared error by which a further column must reduce it.
-MIN_ERROR_REDUCTION = 0.2
 #: Standard errors that a term must be away from no effect.
 MIN_Z_SCORE = 4.0
 #: Reduction of the cross-validated squared error beyond which friction that is not subtracted is reported.
 MIN_REPORTED_REDUCTION = 0.05
 #: Blocks of the log in cross-validation.
 BLOCKS = 6
-#: Difference of the position with which the columns of a zero position are made, rad.
-ZERO_DIFFERENCE = 1e-4
+#: Difference with which columns of errors of the position are made, rad.
+POSITION_DIFFERENCE = 1e-4
 #: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
 STRIBECK_SPEEDS = (0.1, 0.2, 0.5)
 N_NINE = len(NAMES)
 
-#: ``columns(motion, beta, friction_steepness)``: torque (2, N, k) that terms of unit size add.
-Columns = Callable[[Moved, Array, float], Array]
+
+@dataclass(frozen=True, eq=False)
+class SmoothLog:
+    """One piece of a log as the columns of further terms need it."""
+
+    moved: Moved  # smoothed motion
+    tau: Array  # filtered torque (2, N)
+    beta: Array  # parameters that give the torque of Eq. 1
+    h: float  # sampling period, s
+    settings: FilterSettings
+
+    @classmethod
+    def of(cls, log: Log, settings: FilterSettings, beta: Array) -> "SmoothLog":
+        """Smooth a log in one piece."""
+        h = period(log)
+        return cls(smooth_motion(log.q, h, settings), filtered_torque(log.tau, h, settings), beta, h, settings)
+
+    @property
+    def y(self) -> Array:
+        """The regressor along the motion (2, N, 9)."""
+        return regressor(*self.moved, self.settings.friction_steepness)
+
+    @property
+    def coulomb(self) -> Array:
+        """Direction of the Coulomb friction of each joint (2, N)."""
+        return np.tanh(self.settings.friction_steepness * self.moved[1])
+
+
+#: Torque (2, N, k) that terms of unit size add.
+Columns = Callable[[SmoothLog], Array]
 
 
 def one_joint(values: Array) -> Array:
@@ -54,41 +83,45 @@ def one_joint(values: Array) -> Array:
     return values[..., np.newaxis] * np.eye(2)[:, np.newaxis]
 
 
-def offset(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+def offset(log: SmoothLog) -> Array:
     """Compute the columns of a constant torque of each joint, shape (2, N, 2)."""
-    return one_joint(np.ones_like(moved[0]))
+    return one_joint(np.ones_like(log.tau))
 
 
-def zero_position(moved: Moved, beta: Array, steepness: float) -> Array:
+def position_error(log: SmoothLog, error: Array) -> Array:
+    """Compute the change of both torques with an error (2, N) of the position of either joint, shape (2, N, 2)."""
+    torque, moved = log.y @ log.beta, smooth_motion(error, log.h, log.settings)
+    columns = []
+    for joint, largest in zip(np.eye(2), np.abs(error).max(axis=-1), strict=True):
+        difference = POSITION_DIFFERENCE / (largest or 1.0)
+        q, dq, ddq = (x + difference * joint[:, np.newaxis] * dx for x, dx in zip(log.moved, moved, strict=True))
+        columns.append((replace(log, moved=(q, dq, ddq)).y @ log.beta - torque) / difference)
+    return np.stack(columns, axis=-1)
+
+
+def zero_position(log: SmoothLog) -> Array:
     """Compute the change of the torque of each joint with the zero position of either, shape (2, N, 2)."""
-    q, dq, ddq = moved
-    torque = regressor(q, dq, ddq, steepness) @ beta
-    shifted = [regressor(q + ZERO_DIFFERENCE * unit[:, np.newaxis], dq, ddq, steepness) @ beta for unit in np.eye(2)]
-    return np.stack([(other - torque) / ZERO_DIFFERENCE for other in shifted], axis=-1)
+    return position_error(log, np.ones_like(log.tau))
 
 
-def scale(moved: Moved, beta: Array, steepness: float) -> Array:
-    """Compute the change of the torque of joint 2 with its torque constant, shape (2, N, 1)."""
-    column = np.zeros((2, moved[0].shape[-1], 1))
-    column[1, :, 0] = (regressor(*moved, steepness) @ beta)[1]
-    return column
+def scale(log: SmoothLog) -> Array:
+    """Compute the change of the torque of each joint with its torque constant, shape (2, N, 2)."""
+    return one_joint(log.y @ log.beta)
 
 
-def load_friction(moved: Moved, beta: Array, steepness: float) -> Array:
+def rotor_inertia(log: SmoothLog) -> Array:
+    """Compute the torque of a rotor of unit inertia that turns with joint 2 alone, shape (2, N, 1)."""
+    return one_joint(log.moved[2])[..., 1:]
+
+
+def load_friction(log: SmoothLog) -> Array:
     """Compute Coulomb friction in proportion to the torque that the gear carries, shape (2, N, 2)."""
-    load = regressor(*moved, steepness)[..., :5] @ beta[:5]
-    return one_joint(np.abs(load) * np.tanh(steepness * moved[1]))
+    return one_joint(np.abs(log.y[..., :5] @ log.beta[:5]) * log.coulomb)
 
 
-def stribeck(
-    moved: Moved,
-    beta: Array,  # noqa: ARG001
-    steepness: float,
-    speed: float = STRIBECK_SPEEDS[-1],
-    power: int = 2,
-) -> Array:
+def stribeck(log: SmoothLog, speed: float = STRIBECK_SPEEDS[-1], power: int = 2) -> Array:
     """Compute friction that is larger near rest, shape (2, N, 2): powers of 1 and 2 are both in use."""
-    return one_joint(np.tanh(steepness * moved[1]) * np.exp(-((np.abs(moved[1]) / speed) ** power)))
+    return one_joint(log.coulomb * np.exp(-((np.abs(log.moved[1]) / speed) ** power)))
 
 
 @dataclass(frozen=True)
@@ -96,14 +129,21 @@ class Kind:
     """A kind of term, with a column for each of its joints."""
 
     columns: Columns
-    unit: str  # of its value
     joints: tuple[int, ...] = (1, 2)
+    min_reduction: float = MIN_ERROR_REDUCTION  # fraction of the cross-validated squared error that it must reduce
     neutral: float = 0.0  # value without effect
     max_step: float = np.inf  # longest step of Gauss-Newton, as columns are valid near the log that they are made on
 
 
-#: Friction in proportion to the load, and friction at rest on top of k.
-FRICTION: dict[str, Kind] = {"load": Kind(load_friction, "1"), "stribeck": Kind(stribeck, "N m")}
+#: Friction in proportion to the load, friction at rest on top of k (N m), and the rotor of joint 2 (kg m^2). Every gear
+#: has a rotor, and a column that is not needed only widens the intervals: little evidence is enough.
+TERMS: dict[str, Kind] = {
+    "load": Kind(load_friction),
+    "stribeck": Kind(stribeck),
+    "rotor": Kind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
+}
+#: The kind that is no friction: it is subtracted without being asked.
+ROTOR = "rotor"
 
 
 def term_names(kinds: Mapping[str, Kind]) -> tuple[str, ...]:
@@ -111,21 +151,21 @@ def term_names(kinds: Mapping[str, Kind]) -> tuple[str, ...]:
     return tuple(f"{name}{joint}" for name, kind in kinds.items() for joint in kind.joints)
 
 
-FRICTION_TERMS = term_names(FRICTION)
+TERM_NAMES = term_names(TERMS)
 
 
 @dataclass(frozen=True)
 class Term:
     """A term that a log shows."""
 
-    name: str  # of `FRICTION_TERMS` or `repro.identification.calibration.CALIBRATION_TERMS`
+    name: str  # of `TERM_NAMES` or `repro.identification.calibration.CALIBRATION_TERMS`
     value: float  # in the unit of its kind: a zero is added to the position, an offset subtracted from the torque
     error: float  # standard error of the value
 
 
 @dataclass(frozen=True)
-class FrictionTerm(Term):
-    """Friction that Eq. 1 does not model."""
+class ExtraTerm(Term):
+    """Friction or a rotor that Eq. 1 does not model."""
 
     gain: float  # fraction by which it reduces the cross-validated squared error, next to the other terms
     taken: bool  # whether it is subtracted from the torque
@@ -139,19 +179,18 @@ def values_of(terms: Sequence[Term]) -> dict[str, float]:
 # Columns of the regressor, and selection among them.
 
 
-def raw_columns(kinds: Mapping[str, Kind], moved: Moved, beta: Array, steepness: float) -> Array:
-    """Compute the columns of all terms of these kinds along a motion, shape (2, N, k)."""
-    return np.concatenate([kind.columns(moved, beta, steepness) for kind in kinds.values()], axis=-1)
+def raw_columns(kinds: Mapping[str, Kind], log: SmoothLog) -> Array:
+    """Compute the columns of all terms of these kinds, shape (2, N, k)."""
+    return np.concatenate([kind.columns(log) for kind in kinds.values()], axis=-1)
 
 
 def filtered_columns(makes: Sequence[Columns], log: Log, settings: FilterSettings, beta: Array) -> list[Array]:
     """Compute columns at the retained samples through the filters of the regressor, each of shape (2, n, k)."""
     pieces = []
     for piece in log.pieces:
-        h, (n, keep) = period(piece), retained_samples(piece, settings)
-        moved = smooth_motion(piece.q[:, :n], h, settings)
-        raw = (make(moved, beta, settings.friction_steepness) for make in makes)
-        pieces.append([filter_columns(columns, h, settings)[:, keep] for columns in raw])
+        n, keep = retained_samples(piece, settings)
+        smooth = SmoothLog.of(piece.piece(0, n), settings, beta)
+        pieces.append([filter_columns(make(smooth), smooth.h, settings)[:, keep] for make in makes])
     return [np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True)]
 
 
@@ -205,36 +244,49 @@ def _fit(a: Array, b: Array) -> Array:
 
 
 def _blocks(a: Array, b: Array) -> list[Array]:
-    """Reduced rows of each block of the log."""
+    """Reduced rows of each block of the log, by joint (2, m, k + 1)."""
     block = np.arange(b.shape[1]) * BLOCKS // b.shape[1]
-    return [reduced_rows(a[:, block == k], b[:, block == k]) for k in range(BLOCKS)]
+    return [
+        np.stack([reduced_rows(*rows) for rows in zip(a[:, block == k], b[:, block == k], strict=True)])
+        for k in range(BLOCKS)
+    ]
 
 
 def _leave_one_out(blocks: Sequence[Array], columns: Sequence[int], others: Array) -> list[Array]:
     """Solutions from all blocks but one, and from the other logs."""
-    always = _padded(others, blocks[0].shape[1] - others.shape[1])
-    rest = [np.concatenate([*blocks[:k], *blocks[k + 1 :], always]) for k in range(len(blocks))]
+    flat = [block.reshape(-1, block.shape[-1]) for block in blocks]
+    always = _padded(others, flat[0].shape[1] - others.shape[1])
+    rest = [np.concatenate([*flat[:k], *flat[k + 1 :], always]) for k in range(len(blocks))]
     return [_fit(r[:, columns], r[:, -1]) for r in rest]
 
 
-def _block_error(blocks: Sequence[Array], columns: Sequence[int], others: Array) -> float:
+def _block_error(blocks: Sequence[Array], columns: Sequence[int], others: Array) -> Array:
     pairs = zip(blocks, _leave_one_out(blocks, columns, others), strict=True)
-    return float(sum(np.sum((r[:, -1] - r[:, columns] @ x) ** 2) for r, x in pairs))
+    error: Array = sum(np.sum((r[..., -1] - r[..., columns] @ x) ** 2, axis=-1) for r, x in pairs)
+    return np.maximum(error, np.finfo(np.float64).tiny)
 
 
-def cross_validation_error(a: Array, b: Array, others: Array = NO_ROWS) -> float:
-    """Squared error of the blocks of a log, each predicted from the others."""
+def cross_validation_error(a: Array, b: Array, others: Array = NO_ROWS) -> Array:
+    """Squared error of each joint (2,) in the blocks of a log, each predicted from the others; never zero."""
     return _block_error(_blocks(a, b), range(a.shape[-1]), others)
+
+
+def error_ratio(error: Array, of: Array) -> float:
+    """Product of the ratios of both joints' squared errors: a term that acts on one joint is judged by that joint."""
+    return float(np.exp(np.sum(np.log(error) - np.log(of))))
 
 
 def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tuple[Array, Array]:
     """Fit rows `h` apart; the standard errors are the larger of those by independent samples and by the blocks."""
     blocks = _blocks(a, b)
-    both = np.concatenate([*blocks, _padded(others, a.shape[-1] + 1 - others.shape[1])])
-    flat, x = both[:, :-1], _fit(both[:, :-1], both[:, -1])
+    flat = [block.reshape(-1, block.shape[-1]) for block in blocks]
+    both = np.concatenate([*flat, _padded(others, a.shape[-1] + 1 - others.shape[1])])
+    x = _fit(both[:, :-1], both[:, -1])
     residual = b - a @ x
     n_independent = residual.size * h / correlation_time(residual, h)
-    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(flat.T @ flat))) * np.sum(residual**2) / max(n_independent, 1.0))
+    spread = np.sqrt(
+        np.abs(np.diag(np.linalg.pinv(both[:, :-1].T @ both[:, :-1]))) * np.sum(residual**2) / max(n_independent, 1.0)
+    )
     jackknife = np.sqrt((BLOCKS - 1) * np.var(_leave_one_out(blocks, range(a.shape[-1]), others), axis=0))
     return x, np.maximum(spread, jackknife)
 
@@ -244,15 +296,19 @@ def _nine_and(subset: Sequence[int]) -> list[int]:
     return [*range(N_NINE), *(N_NINE + k for k in subset)]
 
 
-def best_subset(a: Array, b: Array, candidates: Sequence[int], others: Array = NO_ROWS) -> list[int]:
-    """Choose the columns behind the nine that predict blocks best, each worth `MIN_ERROR_REDUCTION` of the error."""
+def best_subset(
+    a: Array, b: Array, candidates: Mapping[int, float], others: Array = NO_ROWS, by_joint: bool = False
+) -> list[int]:
+    """Choose the columns behind the nine that predict blocks best, each worth a fraction of the error by number.
+
+    That is the squared error of both joints, or the product of theirs.
+    """
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
-    error = [
-        _block_error(blocks, _nine_and(subset), others) * (1.0 - MIN_ERROR_REDUCTION) ** -len(subset)
-        for subset in subsets
-    ]
-    return list(subsets[int(np.argmin(error))])
+    penalty = [-sum(np.log(1.0 - candidates[k]) for k in subset) for subset in subsets]
+    errors = (_block_error(blocks, _nine_and(subset), others) for subset in subsets)
+    error = [np.sum(np.log(each)) if by_joint else np.log(each.sum()) for each in errors]
+    return list(subsets[int(np.argmin(np.add(error, penalty)))])
 
 
 def detection_limits(
@@ -263,48 +319,68 @@ def detection_limits(
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains; that must be
     `MIN_ERROR_REDUCTION` of the error with it.
     """
-    error, limits = cross_validation_error(a[..., _nine_and(chosen)], b, others), []
+    error, limits = float(cross_validation_error(a[..., _nine_and(chosen)], b, others).sum()), []
     for k in candidates:
         columns = a[..., _nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
-        flat = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
-        alone = flat[:, -1] - flat[:, :-1] @ _fit(flat[:, :-1], flat[:, -1])
+        both = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
+        alone = flat[:, -1] - flat[:, :-1] @ _fit(both[:, :-1], both[:, -1])
         ratio = MIN_ERROR_REDUCTION / (1.0 - MIN_ERROR_REDUCTION)
         square = ratio * error / max(float(alone @ alone), np.finfo(float).tiny)
         limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(np.sqrt(square))))
     return limits
 
 
-def find_friction(log: Log, settings: FilterSettings, subtract: bool) -> tuple[FrictionTerm, ...]:
-    """Find the friction terms to subtract, if any may be, and those that would help, in a calibrated log."""
-    r = drop_standstill(prepare(log, settings))
-    a, b = weighted_rows(r, term_columns(FRICTION, log, settings, solve(r.y, r.tau)))
-    candidates = [k for k in range(len(FRICTION_TERMS)) if np.any(a[..., N_NINE + k])]
+def _residual(regression: Regression, columns: Array) -> float:
+    """RMS error of least squares with further columns, N m, never zero."""
+    a = np.concatenate([regression.y, columns * regression.mask[..., np.newaxis]], axis=-1)
+    error = regression.tau - a @ _fit(a, regression.tau)
+    return float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0
 
-    def evaluated(k: int, chosen: Sequence[int]) -> FrictionTerm:
+
+def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[ExtraTerm, ...]:
+    """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`.
+
+    Friction is subtracted if it may be, the rotor always. The logs are uniformly sampled and have correct calibration;
+    the load is that of least squares. Each of several logs is weighted by its errors with all terms in the model: a
+    noisy log must not hide what a good one shows.
+    """
+    each = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
+    whole = joined(each)
+    load = solve(whole.y, whole.tau)
+    columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
+    weights = [1.0 / _residual(r, c) for r, c in zip(each, columns, strict=True)] if len(logs) > 1 else [1.0]
+    r = joined(each, weights)
+    a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
+    candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]
+
+    def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
         others = [other for other in chosen if other != k]
         columns = a[..., _nine_and([k, *others])]
-        error = max(cross_validation_error(a[..., _nine_and(others)], b), np.finfo(np.float64).tiny)
-        gain = 1.0 - cross_validation_error(columns, b) / error
+        without = cross_validation_error(a[..., _nine_and(others)], b)
+        gain = 1.0 - error_ratio(cross_validation_error(columns, b), without)
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
-        return FrictionTerm(FRICTION_TERMS[k], value, standard_error, gain, k in chosen)
+        return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
-    chosen = best_subset(a, b, candidates) if subtract else []
+    reductions = {k: TERMS[TERM_NAMES[k][:-1]].min_reduction for k in candidates}
+    asked = {k: least for k, least in reductions.items() if friction or TERM_NAMES[k].startswith(ROTOR)}
+    chosen = best_subset(a, b, asked, by_joint=True)
     while True:
         terms = [evaluated(k, chosen) for k in candidates]
         credible = [term for term in terms if term.value > MIN_Z_SCORE * term.error]
-        rejected = [FRICTION_TERMS.index(term.name) for term in terms if term.taken and term not in credible]
+        rejected = [TERM_NAMES.index(term.name) for term in terms if term.taken and term not in credible]
         if not rejected:
             return tuple(term for term in credible if term.taken or term.gain > MIN_REPORTED_REDUCTION)
         chosen = [k for k in chosen if k != rejected[0]]
 
 
-def subtract_friction(log: Log, settings: FilterSettings, beta: Array, terms: Sequence[FrictionTerm]) -> Log:
-    """Subtract the friction of these terms from the torque of a log; `beta` gives the load."""
-    moved = smooth_motion(log.q, period(log), settings)
-    columns = raw_columns(FRICTION, moved, beta, settings.friction_steepness)
-    subset = [FRICTION_TERMS.index(term.name) for term in terms]
-    friction = columns[..., subset] @ np.array([term.value for term in terms])
-    acting = np.clip(log.t + settings.delay, log.t[0], log.t[-1])
-    return replace(log, tau=log.tau - CubicSpline(log.t, friction, axis=1)(acting))
+def subtract_terms(log: Log, settings: FilterSettings, beta: Array, terms: Sequence[ExtraTerm]) -> Log:
+    """Subtract these terms from the torque of a log; `beta` gives the load."""
+    subset, values = [TERM_NAMES.index(term.name) for term in terms], np.array([term.value for term in terms])
+    left = []
+    for piece in log.pieces:
+        torque = raw_columns(TERMS, SmoothLog.of(piece, settings, beta))[..., subset] @ values
+        acting = np.clip(piece.t + settings.delay, piece.t[0], piece.t[-1])
+        left.append(piece.tau - CubicSpline(piece.t, torque, axis=1)(acting))
+    return replace(log, tau=np.concatenate(left, axis=1))

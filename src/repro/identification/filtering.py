@@ -21,9 +21,10 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 from scipy.signal import butter, csd, savgol_filter, sosfiltfilt
 
-from repro.identification.regression import Regression, correlation_time, joined
+from repro.identification.regression import Regression, correlation_time, joined, masked
 from repro.identification.solve import solve
 from repro.logs.log import Log, period
+from repro.logs.torque_limits import MOST_CONTAMINATED
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
@@ -42,6 +43,10 @@ SEGMENT = 3.0
 STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 #: Largest delay that is searched, s, and number of delays.
 MAX_DELAY, N_DELAYS = 0.02, 11
+#: Latest delay that a drive is expected to have, sampling periods: any other needs evidence.
+EXPECTED_DELAY = 2.0
+#: Fraction of the squared error by which an effect must reduce it.
+MIN_ERROR_REDUCTION = 0.2
 BUTTERWORTH_ORDER = 4
 SAVITZKY_GOLAY_DEGREE = 3
 #: Half-power frequency of a cubic Savitzky-Golay window of 2 m + 1 samples times m + 1/2, in half the sampling rate;
@@ -182,13 +187,13 @@ def _interpolated(x: Array, at: Array) -> Array:
     return sum((w * c[:, i] for w, i in zip(weights, around, strict=True)), np.zeros(())) / 6
 
 
-def prepare(log: Log, settings: FilterSettings) -> Regression:
+def prepare(log: Log, settings: FilterSettings, even_odd: bool = True) -> Regression:
     """Filter, cut and decimate each piece of a uniformly sampled log; ValueError if nothing remains."""
-    parts = [_piece(piece, settings) for piece in log.pieces]
+    parts = [_piece(piece, settings, even_odd) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 
 
-def _piece(log: Log, settings: FilterSettings) -> Regression:
+def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     """Prepare a log in one piece."""
     h = period(log)
     n, keep = retained_samples(log, settings)
@@ -196,14 +201,19 @@ def _piece(log: Log, settings: FilterSettings) -> Regression:
     moved = smooth_motion(recorded, h, settings)
     y = filtered_regressor(moved, h, settings)
     halves = []
-    for first in (0, 1):
+    for first in (0, 1) if even_odd else ():
         every_other = slice(first, None, 2)
         half = filtered_regressor(smooth_motion(recorded[:, every_other], 2 * h, settings), 2 * h, settings)
         halves.append(_interpolated(half, (keep - first) / 2))
     tau = filtered_torque(torque, h, settings)
     q, dq, ddq = (x[:, keep] for x in moved)
     mask = np.ones(q.shape, dtype=np.bool_)
-    return Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, np.stack(halves))
+    both = np.stack(halves) if even_odd else None
+    whole = Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, both)
+    if log.left_out is None:
+        return whole
+    contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
+    return masked(whole, np.abs(contamination) <= MOST_CONTAMINATED)
 
 
 # Choice of the cut-off.
@@ -236,11 +246,14 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     band = (frequency >= LOWEST_CUTOFF) & (frequency <= highest)
     by_noise = _first_below(frequency[band], position.max(0)[band], MIN_SIGNAL_TO_NOISE)
 
-    first = prepare(log, replace(settings, cutoff=min(3.0, highest)))
+    first = prepare(log, replace(settings, cutoff=min(3.0, highest)), even_odd=False)
     beta = solve(first.y, first.tau)
     every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
-    wide = [prepare(piece, every_sample) for piece in log.pieces]
+    wide = [prepare(replace(piece, left_out=None), every_sample, even_odd=False) for piece in log.pieces]
     tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
+    if log.left_out is not None:  # a gap in the torque would have a spectrum of its own
+        counts = [prepare(piece, every_sample, even_odd=False).mask for piece in log.pieces]
+        tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
     (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
@@ -282,20 +295,27 @@ def choose_steepness(log: Log, settings: FilterSettings) -> float:
     """Choose lambda of Eq. 1 with the smallest sum of squared errors, each joint over its torque's energy."""
     errors = []
     for steepness in STEEPNESS_GRID:
-        r = prepare(log, replace(settings, friction_steepness=steepness))
+        r = prepare(log, replace(settings, friction_steepness=steepness), even_odd=False)
         weight = 1.0 / np.mean(r.tau**2, axis=-1, keepdims=True)
         errors.append(float(np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)))
     return STEEPNESS_GRID[int(np.argmin(errors))]
 
 
-def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
+def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = None) -> tuple[float, float]:
     """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
 
-    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The
-    squared error is close to a parabola about the true delay.
+    Columns (2, n, k) at the retained samples join the regressor: of effects that the delay would otherwise absorb.
+
+    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
+    squared errors of ordinary least squares is close to a parabola about the true delay. Unmodelled effects move it by
+    some milliseconds. Unless it reduces the squared error by `MIN_ERROR_REDUCTION`, the result is therefore the nearest
+    delay of at most `EXPECTED_DELAY`, and its standard error includes the distance.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
-    pieces = [_delayed(piece, settings, delays) for piece in log.pieces]
+    ends = np.cumsum([retained_samples(piece, settings)[1].size for piece in log.pieces])
+    more = np.empty((2, ends[-1], 0)) if columns is None else columns
+    parts = zip(log.pieces, np.split(more, ends[:-1], axis=1), strict=True)
+    pieces = [_delayed(piece, settings, delays, part) for piece, part in parts]
     y, tau, h = np.concatenate([y for y, _, _ in pieces], 1), np.concatenate([x for _, x, _ in pieces], 2), pieces[0][2]
     residual = np.stack([x - y @ solve(y, x) for x in tau])
     error = np.sum(residual**2, axis=(1, 2))
@@ -303,20 +323,27 @@ def estimate_delay(log: Log, settings: FilterSettings) -> tuple[float, float]:
     near = slice(best - 1, best + 2)
     curve, slope, _ = np.polyfit(delays[near] - delays[best], error[near], 2)
     if curve <= 0.0:
-        return float(delays[error.argmin()]), MAX_DELAY
-    delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
-    if abs(delay) >= MAX_DELAY:  # the best delay is beyond the range: nothing is known of it
-        return delay, MAX_DELAY
-    # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
-    n_independent = residual[best].size * h / correlation_time(residual[best], h)
-    return delay, min(float(np.sqrt(error.min() / n_independent / curve)), MAX_DELAY)
+        delay, spread = float(delays[error.argmin()]), MAX_DELAY
+    else:
+        delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
+        # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
+        n_independent = residual[best].size * h / correlation_time(residual[best], h)
+        spread = float(np.sqrt(error.min() / n_independent / curve))
+    expected = float(np.clip(delay, 0.0, min(EXPECTED_DELAY * period(log), MAX_DELAY)))
+    if error.min() > (1.0 - MIN_ERROR_REDUCTION) * np.interp(expected, delays, error):
+        return expected, min(float(np.hypot(spread, delay - expected)), MAX_DELAY)
+    # If the best delay is beyond the range, nothing is known of it.
+    return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)
 
 
-def _delayed(log: Log, settings: FilterSettings, delays: Array) -> tuple[Array, Array, float]:
-    """Regressor of a piece of a log, its torque with each delay (len(delays), 2, n), and time between samples."""
-    plain = prepare(log, replace(settings, delay=0.0))
+def _delayed(log: Log, settings: FilterSettings, delays: Array, columns: Array) -> tuple[Array, Array, float]:
+    """Give regressor and columns of a piece of a log, its torque by delay (len(delays), 2, n), and the period."""
+    settings = replace(settings, delay=0.0)
+    plain = prepare(log, settings, even_odd=False)
     t = plain.t
     inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
-    fine = prepare(log, replace(settings, delay=0.0, samples_per_cycle=np.inf))
-    torque_at = CubicSpline(fine.t, fine.tau, axis=-1)
-    return plain.y[:, inside], np.stack([torque_at(t[inside] - delay) for delay in delays]), plain.h
+    n, every = retained_samples(log, replace(settings, samples_per_cycle=np.inf))
+    torque_at = CubicSpline(log.t[every], filtered_torque(log.tau[:, :n], period(log), settings)[:, every], axis=-1)
+    torque = np.stack([torque_at(t[inside] - delay) for delay in delays])
+    y = np.concatenate([plain.y, columns * plain.mask[..., np.newaxis]], axis=-1)
+    return y[:, inside], torque * plain.mask[:, inside], plain.h

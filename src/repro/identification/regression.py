@@ -116,8 +116,9 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
     )
 
 
-def _masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
-    """Set the rows outside of the mask to zero."""
+def masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
+    """Set further rows outside of the mask to zero."""
+    mask = mask & regression.mask
     return regression.change(lambda y: y * mask[..., np.newaxis], tau=regression.tau * mask, mask=mask)
 
 
@@ -132,14 +133,14 @@ def without_known(regression: Regression) -> Regression:
 def drop_idle_joints(regression: Regression) -> Regression:
     """Mask the rows of joints that never move: the torque that holds them is unknown in every sample."""
     moves = (np.abs(regression.dq) >= STANDSTILL_SPEED).mean(-1, keepdims=True) >= IDLE_FRACTION
-    return _masked(regression, np.broadcast_to(moves, regression.dq.shape))
+    return masked(regression, np.broadcast_to(moves, regression.dq.shape))
 
 
 def drop_standstill(regression: Regression) -> Regression:
     """Mask the rows of joints that stand still."""
     moving = np.abs(regression.dq) >= STANDSTILL_SPEED
     fraction = moving.mean(-1, keepdims=True)
-    return _masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
+    return masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
 
 
 def joint_variance(regression: Regression, beta: Array) -> Array:
@@ -149,6 +150,12 @@ def joint_variance(regression: Regression, beta: Array) -> Array:
     floor = np.finfo(np.float64).eps * np.sum(regression.tau**2, axis=-1, keepdims=True) / count
     floor = np.where(floor > 0.0, floor, 1.0)
     return np.asarray(np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor))
+
+
+def mean_variance(regression: Regression, beta: Array) -> float:
+    """Mean squared torque error of the joints that have rows, N^2 m^2; 1 if neither has."""
+    present = regression.mask.any(-1, keepdims=True)
+    return float(np.mean(joint_variance(regression, beta), where=present)) if present.any() else 1.0
 
 
 def correlation_time(error: Array, h: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from repro.identification.extra_terms import cross_validation_error, weighted_rows
 from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.regression import Regression
 from repro.logs.log import Log, period
@@ -43,6 +44,19 @@ def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
     whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
     first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
     return float(first), float(second)
+
+
+def unexplained(regression: Regression, parameters: slice = slice(None)) -> Array:
+    """Compute the fraction (2,) of each joint's squared torque that Eq. 1 leaves, in blocks predicted from the others.
+
+    Only some of the parameters may take part. A joint without rows has 0.
+    """
+    chosen = np.zeros(regression.y.shape[-1])
+    chosen[parameters] = 1.0
+    rows, torque = weighted_rows(regression, np.empty((*regression.tau.shape, 0)))
+    whole = np.sum(torque**2, axis=-1)
+    error = cross_validation_error(rows * chosen, torque)
+    return np.asarray(np.divide(error, whole, out=np.zeros(2), where=whole > 0.0))
 
 
 def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:

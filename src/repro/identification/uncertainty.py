@@ -6,14 +6,15 @@ uncertainties are combined.
 - Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
   jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
 - Type B [3]_: root mean square shift of the estimate when filters, delay or calibration errors are chosen differently.
-  Zero positions, torque offsets, load-dependent friction, Stribeck friction and torque that depends on the position are
-  effects beyond Eq. 1. Each adds columns to the regressor, and where calibration errors were corrected, also to that of
-  the log as it was recorded: they may explain it instead. With these projected out of torque and regressor, any method
-  gives the parameters that it would give with the columns in its model (Frisch, Waugh and Lovell). The squared shift is
-  multiplied by the positive-part shrinkage factor 1 - c / F [4]_, with F of the F-test of the columns and c its 5 %
-  critical value: columns that explain no more than chance add nothing. Such an effect shifts the estimate by anything
-  up to what its columns cause: a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest
-  counts. The bias of a method that is biased on purpose belongs here too.
+  `UNMODELLED_EFFECTS` are effects beyond Eq. 1, among them the rotor of joint 2, a torque constant that changes with
+  the current, and gears that give way between encoder and link. Each adds columns to the regressor, and where
+  calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead. With these
+  projected out of torque and regressor, any method gives the parameters that it would give with the columns in its
+  model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F
+  [4]_, with F of the F-test of the columns and c its critical value at 5 % over the number of effects: columns that
+  explain no more than chance add nothing. Such an effect shifts the estimate by anything up to what its columns cause:
+  a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a method
+  that is biased on purpose belongs here too.
 - Bias by errors of the motion, estimated by SIMEX [5]_. It widens the interval and does not move the estimate.
 
 Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
@@ -30,30 +31,40 @@ quadrature. (The single factor of Welch and Satterthwaite can narrow an interval
    Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import hadamard
+from scipy.linalg import block_diag, hadamard
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from repro.identification.extra_terms import (
     STRIBECK_SPEEDS,
     Columns,
+    SmoothLog,
     filtered_columns,
     load_friction,
     offset,
     one_joint,
+    position_error,
+    rotor_inertia,
     stribeck,
     zero_position,
 )
-from repro.identification.filtering import FilterSettings, Moved, prepare
+from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.regression import Prior, Regression, correlation_time, drop_standstill, joint_variance
+from repro.identification.regression import (
+    Prior,
+    Regression,
+    correlation_time,
+    drop_standstill,
+    joined,
+    mean_variance,
+)
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
@@ -82,25 +93,76 @@ class Perturbation:
     rival: bool = False  # whether it explains the same residual as other rivals, of which the largest shift counts
 
 
-def once_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+def once_a_turn(log: SmoothLog) -> Array:
     """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
-    return np.concatenate([one_joint(np.cos(moved[0])), one_joint(np.sin(moved[0]))[..., 1:]], axis=-1)
+    q = log.moved[0]
+    return np.concatenate([one_joint(np.cos(q)), one_joint(np.sin(q))[..., 1:]], axis=-1)
 
 
-def twice_a_turn(moved: Moved, beta: Array, steepness: float) -> Array:  # noqa: ARG001
+def twice_a_turn(log: SmoothLog) -> Array:
     """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
-    return np.concatenate([one_joint(wave(2.0 * moved[0])) for wave in (np.cos, np.sin)], axis=-1)
+    return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
 
 
+def torque_constant(log: SmoothLog) -> Array:
+    """Compute the torque that a constant in proportion to the current adds to the recorded one, shape (2, N, 2)."""
+    return one_joint(log.tau * np.abs(log.tau))
+
+
+def friction(log: SmoothLog, speed: float, power: int) -> Array:
+    """Compute friction in proportion to the load, and friction that is larger near rest, shape (2, N, 4)."""
+    return np.concatenate([load_friction(log), stribeck(log, speed, power)], axis=-1)
+
+
+def gear_load(log: SmoothLog) -> Array:
+    """Compute the torque (2, N) behind the friction of each joint.
+
+    It is that of the recording: a position error falsifies the accelerations, from which Eq. 1 would compute it.
+    """
+    friction = FILTERS[log.settings.name].apply(log.y[..., 5:] @ log.beta[5:], log.h, log.settings.cutoff, 0)
+    return log.tau - friction
+
+
+def elasticity(log: SmoothLog) -> Array:
+    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
+    return position_error(log, gear_load(log))
+
+
+def backlash(log: SmoothLog, width: float) -> Array:
+    """Compute the effect of play behind the encoder, shape (2, N, 2).
+
+    The teeth change sides where the load is within `width` of its largest.
+    """
+    load = gear_load(log)
+    largest = np.abs(load).max(axis=-1, keepdims=True)
+    return position_error(log, np.tanh(load / (width * np.where(largest > 0.0, largest, 1.0))))
+
+
+#: Loads over the largest one at which the teeth of a gear may change sides.
+BACKLASH_WIDTHS = (0.02, 0.05, 0.15)
+ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
 #: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts.
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
-    "zero positions": (zero_position,),
-    "torque offsets": (offset,),
+    ZEROS: (zero_position,),
+    OFFSETS: (offset,),
     "load-dependent friction": (load_friction,),
-    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=1) for speed in STRIBECK_SPEEDS),
+    "Stribeck friction": tuple(
+        partial(stribeck, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
+    ),
+    "both kinds of friction": tuple(
+        partial(friction, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
+    ),
     "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
+    "inertia of the rotor of joint 2": (rotor_inertia,),
+    CONSTANTS: (torque_constant,),
+    "elasticity": (elasticity,),
+    "backlash": tuple(partial(backlash, width=width) for width in BACKLASH_WIDTHS),
 }
+#: Effects that differ from log to log of one arm.
+OF_A_LOG = (ZEROS, OFFSETS)
+#: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
+LARGEST_SHARE = {CONSTANTS: 0.3}
 
 
 def simex(regression: Regression) -> Regression:
@@ -123,6 +185,8 @@ def simex(regression: Regression) -> Regression:
 
 def project_out(regression: Regression, columns: Array) -> Regression:
     """Project columns (2, n, k) out of torque and regressor, as if they were in the model of least squares."""
+    if not columns.shape[-1]:
+        return regression
     x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
     basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
@@ -146,37 +210,68 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
 
 
-def unmodelled_effects(log: Log, settings: FilterSettings, plain: Regression) -> dict[str, Perturbation]:
-    """Add the columns of each of `UNMODELLED_EFFECTS` to a log, weighted against the regression of the estimate."""
-    own = drop_standstill(prepare(log, settings))
+@dataclass(frozen=True)
+class WeightedLog:
+    """A log of an arm among others, and how it is filtered."""
+
+    log: Log
+    settings: FilterSettings
+    weight: float = 1.0  # factor on its rows
+
+    def columns(self, forms: Sequence[Columns], beta: Array) -> list[Array]:
+        """Compute the columns of effects at its rows, each of shape (2, n, k)."""
+        return [self.weight * one for one in filtered_columns(forms, self.log, self.settings, beta)]
+
+
+def join_filtered(
+    logs: Sequence[WeightedLog], change: Callable[[FilterSettings], FilterSettings] = lambda settings: settings
+) -> Regression:
+    """Filter logs of one arm, each with changed settings, and join them to one regression without standstill."""
+    parts = [drop_standstill(prepare(log.log, change(log.settings))) for log in logs]
+    return joined(parts, [log.weight for log in logs])
+
+
+def of_each_log(parts: Sequence[Array]) -> Array:
+    """Give each log its own coefficients of its columns (2, n, k), zero in the rows of the other logs."""
+    return np.stack([block_diag(*joint) for joint in zip(*parts, strict=True)])
+
+
+def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[str, Perturbation]:
+    """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
+    own = join_filtered(logs)
+    beta = solve(own.y, own.tau)
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
-    columns_of_forms = iter(filtered_columns(forms, log, settings, solve(own.y, own.tau)))
+    columns_of_forms = zip(*(log.columns(forms, beta) for log in logs), strict=True)
     results = {}
     for name, each in UNMODELLED_EFFECTS.items():
-        columns = [next(columns_of_forms) for _ in each]
+        parts = [next(columns_of_forms) for _ in each]
+        columns = [of_each_log(one) if name in OF_A_LOG else np.concatenate(one, axis=1) for one in parts]
         projected = [project_out(own, one) for one in columns]
         weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
         best = int(np.argmax(weights))
+        if name in LARGEST_SHARE and weights[best] > 0.0:
+            both = np.concatenate([own.y, columns[best]], axis=-1)
+            torque = columns[best] @ solve(both, own.tau)[len(beta) :]
+            share, most = np.abs(torque).max(axis=-1), LARGEST_SHARE[name] * np.abs(own.tau).max(axis=-1)
+            weights[best] *= float(np.min(np.divide(most, share, out=np.ones(2), where=share > most))) ** 2
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
     return results
 
 
-def perturbations(log: Log, settings: FilterSettings, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare a log with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
-    s = settings
+def perturbations(logs: Sequence[WeightedLog], delay_error: float = 0.0) -> dict[str, Perturbation]:
+    """Prepare logs with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
 
-    def prepared(changed: FilterSettings) -> Regression:
-        return drop_standstill(prepare(log, changed))
+    def filtered(cut: float, width: float) -> Regression:
+        return join_filtered(logs, lambda s: replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut))
 
-    filters = tuple(
-        prepared(replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut)) for cut, width in FILTER_FACTORS
-    )
-    plain = prepared(s)
-    results = {"filters": Perturbation(filters)}
+    def delayed(by: float) -> Regression:
+        return join_filtered(logs, lambda s: replace(s, delay=s.delay + by))
+
+    results = {"filters": Perturbation(tuple(filtered(*factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
-        delays = (s.delay + by for by in (-delay_error, delay_error))
-        results["delay"] = Perturbation(tuple(prepared(replace(s, delay=delay)) for delay in delays))
-    results |= unmodelled_effects(log, s, plain)
+        results["delay"] = Perturbation((delayed(-delay_error), delayed(delay_error)))
+    plain = join_filtered(logs)
+    results |= unmodelled_effects(logs, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results
 
@@ -207,7 +302,7 @@ def attach_prior(
     """
     beta = solve(regression.y, regression.tau)
     rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
-    variance, y = float(np.mean(joint_variance(regression, beta))), regression.y.reshape(-1, len(beta))
+    variance, y = mean_variance(regression, beta), regression.y.reshape(-1, len(beta))
     sampling = variance * rows * np.diag(np.linalg.pinv(y.T @ y))
     shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, others))
     inflation = 1.0 + np.where(sampling > 0.0, shifted / np.where(sampling > 0.0, sampling, 1.0), 0.0)

@@ -11,21 +11,31 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from repro.logs.log import Log, period, uniform
-from repro.model.dynamics import regressor
+from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
 #: Low-pass, Hz, most samples fitted, and time left out at each end, s: enough to distinguish conventions.
 _CUTOFF, _MOST_SAMPLES, _EDGE = 6.0, 2000, 0.3
-#: Another convention is reported if it leaves less than this fraction of the residual of a bad fit,
-_RESIDUAL_RATIO, _BAD_RESIDUAL = 0.5, 0.1
+#: Another convention is reported if it leaves less than this fraction of the product of both joints' squared errors,
+_ERROR_RATIO = 0.4
+#: and explains a joint up to this fraction of its squared torque,
+_GOOD_ERROR = 0.1
 #: or if it leaves the same, and only this one has a term of the wrong sign with this fraction of the torque.
 _SAME_RATIO, _NOTICEABLE_TERM = 1.0 + 1e-6, 0.15
-#: Ratio of residuals up to which two conventions fit equally well.
-_EQUAL_RATIO = 1.05
+#: Ratio of such products up to which two conventions fit equally well.
+_EQUAL_RATIO = 1.1
 #: Residual above which a fit explains nothing.
 _USELESS_RESIDUAL = 0.6
-#: Noise over torque above which conventions cannot be distinguished.
-_MOST_NOISE = 1.0 / 3.0
+#: Fraction of a joint's squared torque above which what a fit leaves of it is most of it.
+_MOST = 0.5
+#: Fits, each with the joints weighted by the errors of the one before: the last has nearly the smallest product.
+_FITS = 4
+#: Squared error over squared torque that counts as none: a log without noise is explained to rounding.
+_EXACT = 1e-8
+#: Singular values of the normal equations below this fraction of the largest count as zero, for unit columns.
+_RANK = 1e-11
+#: A shift in time is reported if it leaves less than this fraction of the residual.
+_RESIDUAL_RATIO = 0.5
 #: Delays examined, s; `repro identify` estimates smaller ones by itself.
 _SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3
 
@@ -64,11 +74,35 @@ CONVENTIONS: Final = (
     Convention("q2 = 0 folded back", "zero: [0, 3.1416] or [0, -3.1416]", offset=(0.0, np.pi)),
     Convention("q2 = 0 at a right angle", "zero: [0, -1.5708]", offset=(0.0, _RIGHT)),
     Convention("q2 = 0 at a right angle", "zero: [0, 1.5708]", offset=(0.0, -_RIGHT)),
+    *(
+        Convention(f"{which} {1.0 / factor:g} times the true one", remedy, (x, 0.0, 0.0, y))
+        for factor in (0.5, 2.0, 0.25, 4.0)
+        for which, x, y in (("both positions", factor, factor), ("q1", factor, 1.0), ("q2", 1.0, factor))
+        for remedy in (f"multiply counts_per_turn by [{1.0 / x:g}, {1.0 / y:g}]",)
+    ),
 )
 
 
 @dataclass(frozen=True)
-class _Smoothed:
+class _Fit:
+    """Least squares of Eq. 1 with the columns read by a convention."""
+
+    error: Array  # squared error of each joint over its squared torque (2,), in the order of the convention
+    torque: Array  # squared torque of each joint (2,)
+    n_impossible: int  # noticeable terms of an impossible sign
+
+    @property
+    def residual(self) -> float:
+        """Torque error of both joints over their torque, RMS."""
+        return float(np.sqrt(self.error @ self.torque / self.torque.sum()))
+
+    def ratio(self, other: "_Fit") -> float:
+        """Product of both joints' squared errors over that of another fit: noise of one joint does not change it."""
+        return float(np.prod(self.error / other.error))
+
+
+@dataclass(frozen=True)
+class Smoothed:
     """Low-passed motion and torque (2, N), and the samples to fit."""
 
     q: Array
@@ -79,71 +113,84 @@ class _Smoothed:
     chosen: np.ndarray[tuple[int], np.dtype[np.intp]]
     noise: Array  # the part of the torque above the cutoff
 
-    def noisy_joints(self, fraction: float = 1.0) -> list[int]:
-        """List joints whose noise is at least this fraction of the torque."""
-        size = fraction * np.linalg.norm(self.tau[:, self.chosen], axis=1)
-        return [joint + 1 for joint in (0, 1) if size[joint] <= np.linalg.norm(self.noise[joint, self.chosen])]
+    def noisy_joints(self) -> list[int]:
+        """List joints of whose torque most is above the cutoff, and Eq. 1 explains little of the rest.
+
+        A controller that switches its torque drives a motion by what remains below the cutoff.
+        """
+        size = np.linalg.norm(self.tau[:, self.chosen], axis=1)
+        above = size <= np.linalg.norm(self.noise[:, self.chosen], axis=1)
+        if not above.any():
+            return []
+        unexplained = _fit(self, _AS_GIVEN).error > _MOST
+        return [joint + 1 for joint in (0, 1) if above[joint] and unexplained[joint]]
+
+
+_AS_GIVEN: Final = Convention("", "")
 
 
 def quiet_joints(log: Log) -> list[int]:
     """List joints whose torque does not exceed its noise."""
-    return _smoothed(log).noisy_joints()
+    return smoothed(log).noisy_joints()
 
 
 def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
-    Ordinary least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong
-    sign of the torque or a wrong zero comes out as negative inertia, gravity or friction.
+    Least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong sign of the
+    torque or a wrong zero comes out as negative inertia, gravity or friction.
     """
-    smoothed = _smoothed(log)
-    size = np.linalg.norm(smoothed.tau[:, smoothed.chosen], axis=1)
+    s = smoothed(log)
+    size = np.linalg.norm(s.tau[:, s.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return
-    if smoothed.noisy_joints(_MOST_NOISE):
-        noisy = smoothed.noisy_joints()
-        if len(noisy) == 2:
-            yield "the torque is little more than noise: this log can only test the motion that parameters predict"
-        elif noisy:
-            yield (
-                f"the torque of joint {noisy[0]} is little more than noise: the log hardly determines its load; "
-                "if the joint was driven, its torque was not recorded"
-            )
+    noisy = s.noisy_joints()
+    if len(noisy) == 2:
+        yield "the torque is little more than noise: this log can only test the motion that parameters predict"
         return
-    given, n_impossible = _fit(smoothed, Convention("", ""))
-    in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
-    others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
-    fits = [(*_fit(smoothed, convention), convention) for convention in others]
-    least = min(residual for residual, _, _ in fits)
-    if given > _BAD_RESIDUAL and least < _RESIDUAL_RATIO * given:
-        equal = [fit for fit in fits if fit[0] < _EQUAL_RATIO * least]
-        best, _, convention = min(equal, key=lambda fit: fit[1])
-        yield _advice(convention, f"torque residual {100.0 * best:.0f} % instead of {100.0 * given:.0f} %")
-    elif given > _USELESS_RESIDUAL:
+    if noisy:
         yield (
-            f"Eq. 1 explains little of the torque (residual {100.0 * given:.0f} %) with any single change of "
+            f"the torque of joint {noisy[0]} is little more than noise: the log hardly determines its load; "
+            "if the joint was driven, its torque was not recorded"
+        )
+    given = _fit(s, _AS_GIVEN)
+    in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
+    fits = [(_fit(s, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
+    least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
+    if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
+        equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
+        best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
+        yield _advice(
+            convention, f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
+        )
+    elif noisy:
+        return
+    elif given.residual > _USELESS_RESIDUAL:
+        yield (
+            f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %) with any single change of "
             "how the log is read: check units, signs, zeros and which column is which"
         )
-    elif n_impossible:
-        possible = [convention for residual, n, convention in fits if residual < _SAME_RATIO * given and n == 0]
+    elif given.n_impossible:
+        same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
+        possible = [convention for fit, convention in same if fit.n_impossible == 0]
         for convention in possible[:1]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative")
 
 
 def late_torque(log: Log) -> Iterator[str]:
     """Report a torque that fits the motion far better when it is shifted in time."""
-    smoothed = _smoothed(log)
-    reach = round(_LARGEST_DELAY / smoothed.h)
-    inner = smoothed.chosen[(smoothed.chosen >= reach) & (smoothed.chosen < smoothed.q.shape[1] - reach)]
-    if inner.size < 20 or smoothed.noisy_joints():
+    s = smoothed(log)
+    reach = round(_LARGEST_DELAY / s.h)
+    inner = s.chosen[(s.chosen >= reach) & (s.chosen < s.q.shape[1] - reach)]
+    if inner.size < 20 or s.noisy_joints():
         return
-    y = regressor(smoothed.q[:, inner], smoothed.dq[:, inner], smoothed.ddq[:, inner]).reshape(-1, 9)
+    y = regressor(s.q[:, inner], s.dq[:, inner], s.ddq[:, inner]).reshape(-1, 9)
     basis = np.linalg.qr(y).Q
-    shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / smoothed.h)))
-    residuals = np.array([_residual(basis, smoothed.tau[:, inner - shift].ravel()) for shift in shifts])
-    given = _residual(basis, smoothed.tau[:, inner].ravel())
+    shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / s.h)))
+    residuals = np.array([_residual(basis, s.tau[:, inner - shift].ravel()) for shift in shifts])
+    given = _residual(basis, s.tau[:, inner].ravel())
     best = int(np.argmin(residuals))
-    delay = float(shifts[best]) * smoothed.h
+    delay = float(shifts[best]) * s.h
     if abs(delay) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
         side = "later" if delay > 0 else "earlier"
         yield (
@@ -154,40 +201,60 @@ def late_torque(log: Log) -> Iterator[str]:
 
 
 def _advice(convention: Convention, reason: str) -> str:
-    added = "" if convention.remedy.startswith(("swap", "second", "units")) else ", on top of what is there"
+    added = "" if convention.remedy.startswith(("swap", "second", "units", "multiply")) else ", on top of what is there"
     return f"the log reads better with {convention.name} ({reason}): if so, {convention.remedy} in the arm file{added}"
 
 
-def _smoothed(log: Log) -> _Smoothed:
+def low_pass(signals: Array, h: float) -> Array:
+    """Low-pass signals (..., N) without phase shift."""
+    return np.asarray(sosfiltfilt(butter(2, min(_CUTOFF * 2.0 * h, 0.8), output="sos"), signals, axis=-1))
+
+
+def smoothed(log: Log) -> Smoothed:
     """Low-pass without phase shift, differentiate, and select samples away from the ends."""
     even = uniform(log).longest
     h = period(even)
-    sections = butter(2, min(_CUTOFF * 2.0 * h, 0.8), output="sos")
-    q, tau = (sosfiltfilt(sections, signal, axis=1) for signal in (even.q, even.tau))
+    q, tau = low_pass(even.q, h), low_pass(even.tau, h)
     dq = np.gradient(q, h, axis=1)
     edge, n = round(_EDGE / h), q.shape[1]
     chosen = np.arange(edge, n - edge, -(-n // _MOST_SAMPLES))
-    return _Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
+    return Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
 
 
-def _fit(smoothed: _Smoothed, convention: Convention) -> tuple[float, int]:
-    """Fit Eq. 1 by least squares: residual over torque, RMS, and number of noticeable terms of an impossible sign."""
+def fit_joints(y: Array, tau: Array) -> tuple[Array, Array]:
+    """Fit Eq. 1 with each joint weighted by its own error: parameters (9,), and squared errors of the joints (2,)."""
+    gram, right = np.swapaxes(y, 1, 2) @ y, np.einsum("jnp,jn->jp", y, tau)  # of each joint
+    size = np.sum(tau**2, axis=1)
+    error, beta = size, np.zeros(y.shape[-1])
+    for _ in range(_FITS):
+        weight = 1.0 / np.where(error > 0.0, error, 1.0)
+        both = np.tensordot(weight, gram, 1)
+        length = np.sqrt(np.where(both.diagonal() > 0.0, both.diagonal(), 1.0))
+        beta = np.linalg.lstsq(both / length / length[:, np.newaxis], weight @ right / length, _RANK)[0] / length
+        error = np.maximum(np.sum((y @ beta - tau) ** 2, axis=1), _EXACT * size)
+    return beta, error
+
+
+def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
+    """Fit Eq. 1 with a convention, each joint weighted by its own error."""
     k = smoothed.chosen
     position, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
     q = position @ smoothed.q[:, k] + np.array(convention.offset)[:, np.newaxis]
     tau = torque @ smoothed.tau[:, k]
     dq = position @ smoothed.dq[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
-    beta = np.linalg.lstsq(y.reshape(-1, 9), tau.ravel(), rcond=None)[0]
+    # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
+    sense = position / np.abs(position).max(axis=1, keepdims=True)
+    y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
+    (beta, error), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
     terms = y * beta  # (2, n, 9): torque of each parameter
-    residual = float(np.linalg.norm(terms.sum(-1) - tau) / np.linalg.norm(tau))
-    size = np.sqrt(np.mean(terms**2, axis=1) / np.mean(tau**2, axis=1, keepdims=True)).max(axis=0)
-    negative = (beta[:5] < 0.0) & (size[:5] > _NOTICEABLE_TERM)
+    share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)
+    negative = (beta[:5] < 0.0) & (share[:5] > _NOTICEABLE_TERM)
     friction = terms[..., 5:].sum(-1)
     drives = (np.sum(friction * dq, axis=1) < 0.0) & (
         np.linalg.norm(friction, axis=1) > _NOTICEABLE_TERM * np.linalg.norm(tau, axis=1)
     )
-    return residual, int(negative.sum() + drives.sum())
+    return _Fit(error / size, size, int(negative.sum() + drives.sum()))
 
 
 def _residual(basis: Array, torque: Array) -> float:

@@ -9,15 +9,10 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.logs.armfile import Arm
 from repro.logs.conventions import better_convention, late_torque
-from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed
+from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed, uniform
+from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
 from repro.model.parameters import Array
 
-#: Most steps of a change that is used: rounding of printed numbers adds up.
-_MOST_STEPS = 50.0
-#: Fewest samples at an extreme value that can be a limit.
-_FEWEST_AT_LIMIT = 5
-#: Ratio of samples at the extreme value to those one step below it, if it is a limit.
-_LIMIT_RATIO = 4.0
 _TURN: Final = 2.0 * np.pi
 #: Ratios of recorded velocity to differentiated position that have a known cause.
 _RATIOS: Final = (
@@ -39,48 +34,10 @@ _RATIOS: Final = (
 )
 
 
-def quantisation_step(x: Array) -> float | None:
-    """Find the smallest change of which most changes are multiples; None if there is none."""
-    changes = np.abs(np.diff(x))
-    changes = changes[changes > 1e-9 * np.abs(x).max(initial=0.0)]
-    if changes.size < 20:
-        return None
-    small = changes[changes <= _MOST_STEPS * changes.min()]
-    if small.size < max(20, 0.3 * changes.size):
-        return None
-    step = float(small.min())
-    for _ in range(3):  # what was printed with few digits is a multiple on average
-        step = float(small.sum() / np.rint(small / step).sum())
-    apart = np.abs(small / step - np.rint(small / step))
-    return step if float((apart < 0.1).mean()) > 0.9 else None
-
-
 def saturated_fraction(log: Log) -> tuple[float, float]:
-    """Fraction of the samples whose torque is at its limit, for each joint.
-
-    An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
-    it.
-    """
-    if log.torque_limit is not None:
-        known = np.mean(np.abs(log.tau) >= 0.999 * log.torque_limit[:, np.newaxis], axis=1)
-        return float(known[0]), float(known[1])
-    return _fraction_at_extremes(log.tau[0]), _fraction_at_extremes(log.tau[1])
-
-
-def _fraction_at_extremes(tau: Array) -> float:
-    """Fraction of samples at the extreme values, if they accumulate there."""
-    largest = float(np.abs(tau).max())
-    step = quantisation_step(tau) or 1e-6 * largest
-    fraction = 0.0
-    for side in (tau, -tau):
-        top = float(side.max())
-        if top < 0.5 * largest or largest == 0.0:
-            continue
-        at_top = int(np.count_nonzero(side > top - 0.5 * step))
-        below = int(np.count_nonzero(side > top - 1.5 * step)) - at_top
-        if at_top >= _FEWEST_AT_LIMIT and at_top > _LIMIT_RATIO * below:
-            fraction += at_top / tau.size
-    return fraction
+    """Fraction of the samples whose torque is at its limit, for each joint."""
+    first, second = np.mean(saturated(log), axis=1)
+    return float(first), float(second)
 
 
 def still_joint(log: Log) -> Iterator[str]:
@@ -209,10 +166,20 @@ def odd_torque(log: Log) -> Iterator[str]:
         )
 
 
+def wrong_torque(log: Log) -> Iterator[str]:
+    """Report samples whose torque is left out of a fit."""
+    for joint, wrong in enumerate(unreliable_torque(uniform(log)), 1):
+        if n := np.count_nonzero(wrong):
+            yield (
+                f"the torque of joint {joint} is at a limit or stuck in {n} samples ({100.0 * n / wrong.size:.2g} %), "
+                "and the motion contradicts it: the fit leaves them out"
+            )
+
+
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
     still, turns, jumps = (list(check(log)) for check in (still_joint, large_range, position_jump))
-    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log)]
+    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log), *wrong_torque(log)]
     # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
     if not still and (turns or not jumps):
         warnings += [*velocity_disagrees(log), *better_convention(log, arm.second_joint_absolute), *late_torque(log)]

@@ -94,7 +94,7 @@ def _from_arrays(log: Log, arm: Arm) -> Log:
     _check_time(log.t, log.t, "s", log.name, range(1, log.t.size + 1))
     unused = (f"columns and units of {arm.file} are not used: the arrays of a Log are SI",)
     notes = (*log.notes, *(unused if arm.columns or arm.units else ()))
-    return replace(log, t=log.t - log.t[0], breaks=(), notes=notes)
+    return replace(log, t=log.t - log.t[0], breaks=(), left_out=None, notes=notes)
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:

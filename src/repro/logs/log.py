@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from repro.errors import InputError
@@ -36,6 +37,8 @@ class Log:
         Largest torque that the drives can give, N m.
     breaks : tuple of int
         Samples that begin a new piece behind a long gap, of a log that was made even.
+    left_out : array of shape (2, N), optional
+        Whether each torque is left out of fits, because it is not the one that acted, of a log that was made even.
 
     Raises
     ------
@@ -60,6 +63,7 @@ class Log:
     simulated: bool = False
     torque_limit: Array | None = None
     breaks: tuple[int, ...] = ()
+    left_out: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         """Check the arrays, and take them as double precision."""
@@ -75,6 +79,9 @@ class Log:
             raise InputError.at(f"{self.name}: torque_limit", self.torque_limit, "numbers above 0")
         if any(not isinstance(k, int) or not 0 < k < n for k in self.breaks):
             raise InputError.at(f"{self.name}: breaks", self.breaks, f"whole numbers from 1 to {n - 1}")
+        if self.left_out is not None and (self.left_out.shape, self.left_out.dtype) != ((2, n), np.dtype(np.bool_)):
+            found = f"{self.left_out.dtype} of shape {self.left_out.shape}"
+            raise InputError.at(f"{self.name}: left_out", found, f"bool of shape {(2, n)}")
         wrong = np.flatnonzero(np.diff(self.t) <= 0.0)
         if wrong.size:
             now, before = self.t[wrong[0] + 1], self.t[wrong[0]]
@@ -86,7 +93,8 @@ class Log:
         """Cut out samples ``begin ... end - 1``."""
         cut = slice(begin, end)
         dq = None if self.dq is None else self.dq[:, cut]
-        return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=())
+        left_out = None if self.left_out is None else self.left_out[:, cut]
+        return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=(), left_out=left_out)
 
     @property
     def pieces(self) -> tuple["Log", ...]:
@@ -161,7 +169,7 @@ def missing_samples(log: Log) -> Array:
 
 def uniform(log: Log) -> Log:
     """Resample to the typical period, each piece between long gaps by itself; `log` itself if it is even."""
-    if log.breaks:
+    if log.breaks or log.left_out is not None:
         return log
     pieces, notes = segments(log)
     resampled = [_even(piece) for piece in pieces]

@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
+from repro.identification.excitation import MIN_TORQUE_FRACTION, excitation, torque_fraction
+from repro.identification.extra_terms import ROTOR
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
@@ -16,7 +17,7 @@ from repro.identification.scores import position_errors, relative_rms, similarit
 from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import IdentificationProblem, Options, join_logs, single_problem
+from repro.ownarm.prepare import IdentificationProblem, Options, left_out, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings
 from repro.ownarm.result import (
     HALVES,
@@ -99,9 +100,10 @@ def fit(
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
     if len(problem.logs) > 1 and method.claims_intervals:
         for log in problem.logs:
-            others = join_logs([other for other in problem.logs if other is not log], problem.prior)[0]
-            parts.append((log.loaded.name, others, log.regression))
-    elif halves:
+            others = left_out(problem, log)
+            if excitation(others).rank == problem.excited.rank:  # else they cannot predict what it excites
+                parts.append((log.loaded.name, others, log.regression))
+    if halves and not parts:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
             parts.append((name, r.take(used), problem.regression.take(predicted)))
@@ -154,7 +156,7 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
     excited = torque_fraction(problem.moving, beta) > MIN_TORQUE_FRACTION
-    rough_joints = {term.name[-1] for log in problem.logs for term in log.terms if not term.taken}
+    rough_joints = {term.name[-1] for term in problem.first.terms if not (term.taken or term.name.startswith(ROTOR))}
     known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
     for k, name in enumerate(NAMES):
@@ -200,7 +202,10 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         methods=methods,
         recommended=recommended,
         reason=reason,
-        warnings=(*calibration_warnings(problem.logs, arm), *warnings(problem, methods, recommended, excitation)),
+        warnings=(
+            *calibration_warnings(problem.logs, arm, problem.scale_open),
+            *warnings(problem, methods, recommended, excitation),
+        ),
         setup=tuple(log.faults for log in problem.logs),
         hidden=tuple(log.hidden for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),

@@ -16,6 +16,7 @@ from repro.exhibits.markup import unit
 from repro.export import horizontal_links_of, links_of, mjcf, urdf
 from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
+from repro.identification.extra_terms import ROTOR
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.ownarm import tables, text
@@ -97,6 +98,8 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:
+            rotor = sum(term.value for term in result.terms if term.taken and term.name.startswith(ROTOR))
+            links = replace(links, rotor=rotor)
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             write_text(folder / "arm.urdf", urdf(links, result.arm))
@@ -150,7 +153,7 @@ def render_page(
         "unit": lambda text: unit(text).md,
         "symbols": symbols,
         "sentence": sentence,
-        "friction": text.friction_line,
+        "term": text.term_line,
         "rounded": tables.rounded,
         "percent": tables.percent,
         "significant": tables.significant,

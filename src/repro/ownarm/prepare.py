@@ -1,27 +1,30 @@
 """Prepare logs: options and filters chosen from the fitted log, calibration errors corrected, the problem to solve."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from repro.documents import read_json
 from repro.errors import InputError
 from repro.identification.calibration import (
     CALIBRATION,
+    CANDIDATES,
+    SCALE,
     CalibrationError,
+    blame_joint_1,
     calibration_limits,
     correct_calibration,
     find_calibration_errors,
 )
 from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import (
-    FRICTION,
-    FrictionTerm,
-    find_friction,
-    subtract_friction,
+    TERMS,
+    ExtraTerm,
+    find_terms,
+    subtract_terms,
     term_columns,
     values_of,
 )
@@ -35,15 +38,27 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, joint_variance
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, mean_variance
+from repro.identification.scores import unexplained
 from repro.identification.solve import solve
-from repro.identification.uncertainty import Perturbation, attach_prior, perturbations, project_out, unmodelled_effects
+from repro.identification.uncertainty import (
+    Perturbation,
+    WeightedLog,
+    attach_prior,
+    join_filtered,
+    of_each_log,
+    perturbations,
+    project_out,
+    unmodelled_effects,
+)
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
 from repro.logs.diagnostics import Description, describe
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
-from repro.model.parameters import NAMES, UNITS, Array
+from repro.logs.torque_limits import saturated, unreliable_torque
+from repro.model.parameters import NAMES, Array
+from repro.ownarm.prior import with_plane
 
 
 @dataclass(frozen=True)
@@ -95,16 +110,30 @@ class PreparedLog:
     """A fitted log, corrected and filtered."""
 
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
+    recorded: Log  # as it was loaded
     regression: Regression  # all samples but those of joints that never move: methods are evaluated on these
-    moving: Regression  # the same without standstill, subtracted friction projected out: methods are fitted to it
-    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
+    delay_error: float  # standard error of the delay, s
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
     hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
-    terms: tuple[FrictionTerm, ...] = ()  # friction terms beyond Eq. 1
-    load: Array | None = None  # (9,), parameters that give the load of that friction
+    terms: tuple[ExtraTerm, ...] = ()  # terms beyond Eq. 1, of all logs of the arm
+    load: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # parameters that give the load of friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
+
+    @cached_property
+    def moving(self) -> Regression:
+        """The regression without standstill."""
+        return drop_standstill(self.regression)
+
+    @property
+    def taken(self) -> list[ExtraTerm]:
+        """Terms that were subtracted from the torque."""
+        return [term for term in self.terms if term.taken]
+
+
+#: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2.
+SCALE_OF_JOINT_1 = "scale of joint 1"
 
 
 @dataclass(frozen=True)
@@ -113,12 +142,17 @@ class IdentificationProblem:
 
     logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
     regression: Regression  # all of them together
-    moving: Regression  # the same without standstill, each log weighted by the inverse of its errors
+    moving: Regression  # the same without standstill, with subtracted terms projected out: methods are fitted to it
     as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
     validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
     excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
     prior: Prior | None = None  # of the parameters
+
+    @property
+    def scale_open(self) -> bool:
+        """Whether the torque constant of either joint may be the wrong one."""
+        return SCALE_OF_JOINT_1 in self.as_good
 
     @property
     def doubt(self) -> str:
@@ -136,6 +170,8 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     raw = read_log(source, arm)
     description = describe(raw, arm)
     log = uniform(raw)
+    if (wrong := unreliable_torque(log)).any():
+        log = replace(log, left_out=wrong)
     fresh = tuple(note for note in log.notes if note not in description.notes)
     return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
 
@@ -155,7 +191,19 @@ def _check_rate(log: Log, cutoff: Cutoff) -> None:
         raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
 
 
-def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettings, Cutoff, float]:
+@dataclass(frozen=True)
+class _Common:
+    """What logs of one arm have in common."""
+
+    hertz: float  # cut-off: the lowest of the logs, as a row must mean the same in each
+    delay: float  # of the torque, s
+    delay_error: float
+    names: tuple[str, ...]  # of the calibration errors that a log is searched for
+
+
+def _choose_settings(
+    log: Log, arm: Arm, options: Options, common: _Common | None = None
+) -> tuple[FilterSettings, Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
     settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
     if arm.friction_steepness is not None:
@@ -163,97 +211,291 @@ def _choose_settings(log: Log, arm: Arm, options: Options) -> tuple[FilterSettin
     chosen = choose_cutoff(log, settings)
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
+    elif common is not None and common.hertz < chosen.hertz:
+        chosen = replace(chosen, hertz=common.hertz, reason="the lowest cut-off of the logs")
     settings = replace(settings, cutoff=chosen.hertz)
     _check_rate(log, chosen)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
         return settings, chosen, 0.0
-    delay, delay_error = estimate_delay(log, settings)
-    return replace(settings, delay=delay), chosen, delay_error
+    delay, error = (common.delay, common.delay_error) if common else estimate_delay(log, settings)
+    return replace(settings, delay=delay), chosen, error
 
 
-def prepare_log(loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = ()) -> PreparedLog:
-    """Correct the calibration errors of a log, choose what is not given, and filter it.
+@dataclass(frozen=True)
+class _Corrected:
+    """A log with its calibration errors corrected, before terms beyond Eq. 1 are subtracted."""
 
-    Regressions of other logs of the arm reveal errors that this log does not show by itself.
+    recorded: Log
+    loaded: LoadedLog
+    settings: FilterSettings
+    cutoff: Cutoff
+    delay_error: float
+    faults: tuple[CalibrationError, ...]
+
+    def delayed(self, delay: float, error: float) -> "_Corrected":
+        """Replace the delay and its standard error."""
+        return replace(self, settings=replace(self.settings, delay=delay), delay_error=error)
+
+    @cached_property
+    def moving(self) -> Regression:
+        """The regression without standstill."""
+        return drop_standstill(prepare(self.loaded.log, self.settings))
+
+
+def _correct(
+    loaded: LoadedLog,
+    arm: Arm,
+    options: Options,
+    others: Sequence[Regression] = (),
+    common: _Common | None = None,
+) -> _Corrected:
+    """Correct the calibration errors of a log.
+
+    Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
     """
     recorded = loaded.log
-    settings, chosen, delay_error = _choose_settings(recorded, arm, options)
-    faults = find_calibration_errors(loaded.log, settings, others)
+    settings, chosen, delay_error = _choose_settings(recorded, arm, options, common)
+    names = common.names if common else CANDIDATES
+    faults = find_calibration_errors(recorded, settings, others, names)
     if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(correct_calibration(loaded.log, values_of(faults)), arm, options)
-        faults = find_calibration_errors(loaded.log, settings, others)
-        loaded = replace(loaded, log=correct_calibration(loaded.log, values_of(faults)))
-        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options)
+        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, common)
+        faults = find_calibration_errors(recorded, settings, others, names)
+        loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
+        settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
+    return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
+
+
+def _finish(
+    corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
+) -> PreparedLog:
+    """Subtract the terms beyond Eq. 1 from a corrected log, and filter it."""
+    recorded, loaded, settings, faults = corrected.recorded, corrected.loaded, corrected.settings, corrected.faults
     hidden = calibration_limits(loaded.log, settings, faults, others)
-    regression = drop_idle_joints(prepare(loaded.log, settings))
-    moving = drop_standstill(regression)
-    terms, load = find_friction(loaded.log, settings, options.friction), solve(moving.y, moving.tau)
     taken = [term for term in terms if term.taken]
     if taken:
-        loaded = replace(loaded, log=subtract_friction(loaded.log, settings, load, taken))
-        regression = drop_idle_joints(prepare(loaded.log, settings))
-        moving = project_out(drop_standstill(regression), term_columns(FRICTION, loaded.log, settings, load, taken))
-    as_good = perturbations(loaded.log, settings, delay_error)
-    if faults:
-        columns = term_columns(CALIBRATION, loaded.log, settings, solve(moving.y, moving.tau), faults)
-        as_good["set-up"] = Perturbation((project_out(moving, columns),))
-        instead = unmodelled_effects(recorded, settings, drop_standstill(prepare(loaded.log, settings)))
-        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
-    doubt = _interval_doubt(loaded.log, settings.delay, arm)
-    return PreparedLog(loaded, regression, moving, as_good, settings, chosen, faults, hidden, terms, load, doubt)
+        loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
+    regression = drop_idle_joints(prepare(loaded.log, settings))
+    doubt = _interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm)
+    chosen = settings, corrected.cutoff, corrected.delay_error
+    return PreparedLog(loaded, recorded, regression, *chosen, faults, hidden, terms, load, doubt)
 
 
-def _interval_doubt(log: Log, delay: float, arm: Arm) -> str:
+def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
+    """Correct the calibration errors of a log, choose what is not given, and filter it."""
+    return _prepare_logs([loaded], arm, options)[0]
+
+
+#: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
+#: joints' squared errors over those with friction alone.
+MIN_EXPLAINED, MAX_OVER_FRICTION = 0.5, 0.5
+#: Fraction of the samples of a torque at its limit above which no interval is claimed, if Eq. 1 leaves more than the
+#: second fraction of the squared torque: the rest shows too little of what acted.
+MAX_SATURATED, MAX_LEFT_SATURATED = 0.5, 0.04
+FRICTION = slice(NAMES.index("b1"), None)
+
+
+def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
     """Find a reason to claim no intervals.
 
-    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero.
+    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero. Where Eq. 1
+    predicts little of a torque, the motion is not the one that this torque caused, or unmodelled effects caused it. A
+    torque that only compensates friction is explained without inertia and gravity, whatever they are.
     """
-    if quiet := quiet_joints(log):
-        return f"the torque of joint {quiet[0]} is little more than noise"
-    return "the delay of the torque is beyond the search range" if arm.delay is None and at_limit(delay) else ""
+    left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
+    worst = int(np.argmax(left))
+    if left[worst] > 1.0 - MIN_EXPLAINED:
+        if quiet := quiet_joints(log):
+            return f"the torque of joint {quiet[0]} is little more than noise"
+        explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
+        return f"Eq. 1 predicts only {explained} from the rest of the log"
+    at_limit = saturated(log).mean(axis=-1)
+    worst = int(np.argmax(at_limit))
+    if at_limit[worst] > MAX_SATURATED and left[worst] > MAX_LEFT_SATURATED:
+        return f"the torque of joint {worst + 1} is at its limit in {100.0 * at_limit[worst]:.0f} % of the samples"
+    if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
+        return "friction alone explains the torque nearly as well as Eq. 1"
+    return "the delay of the torque is beyond the search range" if arm.delay is None and delay_at_limit(delay) else ""
+
+
+def _shows_scale(log: _Corrected, size: float) -> bool:
+    """Whether a log would show by itself that the torque constant of a joint is wrong by this fraction."""
+    limit = calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE]
+    return limit is not None and limit < size
+
+
+def _common(logs: Sequence[_Corrected]) -> _Common:
+    """Find what several logs of an arm have in common.
+
+    Their delays are weighted by their precision, and their scatter widens the error (Birge). A torque constant is the
+    arm's: its error counts if no log contradicts it that would show it by itself.
+    """
+    scales = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+    away = abs(float(np.mean(scales)) - 1.0) if scales else 0.0
+    scaled = bool(scales) and not any(SCALE not in values_of(log.faults) and _shows_scale(log, away) for log in logs)
+    names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
+    delay = np.array([log.settings.delay for log in logs])
+    weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
+    mean = float(np.average(delay, weights=weight))
+    birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
+    error = float(np.sqrt(max(birge, 1.0) / weight.sum()))
+    return _Common(min(log.settings.cutoff for log in logs), mean, error, names)
+
+
+def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm], load: Array) -> list[_Corrected]:
+    """Estimate the delay next to terms beyond Eq. 1: without them it compensates for a part of them."""
+    again = []
+    for log in logs:
+        columns = term_columns(TERMS, log.loaded.log, log.settings, load, terms)
+        again.append(log.delayed(*estimate_delay(log.loaded.log, log.settings, columns)))
+    if len(logs) == 1:
+        return again
+    common = _common(again)
+    return [log.delayed(common.delay, common.delay_error) for log in again]
+
+
+#: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
+COMPARED_ERROR, DECISIVE = 0.05, 4.0
+
+
+def _scale(logs: Sequence[_Corrected] | Sequence[PreparedLog]) -> float | None:
+    """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
+    values = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+    return float(np.mean(values)) if values else None
+
+
+def _wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
+    """Decide by a prior which joint's torque constant is wrong; None if it cannot.
+
+    If it is that of joint 1 after all, all parameters are `factor` times those of the log with joint 2 corrected.
+    """
+    if prior is None:
+        return None
+    compared = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
+    sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[compared]
+    second, first = (float(np.sum(((size * beta - prior.mean)[compared] / sd) ** 2)) for size in (1.0, factor))
+    return None if abs(second - first) < DECISIVE else 1 if first < second else 2
+
+
+def _blame_joint_1(log: _Corrected) -> _Corrected:
+    """Correct the torque of joint 1 instead of that of joint 2."""
+    faults = blame_joint_1(log.faults)
+    return replace(
+        log, faults=faults, loaded=replace(log.loaded, log=correct_calibration(log.recorded, values_of(faults)))
+    )
+
+
+def _find_terms(logs: Sequence[_Corrected], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
+    """Find the terms beyond Eq. 1 of all logs; also the parameters that give the load of friction."""
+    moving = joined([log.moving for log in logs])
+    terms = find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
+    return terms, solve(moving.y, moving.tau)
 
 
 def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
-    """Prepare each log by itself, then compare those without calibration errors with the others.
+    """Prepare the logs of one arm, which has one delay, one set of terms beyond Eq. 1, and here one cut-off.
 
-    The log whose correction reduces the error most is corrected first: an uncorrected log can make a good one look
-    faulty.
+    Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
+    others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
+    uncorrected log can make a good one look faulty.
     """
-    prepared = [prepare_log(loaded, arm, options) for loaded in logs]
-    remaining = [k for k, log in enumerate(prepared) if not log.faults and len(logs) > 1]
+    corrected = [_correct(loaded, arm, options) for loaded in logs]
+    common = _common(corrected) if len(logs) > 1 else None
+
+    def others(one: _Corrected) -> list[Regression]:
+        return [log.moving for log in corrected if log is not one]
+
+    def compare(k: int) -> _Corrected:
+        return _correct(logs[k], arm, options, others(corrected[k]), common)
+
+    remaining = []
+    if common is not None:
+        corrected = [_correct(loaded, arm, options, (), common) for loaded in logs]
+        for k in [k for k, log in enumerate(corrected) if log.faults]:
+            corrected[k] = compare(k)
+        remaining = [k for k, log in enumerate(corrected) if not log.faults]
     while remaining:
-        others = {k: [log.moving for log in prepared if log is not prepared[k]] for k in remaining}
-        faults = {k: find_calibration_errors(logs[k].log, prepared[k].settings, others[k]) for k in remaining}
-        gains = {k: min(fault.after / fault.before for fault in each) for k, each in faults.items() if each}
+        found = {k: compare(k) for k in remaining}
+        gains = {k: min(fault.after / fault.before for fault in log.faults) for k, log in found.items() if log.faults}
         if not gains:
             break
         most = min(gains, key=gains.__getitem__)
-        prepared[most] = prepare_log(logs[most], arm, options, others[most])
+        corrected[most] = found[most]
         remaining.remove(most)
-    return tuple(prepared)
+    moving, factor = joined([log.moving for log in corrected]), _scale(corrected)
+    if factor is not None and _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
+        corrected = [_blame_joint_1(log) for log in corrected]
+    terms, load = _find_terms(corrected, options)
+    if arm.delay is None and (taken := [term for term in terms if term.taken]):
+        corrected = _estimate_delay_again(corrected, taken, load)
+        terms, load = _find_terms(corrected, options)
+    return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
+
+
+#: RMS error of a log over that of the best one above which its rows count less: the model causes smaller differences.
+MAX_ERROR_RATIO = 3.0
+
+
+def _weights(logs: Sequence[PreparedLog]) -> list[float]:
+    """Weigh the rows of each of several logs: one with large errors counts less."""
+    size = [float(np.sqrt(mean_variance(log.moving, solve(log.moving.y, log.moving.tau)))) for log in logs]
+    return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
+
+
+def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Array:
+    """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
+    taken = list({term.name: term for one in prepared for term in one.taken}.values())
+    if not taken:
+        return np.empty((*whole.tau.shape, 0))
+    each = [
+        log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken)
+        for log, one in zip(logs, prepared, strict=True)
+    ]
+    return np.concatenate(each, axis=1)
 
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
-    """Join several logs and a prior to one regression without standstill, and their alternatives."""
-    size = [float(np.sqrt(np.mean(joint_variance(log.moving, solve(log.moving.y, log.moving.tau))))) for log in logs]
-    weights = [float(np.mean(size)) / one for one in size]
-    as_good = {}
-    for name in dict.fromkeys(name for log in logs for name in log.as_good):
-        each = [log.as_good.get(name, Perturbation((log.moving,), 0.0)) for log in logs]
-        members = max(len(one.regressions) for one in each)
-        mixed = [joined([one.regressions[k % len(one.regressions)] for one in each], weights) for k in range(members)]
-        weight, rival = max(one.weight for one in each), any(one.rival for one in each)
-        as_good[name] = Perturbation(tuple(mixed), weight, rival)
-    moving = joined([log.moving for log in logs], weights)
+    """Join several logs and a prior to one regression without standstill, and its perturbations."""
+    weights = _weights(logs)
+    weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
+    # The values of what was subtracted have errors, so that its columns are projected out.
+    whole = joined([log.moving for log in logs], weights)
+    subtracted = _subtracted_columns(whole, weighted, logs)
+    moving = project_out(whole, subtracted)
+    as_good = perturbations(weighted, max(log.delay_error for log in logs))
+    if any(log.faults for log in logs):
+        beta = solve(moving.y, moving.tau)
+        columns = [
+            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults)
+            for log, one in zip(weighted, logs, strict=True)
+        ]
+        both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
+        as_good["set-up"] = Perturbation((project_out(whole, both),))
+        recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
+        instead = unmodelled_effects(recorded, join_filtered(weighted))
+        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
+        factor = _scale(logs)
+        if factor is not None and _wrong_torque(prior, beta, factor) is None:
+            scaled = moving.change(lambda y: y / factor)
+            as_good[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
     return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
 
 
-def _correct_as(log: Log, first: PreparedLog) -> Log:
-    """Correct a log and subtract its friction as in the first log."""
-    right, taken = correct_calibration(log, values_of(first.faults)), [term for term in first.terms if term.taken]
-    return subtract_friction(right, first.settings, first.load, taken) if taken and first.load is not None else right
+def left_out(problem: IdentificationProblem, log: PreparedLog) -> Regression:
+    """Join all logs of a problem but one, without standstill."""
+    logs = [other for other in problem.logs if other is not log]
+    if problem.prior is not None:
+        return join_logs(logs, problem.prior)[0]
+    return joined([other.moving for other in logs], _weights(logs))
+
+
+def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
+    """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms."""
+    first, names = logs[0], [values_of(log.faults) for log in logs]
+    common = {name: value for name, value in names[0].items() if all(name in each for each in names)}
+    right = correct_calibration(log, common)
+    return subtract_terms(right, first.settings, first.load, first.taken) if first.taken else right
 
 
 def make_problem(
@@ -262,7 +504,7 @@ def make_problem(
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
     logs = _prepare_logs(fitted, arm, options)
     first = logs[0]
-    validation = tuple(replace(loaded, log=_correct_as(loaded.log, first)) for loaded in validation)
+    validation = tuple(replace(loaded, log=_correct_as(loaded.log, logs)) for loaded in validation)
     for loaded in validation:
         _check_rate(loaded.log, first.cutoff)
     predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
@@ -280,82 +522,6 @@ def single_problem(problem: IdentificationProblem, log: PreparedLog) -> Identifi
     return replace(alone, moving=moving, as_good=as_good)
 
 
-def at_limit(delay: float) -> bool:
+def delay_at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
     return abs(delay) >= 0.99 * MAX_DELAY
-
-
-#: Largest parameter, and smallest standard deviation that is not zero.
-LARGEST, SMALLEST_SD = 1e9, 1e-6
-#: Parameters that no arm has below zero.
-NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
-#: Half of a 95 % interval over its standard deviation.
-HALF_95 = 1.96
-#: Names of the gravity loads.
-GRAVITY = ("g1", "g2")
-
-
-def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN401
-    """Give the nine parameters of the recommended method of a result."""
-    try:
-        index = [method["method"] for method in content["methods"]].index(content["recommended"])
-        parameters = list(content["methods"][index]["parameters"])
-    except (KeyError, ValueError, TypeError) as error:
-        raise InputError.at(place, "no recommended method", "parameters.json of repro identify") from error
-    place = f"{place}: methods[{index}].parameters"
-    if len(parameters) != len(NAMES):
-        raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
-    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
-        row = parameter if isinstance(parameter, dict) else {}
-        for key, wanted in (("name", name), ("unit", unit)):
-            if row.get(key) != wanted:
-                raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
-        _number(f"{place}[{k}].estimate", row.get("estimate"), -LARGEST)
-    return parameters
-
-
-def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
-    """Read a prior: a result, of which each 95 % interval counts, or ``{"g1": {"value": 1.0, "sd": 0.1}}``."""
-    place, content = ("prior", source) if isinstance(source, Mapping) else (str(source), read_json(Path(source)))
-    mean, sd = np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)
-    if isinstance(content, Mapping) and "methods" in content:
-        for k, parameter in enumerate(read_result(place, content)):
-            low, high = (parameter.get(end) for end in ("low", "high"))
-            if low is not None and high is not None:
-                ends = [_number(f"{place}: {NAMES[k]}.{end}", parameter[end], -LARGEST) for end in ("low", "high")]
-                mean[k], sd[k] = parameter["estimate"], max((ends[1] - ends[0]) / (2.0 * HALF_95), SMALLEST_SD)
-    elif isinstance(content, Mapping):
-        for name, entry in content.items():
-            if name not in NAMES:
-                raise InputError.at(f"{place}: {str(name)[:40]}", "no parameter", f"one of {', '.join(NAMES)}")
-            if not isinstance(entry, Mapping) or set(entry) != {"value", "sd"}:
-                expected = "value and sd, such as {'value': 1, 'sd': 0.1}"
-                raise InputError.at(f"{place}: {name}", ascii(entry)[:60], expected)
-            k, least = NAMES.index(name), 0.0 if name in NOT_NEGATIVE else -LARGEST
-            mean[k] = _number(f"{place}: {name}.value", entry["value"], least)
-            sd[k] = _number(f"{place}: {name}.sd", entry["sd"], 0.0)
-            if 0.0 < sd[k] < SMALLEST_SD:
-                expected = f"0 for a known value, or {SMALLEST_SD:g} and more"
-                raise InputError.at(f"{place}: {name}.sd", entry["sd"], expected)
-    if not np.isfinite(sd).any():
-        raise InputError.at(place, "no parameter with a standard deviation", "a result with intervals, or value and sd")
-    return Prior(mean, sd)
-
-
-def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
-    """Add that gravity turns no joint in a horizontal plane."""
-    if arm.plane != "horizontal":
-        return prior
-    gravity = np.isin(NAMES, GRAVITY)
-    mean, sd = (np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)) if prior is None else (prior.mean, prior.sd)
-    if prior is not None and np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
-        raise InputError.at("prior: g1, g2", mean[gravity].tolist(), "none, because the plane of the arm is horizontal")
-    return Prior(np.where(gravity, 0.0, mean), np.where(gravity, 0.0, sd))
-
-
-def _number(place: str, value: object, least: float) -> float:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and least <= value <= LARGEST):  # type: ignore[operator]
-        sizes = f"of at most {LARGEST:g}" if least < 0.0 else f"from 0 to {LARGEST:g}"
-        raise InputError.at(place, repr(value)[:60], f"a number {sizes}")
-    return float(value)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ import numpy as np
 from repro.errors import option
 from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
-from repro.ownarm.prepare import IdentificationProblem, at_limit
+from repro.ownarm.prepare import IdentificationProblem, delay_at_limit
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
@@ -194,12 +194,12 @@ def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterato
     left_out = [score for score in method.halves if score.log not in HALVES]
     if not left_out:
         return
-    worst = int(np.argmax([max(score.relative_rms) for score in left_out]))
-    log, predicted = problem.logs[worst], max(left_out[worst].relative_rms)
+    worst = max(left_out, key=lambda score: max(score.relative_rms))
+    log, predicted = next(log for log in problem.logs if log.loaded.name == worst.log), max(worst.relative_rms)
     own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
     if predicted > max(WORSE * own, SMALL):
         yield (
-            f"the log {left_out[worst].log} disagrees with the others: its torque error is {100 * predicted:.3g} % "
+            f"the log {worst.log} disagrees with the others: its torque error is {100 * predicted:.3g} % "
             f"predicted from them, and {100 * own:.3g} % fitted alone; leave it out if the arm changed"
         )
 
@@ -215,7 +215,7 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
     for log in problem.logs if problem.estimates_delay else ():
         where = f" in {log.loaded.log.name}" if len(problem.logs) > 1 else ""
         delay = f"{1e3 * log.settings.delay:.3g} ms"
-        if at_limit(log.settings.delay):
+        if delay_at_limit(log.settings.delay):
             yield (
                 f"the delay of the torque{where} is at the end of the search range ({delay}): check the time stamps, "
                 "then give delay (s) in the arm file"

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import FrictionTerm
+from repro.identification.extra_terms import ExtraTerm
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
@@ -153,10 +153,11 @@ class Result:
     warnings: tuple[str, ...] = ()  # about the result as a whole
     more_logs: tuple[Description, ...] = ()  # logs that were fitted together with `log`
     # Of `log` and of each of `more_logs`: calibration errors that were corrected before the fit, those that the log
-    # could contain undetected with their detection limits, and friction terms that were subtracted or would help.
+    # could contain undetected with their detection limits, and terms beyond Eq. 1 that were subtracted or would help:
+    # those of the arm, the same for each log.
     setup: tuple[tuple[CalibrationError, ...], ...] = ()
     hidden: tuple[dict[str, float | None], ...] = ()
-    friction: tuple[tuple[FrictionTerm, ...], ...] = ()
+    friction: tuple[tuple[ExtraTerm, ...], ...] = ()
     selftest: SelfTest | None = None
     prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
     runs: tuple[SingleFit, ...] = ()  # each of several logs by itself
@@ -172,6 +173,11 @@ class Result:
             span = max(estimates, default=0.0) - min(estimates, default=0.0)
             rows.append(Spread(whole.name, whole.unit, whole.estimate, estimates, span, agree))
         return tuple(rows) if len(self.runs) > 1 else ()
+
+    @property
+    def terms(self) -> tuple[ExtraTerm, ...]:
+        """The terms beyond Eq. 1."""
+        return self.friction[0] if self.friction else ()
 
     @property
     def best(self) -> MethodResult:

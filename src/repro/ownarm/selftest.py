@@ -21,8 +21,8 @@ from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import quantisation_step
 from repro.logs.log import Log, period, segments, uniform
+from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, join_logs, prepare_log
@@ -53,11 +53,11 @@ def _measured(signal: Array, recorded: Array, noise: Array, rng: np.random.Gener
     return np.stack(rounded)
 
 
-def _inverse(errors: Mapping[str, float]) -> dict[str, float]:
+def inverse_errors(errors: Mapping[str, float]) -> dict[str, float]:
     """Give the corrections that add estimated calibration errors again."""
-    scale = 1.0 / errors.get("scale2", 1.0)
-    inverse = {name: -(scale if name == "offset2" else 1.0) * value for name, value in errors.items()}
-    return inverse | ({"scale2": scale} if "scale2" in errors else {})
+    scales = {name: 1.0 / value for name, value in errors.items() if name.startswith("scale")}
+    factors = {f"offset{name[-1]}": factor for name, factor in scales.items()}
+    return {name: -value * factors.get(name, 1.0) for name, value in errors.items()} | scales
 
 
 def _from_zero(log: Log) -> Log:
@@ -73,7 +73,7 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
     moved = smooth_motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
     late = acting(np.clip(log.t + s.delay, 0.0, log.t[-1]))
-    right = correct_calibration(replace(log, q=moved[0], tau=late), _inverse(values_of(prepared.faults)))
+    right = correct_calibration(replace(log, q=moved[0], tau=late), inverse_errors(values_of(prepared.faults)))
     # Above the frequencies of the motion the torque contains friction, and its residual the noise of the position.
     noise = [_level(x, h, top, 2.0 * top) for x in (even.tau, even.tau - right.tau)]
     # Rounded time stamps say when a sample was written; it was measured at the even instant.

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.errors import option
-from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import MIN_ERROR_REDUCTION, MIN_Z_SCORE, FrictionTerm
+from repro.identification.calibration import OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
+from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm
+from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, Array
@@ -18,7 +19,7 @@ from repro.ownarm.result import Result, Score, SelfTest
 ALLOWED = (
     "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
     f"{', '.join(UNMODELLED_EFFECTS)}, "
-    "one of these effects at a time; not for a wrong scale of both torques, elasticity or backlash"
+    "one of these effects at a time; not for a wrong scale of both torques"
 )
 #: Half an interval over the estimate: up to this the parameter is known.
 KNOWN = 0.5
@@ -87,15 +88,15 @@ def inconsistency(beta: Array) -> str:
     return "; ".join(failing)
 
 
-def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm) -> tuple[str, ...]:
-    """Report calibration errors and friction that was not subtracted, with the name of the log if there are several."""
+def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm, scale_open: bool) -> tuple[str, ...]:
+    """Report calibration errors, with the name of the log if there are several, and terms that were not subtracted."""
     lines = []
     for log in logs:
-        friction = (friction_line(term) for term in log.terms if not term.taken)
         where = f"in {log.loaded.name} " if len(logs) > 1 else ""
-        lines += [f"{where}{line}" for line in (*calibration_lines(log.faults, arm), *friction)]
-    same = all(_same_errors(log.faults, logs[0].faults) for log in logs)
-    return tuple(lines) if same else (*lines, DIFFERENT_ERRORS)
+        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm, scale_open)]
+    if not all(_same_errors(log.faults, logs[0].faults) for log in logs):
+        lines.append(DIFFERENT_ERRORS)
+    return (*lines, *(term_line(term) for term in logs[0].terms if not term.taken))
 
 
 def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
@@ -105,15 +106,18 @@ def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationE
     return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
-def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str, ...]:
-    """Report each calibration error of a log, then the lines to write into the arm file."""
+def calibration_lines(faults: Sequence[CalibrationError], arm: Arm, scale_open: bool) -> tuple[str, ...]:
+    """Report each calibration error of a log, then the lines to write into the arm file.
+
+    If the scale is open, the torque constant of joint 1 may be wrong instead of that of joint 2.
+    """
     lines = []
     for fault in faults:
         joint, size = fault.name[-1], _size(fault.name, fault.value, fault.error)
         problem = {
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
-            "scale": f"the torque of joint {joint} is {size} what joint 1 implies: a torque constant is wrong",
+            "scale": f"the torque of joint {joint} is {size} what joint {3 - int(joint)} implies",
         }[fault.name[:-1]]
         if fault.instead:
             others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
@@ -122,6 +126,12 @@ def calibration_lines(faults: Sequence[CalibrationError], arm: Arm) -> tuple[str
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines:
         lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
+    if scale_open and any(fault.name == SCALE for fault in faults):
+        instead = arm_lines([fault for fault in blame_joint_1(faults) if fault.name == OTHER_SCALE], arm)
+        lines.append(
+            "a log cannot determine which torque constant is wrong: the estimates are right if it is that of joint 2; "
+            f"if it is that of joint 1, write {instead} instead; a known parameter decides ({option('prior', 'FILE')})"
+        )
     return tuple(lines)
 
 
@@ -136,7 +146,10 @@ def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
     pairs = {
         "zero": ("zero", np.array(arm.zero) - sign * turn),
         "offset": ("torque_offset", np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale)),
-        "scale": ("torque_scale", np.array(arm.torque_scale) * [1.0, values.get("scale2", 1.0)]),
+        "scale": (
+            "torque_scale",
+            np.array(arm.torque_scale) * [values.get(name, 1.0) for name in (OTHER_SCALE, SCALE)],
+        ),
     }
     kinds = [kind for kind in pairs if any(name.startswith(kind) for name in values)]
     return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for key, pair in (pairs[kind] for kind in kinds))
@@ -153,12 +166,17 @@ def _size(name: str, value: float, error: float | None = None) -> str:
     return f"{value * turn:.{digits}g}{interval} {unit}"
 
 
-def friction_line(term: FrictionTerm) -> str:
-    """Report a friction term that Eq. 1 does not contain."""
-    what = {"load": "of its load", "stribeck": "N m more at rest"}[term.name[:-1]]
-    size = f"friction beyond Eq. 1 of joint {term.name[-1]}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
+def term_line(term: ExtraTerm) -> str:
+    """Report a term that Eq. 1 does not contain."""
+    kind, joint = term.name[:-1], term.name[-1]
+    what = {"load": "of its load", "stribeck": "N m more at rest", ROTOR: "kg m^2, next to I3"}[kind]
+    of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
+    size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
-    remedy = f": give {option('friction')}" if not term.taken and term.gain >= MIN_ERROR_REDUCTION else ""
+    asked = not term.taken and kind != ROTOR and term.gain >= MIN_ERROR_REDUCTION
+    remedy = f": give {option('friction')}" if asked else ""
+    if kind == ROTOR and not term.taken:
+        remedy = "; the intervals allow for it"
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
@@ -176,7 +194,7 @@ def detection_limits(result: Result) -> tuple[str, ...]:
 def _limit(kind: str, size: float | None) -> str:
     if size is None:
         return "of any size"
-    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.0f} %"}
+    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.2g} %"}
     return f"up to {units[kind]}"
 
 
@@ -222,7 +240,7 @@ def summary(result: Result) -> str:
     lines += [f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}" for p in best.parameters]
     if best.claims_intervals:
         lines.append(f"  {ALLOWED}")
-    lines += [f"  {friction_line(term)}" for terms in result.friction for term in terms if term.taken]
+    lines += [f"  {term_line(term)}" for term in result.terms if term.taken]
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:

@@ -1,0 +1,134 @@
+"""Torque that is not the one that acted: at the limit of drive or sensor, or stuck while the arm moves."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from repro.logs.conventions import fit_joints, low_pass, smoothed
+from repro.logs.log import Log, period
+from repro.model.dynamics import regressor
+from repro.model.parameters import Array
+
+#: Most steps of a change that is used: rounding of printed numbers adds up.
+_MOST_STEPS = 50.0
+#: Fewest samples at an extreme value that can be a limit, in typical runs of equal values.
+_FEWEST_AT_LIMIT = 5
+#: Ratio of samples at the extreme value to those at any of the next levels, steps below it, if it is a limit.
+_LIMIT_RATIO, _NEXT_LEVELS = 4.0, (1, 2, 3)
+#: Different values of a torque that is switched among levels, not limited, at most.
+_MOST_LEVELS = 8
+#: Shortest time for which a stuck torque is constant, s, fewest samples, and their number over that of usual runs.
+_SHORTEST_STUCK, _FEWEST_STUCK, _LONGER = 0.03, 5, 5.0
+#: Quantile of the lengths of runs that is usual.
+_USUAL = 0.9
+#: Motion under a stuck torque, rad, and jump at its begin or end in steps of the torque, at least.
+_LEAST_MOTION, _LEAST_JUMP = 0.01, 3.0
+#: Part of such samples in a low-passed torque above which it is left out.
+MOST_CONTAMINATED = 0.05
+#: Error of Eq. 1 there over the error elsewhere, from which the recorded torque is not the one that acted,
+_CONTRADICTION = 1.5
+#: and largest fraction of a joint's samples that may be left out.
+_MOST_LEFT_OUT = 0.5
+
+#: Samples (2, N) or (N,) that have a property.
+Mask = NDArray[np.bool_]
+
+
+def quantisation_step(x: Array) -> float | None:
+    """Find the smallest change of which most changes are multiples; None if there is none."""
+    changes = np.abs(np.diff(x))
+    changes = changes[changes > 1e-9 * np.abs(x).max(initial=0.0)]
+    if changes.size < 20:
+        return None
+    small = changes[changes <= _MOST_STEPS * changes.min()]
+    if small.size < max(20, 0.3 * changes.size):
+        return None
+    step = float(small.min())
+    for _ in range(3):  # what was printed with few digits is a multiple on average
+        step = float(small.sum() / np.rint(small / step).sum())
+    apart = np.abs(small / step - np.rint(small / step))
+    return step if float((apart < 0.1).mean()) > 0.9 else None
+
+
+def saturated(log: Log) -> Mask:
+    """Find the samples (2, N) whose torque is at its limit.
+
+    An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
+    it.
+    """
+    if log.torque_limit is not None:
+        return np.asarray(np.abs(log.tau) >= 0.999 * log.torque_limit[:, np.newaxis])
+    return np.stack([_at_extremes(tau) for tau in log.tau])
+
+
+def _runs(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First samples of the runs of equal values, and those after their last."""
+    begins = np.flatnonzero(np.abs(np.diff(x)) > 1e-9 * np.abs(x).max()) + 1
+    return np.concatenate([[0], begins]), np.concatenate([begins, [x.size]])
+
+
+def _at_extremes(tau: Array) -> Mask:
+    """Find the samples (N,) at the extreme values, if they accumulate there."""
+    largest, found = float(np.abs(tau).max()), np.zeros(tau.size, dtype=np.bool_)
+    if largest == 0.0 or np.unique(tau).size <= _MOST_LEVELS:
+        return found
+    step = quantisation_step(tau) or 1e-6 * largest
+    typical = float(np.median(np.subtract(*_runs(tau)[::-1])))
+    for side in (tau, -tau):
+        top = float(side.max())
+        if top < 0.5 * largest:
+            continue
+        steps_below = np.rint((top - side) / step)
+        at_top = steps_below == 0.0
+        n, most = np.count_nonzero(at_top), max(np.count_nonzero(steps_below == k) for k in _NEXT_LEVELS)
+        if n >= _FEWEST_AT_LIMIT * typical and n > _LIMIT_RATIO * most:
+            found |= at_top
+    return found
+
+
+def _stuck(tau: Array, q: Array, h: float) -> Mask:
+    """Find the samples (N,) of a torque that stays constant for exceptionally long while its joint moves, and jumps.
+
+    A torque in coarse steps or one that is rarely updated stays constant as long throughout.
+    """
+    begins, ends = _runs(tau)
+    length = ends - begins
+    fewest = max(_FEWEST_STUCK, _SHORTEST_STUCK / h, _LONGER * float(np.quantile(length, _USUAL)))
+    step, found = quantisation_step(tau) or 0.0, np.zeros(tau.size, dtype=np.bool_)
+    for k in np.flatnonzero(length >= fewest):
+        begin, end = begins[k], ends[k]
+        jumps = np.abs(np.diff(tau[max(begin - 1, 0) : end + 1]))
+        lasts = end == tau.size and begin > 0
+        if np.ptp(q[begin:end]) > _LEAST_MOTION and (lasts or jumps.max(initial=0.0) > _LEAST_JUMP * step):
+            found[begin:end] = True
+    return found
+
+
+def unreliable_torque(log: Log) -> Mask:
+    """Find the samples (2, N) of a uniformly sampled log whose torque Eq. 1 contradicts, at a limit or stuck.
+
+    Eq. 1 is fitted to the other samples. A drive that reports the torque it gives at its limit agrees with it there,
+    and a torque of zero before the drives are switched on or after they are switched off is no stuck one.
+    """
+    return np.concatenate([_unreliable(piece) for piece in log.pieces], axis=1)
+
+
+def _unreliable(log: Log) -> Mask:
+    """Find unreliable samples of a log in one piece."""
+    h, on = period(log), np.any(log.tau != 0.0, axis=0)
+    driven = np.logical_or.accumulate(on) & np.logical_or.accumulate(on[::-1])[::-1]
+    stuck = np.stack([_stuck(tau, q, h) for tau, q in zip(log.tau, log.q, strict=True)])
+    suspected = saturated(log) | (stuck & driven)
+    if not suspected.any():
+        return suspected
+    s = smoothed(log)
+    k = s.chosen
+    rows = np.abs(low_pass(suspected.astype(np.float64), h)[:, k]) > MOST_CONTAMINATED
+    y = regressor(s.q[:, k], s.dq[:, k], s.ddq[:, k])
+    beta, _ = fit_joints(y * ~rows[..., np.newaxis], s.tau[:, k] * ~rows)
+    square = (y @ beta - s.tau[:, k]) ** 2
+    for joint in (0, 1):
+        there = rows[joint]
+        few = 0.0 < there.mean() <= _MOST_LEFT_OUT
+        if not few or square[joint, there].mean() <= _CONTRADICTION**2 * square[joint, ~there].mean():
+            suspected[joint] = False
+    return suspected
