@@ -20,7 +20,7 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce quick check test smoke golden site setup setup-test lock clean check-python
+.PHONY: help reproduce quick check test smoke golden rtl site setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
@@ -29,6 +29,7 @@ help:
 	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make golden     run it from stored networks with small counts and compare every number with tests/golden"
+	@echo "make rtl        test the board in logic: arithmetic, blocks, recordings, proofs"
 	@echo "make site       build the pages as a site (build/site)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make the requirements*.lock files again from pyproject.toml"
@@ -48,6 +49,10 @@ smoke: setup
 golden: setup
 	ONEDNN_MAX_CPU_ISA=AVX2 ATEN_CPU_CAPABILITY=avx2 $(SNAKEMAKE) --cores $(CORES) --configfile config/golden.yaml
 	$(BIN)/python .ci/golden.py
+
+rtl: setup-test
+	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-rtl.lock
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile rtl/tests tests/fpga/test_logic.py
 
 # Its packages are no part of the project, so they have an environment of their own.
 site: | check-python

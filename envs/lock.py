@@ -1,4 +1,4 @@
-"""Make ``requirements.lock``, ``requirements-test.lock`` and ``requirements-site.lock`` from ``pyproject.toml``.
+"""Make the locks of running, of the tests, of the board in logic and of the site from ``pyproject.toml``.
 
 Usage: ``python envs/lock.py python3.11 python3.12 python3.13`` (or ``make lock``).
 
@@ -34,6 +34,10 @@ HEADERS = {
     "requirements-test.lock": (
         "What the tests and checks need besides requirements.lock.",
         "python -m pip install --no-deps --require-hashes -r requirements-test.lock",
+    ),
+    "requirements-rtl.lock": (
+        "What the board in logic needs besides requirements.lock and requirements-test.lock.",
+        "python -m pip install --no-deps --require-hashes -r requirements-rtl.lock",
     ),
     "requirements-site.lock": (
         "What the site of the pages needs, in an environment of its own.",
@@ -100,7 +104,7 @@ def resolve(interpreter: str, folder: Path, constraints: Path) -> tuple[str, dic
     output = folder / "compiled.txt"
     subprocess.run([python, "-m", "pip", "install", "--quiet", PIP_TOOLS], check=True, env=ONE_REGISTRY)
     options = [
-        *(f"--extra={extra}" for extra in (*RUNTIME_EXTRAS, "test", "site")),
+        *(f"--extra={extra}" for extra in (*RUNTIME_EXTRAS, "test", "rtl", "site")),
         "--generate-hashes",
         "--allow-unsafe",
         "--strip-extras",
@@ -179,8 +183,9 @@ def main(interpreters: Sequence[str]) -> None:
     needed = [*project["dependencies"], *(text for name in RUNTIME_EXTRAS for text in extras[name])]
     runtime, everything = needed_by(needed, pins), needed_by([*needed, *extras["test"]], pins)
     extra = {name: pin for name, pin in everything.items() if name not in runtime}
+    logic = {name: pin for name, pin in needed_by(extras["rtl"], pins).items() if name not in everything}
     site = needed_by(extras["site"], pins)
-    for file, locked in zip(HEADERS, (runtime, extra, site), strict=True):
+    for file, locked in zip(HEADERS, (runtime, extra, logic, site), strict=True):
         (ROOT / file).write_text(render(locked, sorted(per_python), file), encoding="utf-8")
 
 

@@ -15,7 +15,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 ROOT = Path(__file__).resolve().parents[2]
-LOCK_FILES = ["requirements-cpu.lock", "requirements.lock", "requirements-test.lock", "requirements-site.lock"]
+LOCK_FILES = [f"requirements{part}.lock" for part in ("-cpu", "", "-test", "-rtl", "-site")]
 PYTHONS = ["3.11", "3.12", "3.13"]
 CONDA_NAMES = {"matplotlib-base": "matplotlib", "pytorch": "torch", "snakemake-minimal": "snakemake"}
 CONDA_ONLY = {"python", "pip"}
@@ -45,12 +45,14 @@ def pinned(requirement):
 CPU, CPU_HASHES = read_lock("requirements-cpu.lock")
 RUNTIME, RUNTIME_HASHES = read_lock("requirements.lock")
 TEST, TEST_HASHES = read_lock("requirements-test.lock")
+RTL, RTL_HASHES = read_lock("requirements-rtl.lock")
 SITE, SITE_HASHES = read_lock("requirements-site.lock")
 LOCK = {**RUNTIME, **TEST}
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRAS = PYPROJECT["project"]["optional-dependencies"]
 LEAN = [Requirement(text) for text in PYPROJECT["project"]["dependencies"]]
 DIRECT = [*LEAN, *(Requirement(text) for extra in ("cnn", "workflow") for text in EXTRAS[extra])]
+DIRECT_RTL = [Requirement(text) for text in EXTRAS["rtl"]]
 DIRECT_SITE = [Requirement(text) for text in EXTRAS["site"]]
 DIRECT_TEST = [Requirement(text) for text in EXTRAS["test"]]
 BUILD = [Requirement(text) for text in PYPROJECT["build-system"]["requires"]]
@@ -70,7 +72,8 @@ def conda_pins():
 
 
 def test_every_locked_package_is_pinned_and_has_hashes():
-    for requirements, hashes in ((RUNTIME, RUNTIME_HASHES), (TEST, TEST_HASHES), (SITE, SITE_HASHES)):
+    locks = (RUNTIME, RUNTIME_HASHES), (TEST, TEST_HASHES), (RTL, RTL_HASHES), (SITE, SITE_HASHES)
+    for requirements, hashes in locks:
         for name, requirement in requirements.items():
             assert pinned(requirement).local is None, f"{name}: a local version fits one index only"
             assert requirement.url is None
@@ -88,7 +91,8 @@ def test_the_lock_names_no_place_and_no_cuda_library(file):
 
 @pytest.mark.parametrize("python", PYTHONS)
 def test_direct_dependencies_are_locked_within_their_range(python):
-    for requirements, lock in ((DIRECT, RUNTIME), (BUILD, RUNTIME), (DIRECT_TEST, LOCK), (DIRECT_SITE, SITE)):
+    others = (BUILD, RUNTIME), (DIRECT_TEST, LOCK), (DIRECT_RTL, {**LOCK, **RTL}), (DIRECT_SITE, SITE)
+    for requirements, lock in ((DIRECT, RUNTIME), *others):
         for requirement in requirements:
             locked = lock[canonicalize_name(requirement.name)]
             assert requirement.specifier.contains(pinned(locked)), f"{locked} does not satisfy {requirement}"
