@@ -19,7 +19,7 @@ def load_config(path):
 def stub():
     """Stands for `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
-    module.board_from_config = lambda config, seed: PlayedBoard(FRAMES)
+    module.board_from_config = lambda config, seed, make: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: ReferenceTrajectory(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
     module.metadata_for = lambda program, config: metadata(
