@@ -25,7 +25,8 @@ from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
 from repro.ownarm.evaluate import assemble, fit_all, resolve
-from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.prepare import Options, load_log
+from repro.ownarm.problem import make_problem
 from repro.pipeline.experiment import control_constants, program_from_config, read_recordings, true_parameters
 from repro.pipeline.identifications import identify_recording, mean_training_torque
 from repro.pipeline.networks import algorithm1_of, for_the_arm

@@ -30,7 +30,8 @@ from repro.logs.diagnostics import Description
 from repro.logs.log import Log
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import evaluate, fit
-from repro.ownarm.prepare import LoadedLog, Options, make_problem
+from repro.ownarm.prepare import LoadedLog, Options
+from repro.ownarm.problem import make_problem
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))

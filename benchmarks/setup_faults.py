@@ -20,7 +20,8 @@ import numpy as np
 from repro.identification.calibration import correct_calibration
 from repro.identification.filtering import MAX_DELAY
 from repro.logs.armfile import Arm
-from repro.ownarm.prepare import LoadedLog, Options, load_log, make_problem
+from repro.ownarm.prepare import LoadedLog, Options, load_log
+from repro.ownarm.problem import make_problem
 
 DEGREE = float(np.pi / 180.0)
 #: Zeros in rad, offsets in shares of the largest torque, delays in s.

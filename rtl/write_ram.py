@@ -58,7 +58,7 @@ def possible(kind: Value, length: Value) -> Value:
 
 
 class WriteRam(wiring.Component):
-    """Takes bytes, gives what the messages ask for; `busy` while a byte is worked on."""
+    """Take bytes, and give the commands in the messages; `busy` while a byte is processed."""
 
     def __init__(self) -> None:
         super().__init__(

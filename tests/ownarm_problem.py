@@ -13,7 +13,8 @@ from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
 from repro.model.dynamics import inverse_dynamics
 from repro.ownarm.evaluate import assemble, evaluate, fit, fit_all, resolve
-from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, load_log, make_problem
+from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, load_log
+from repro.ownarm.problem import IdentificationProblem, make_problem
 
 ARM = Arm(name="test arm")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json"]

@@ -23,14 +23,9 @@ from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
 from repro.ownarm.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
-from repro.ownarm.prepare import (
-    IdentificationProblem,
-    LoadedLog,
-    Options,
-    load_log,
-    make_problem,
-)
+from repro.ownarm.prepare import LoadedLog, Options, load_log
 from repro.ownarm.prior import read_prior, with_plane
+from repro.ownarm.problem import IdentificationProblem, make_problem
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, MethodResult, Result
 from repro.ownarm.tables import parameters_table, residuals_table, scores_table

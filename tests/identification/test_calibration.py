@@ -21,8 +21,9 @@ from repro.identification.regression import drop_standstill
 from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.prepare import SCALE_OF_JOINT_1, Options, make_problem
+from repro.ownarm.prepare import Options
 from repro.ownarm.prior import read_prior
+from repro.ownarm.problem import SCALE_OF_JOINT_1, make_problem
 from repro.ownarm.text import calibration_lines
 
 SETTINGS = FilterSettings()

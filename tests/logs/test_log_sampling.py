@@ -13,6 +13,7 @@ from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe, saturated_fraction
 from repro.logs.log import uniform
 from repro.logs.torque_limits import quantisation_step, unreliable_torque
+from repro.ownarm.prepare import load_log
 
 GOOD = recording()
 SIGNALS = ("q", "dq", "tau")
@@ -145,10 +146,10 @@ def held_from(begin, end, value=None):
     ids=["limit", "lower limit", "stuck", "lost", "stuck to the end"],
 )
 def test_a_torque_that_the_motion_contradicts_is_left_out(log, joint, samples):
-    found = unreliable_torque(log)
-    np.testing.assert_array_equal(found[joint - 1], samples)
-    assert not found[2 - joint].any()
-    (warning,) = (line for line in describe(log, Arm()).warnings if "leaves them out" in line)
+    loaded = load_log(log, Arm())
+    np.testing.assert_array_equal(loaded.log.left_out[joint - 1], samples)
+    assert not loaded.log.left_out[2 - joint].any()
+    (warning,) = (line for line in loaded.description.warnings if "leaves them out" in line)
     assert f"joint {joint} is at a limit or stuck in {samples.sum()} samples" in warning
 
 

@@ -11,7 +11,8 @@ from repro.config import load_config
 from repro.identification.least_squares import METHODS
 from repro.identification.uncertainty import CONSTANTS, bootstrap
 from repro.logs.armfile import Arm
-from repro.ownarm.prepare import Options, make_problem
+from repro.ownarm.prepare import Options
+from repro.ownarm.problem import make_problem
 from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 

@@ -13,7 +13,8 @@ from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.model.parameters import NAMES
 from repro.ownarm.evaluate import Fit, assemble
-from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.prepare import Options, load_log
+from repro.ownarm.problem import make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow

@@ -16,7 +16,8 @@ from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
-from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.prepare import Options, load_log
+from repro.ownarm.problem import make_problem
 from repro.ownarm.text import IMPOSSIBLE, NOT_EXCITED
 
 pytestmark = pytest.mark.slow

@@ -9,7 +9,8 @@ from repro.identification.method import LEAST_SQUARES
 from repro.logs.armfile import Arm
 from repro.model.parameters import is_positive_definite
 from repro.ownarm.evaluate import assemble, fit_all, resolve
-from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.prepare import Options, load_log
+from repro.ownarm.problem import make_problem
 
 pytestmark = [pytest.mark.slow, needs_real_data]
 

@@ -14,8 +14,9 @@ from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.ownarm.evaluate import add_runs
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options, join_logs, make_problem
+from repro.ownarm.prepare import Options
 from repro.ownarm.prior import read_prior
+from repro.ownarm.problem import join_logs, make_problem
 
 OPTIONS = Options(("ordinary", "consistent"), "unused")
 

@@ -10,7 +10,8 @@ from ownarm_problem import ARM, solved
 from repro.identification.filtering import FilterSettings, prepare
 from repro.logs.log import Log, uniform
 from repro.ownarm.figures import draw_overlay
-from repro.ownarm.prepare import Options, load_log, make_problem
+from repro.ownarm.prepare import Options, load_log
+from repro.ownarm.problem import make_problem
 
 OPTIONS = Options(("ordinary",), "unused")
 T = np.arange(6000) / 200.0

@@ -4,8 +4,8 @@ The gear of joint 2 turns its rotor with joint 2 alone, while Eq. 1 has one I3 f
 part of I1. Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate
 column next to the nine of the regressor (`TERMS`, and `CALIBRATION` of `repro.identification.calibration`). The chosen
 subset of the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the
-squared error of the joints it acts on by `MIN_ERROR_REDUCTION`. A chosen term is also `MIN_Z_SCORE` standard errors
-away from no effect. Other logs of the arm, to which none of the terms applies, may take part in the fit.
+squared error by `Kind.min_reduction`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other
+logs of the arm, to which none of the terms applies, may take part in the fit.
 
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
@@ -161,6 +161,11 @@ class Term:
     name: str  # of `TERM_NAMES` or `repro.identification.calibration.CALIBRATION_TERMS`
     value: float  # in the unit of its kind: a zero is added to the position, an offset subtracted from the torque
     error: float  # standard error of the value
+
+    @property
+    def kind(self) -> str:
+        """Its name without the joint."""
+        return self.name[:-1]
 
 
 @dataclass(frozen=True)

@@ -251,7 +251,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     every_sample = replace(settings, cutoff=2.0 * highest, samples_per_cycle=np.inf)
     wide = [prepare(replace(piece, left_out=None), every_sample, even_odd=False) for piece in log.pieces]
     tau, rebuilt = [piece.tau for piece in wide], [piece.y @ beta for piece in wide]
-    if log.left_out is not None:  # a gap in the torque would have a spectrum of its own
+    if log.left_out is not None:  # a gap in the torque would show in its spectrum
         counts = [prepare(piece, every_sample, even_odd=False).mask for piece in log.pieces]
         tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)

@@ -11,10 +11,10 @@ uncertainties are combined.
   calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead. With these
   projected out of torque and regressor, any method gives the parameters that it would give with the columns in its
   model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F
-  [4]_, with F of the F-test of the columns and c its critical value at 5 % over the number of effects: columns that
-  explain no more than chance add nothing. Such an effect shifts the estimate by anything up to what its columns cause:
-  a rectangular distribution, of variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a method
-  that is biased on purpose belongs here too.
+  [4]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than chance add
+  nothing. Such an effect shifts the estimate by anything up to what its columns cause: a rectangular distribution, of
+  variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a method that is biased on purpose belongs
+  here too.
 - Bias by errors of the motion, estimated by SIMEX [5]_. It widens the interval and does not move the estimate.
 
 Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees

@@ -9,8 +9,8 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.logs.armfile import Arm
 from repro.logs.conventions import better_convention, late_torque
-from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed, uniform
-from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
+from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed
+from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
@@ -166,9 +166,9 @@ def odd_torque(log: Log) -> Iterator[str]:
         )
 
 
-def wrong_torque(log: Log) -> Iterator[str]:
-    """Report samples whose torque is left out of a fit."""
-    for joint, wrong in enumerate(unreliable_torque(uniform(log)), 1):
+def left_out_torque(log: Log) -> Iterator[str]:
+    """Report samples of a uniformly sampled log whose torque is left out of fits."""
+    for joint, wrong in enumerate(log.left_out if log.left_out is not None else (), 1):
         if n := np.count_nonzero(wrong):
             yield (
                 f"the torque of joint {joint} is at a limit or stuck in {n} samples ({100.0 * n / wrong.size:.2g} %), "
@@ -179,7 +179,7 @@ def wrong_torque(log: Log) -> Iterator[str]:
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
     still, turns, jumps = (list(check(log)) for check in (still_joint, large_range, position_jump))
-    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log), *wrong_torque(log)]
+    warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log)]
     # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
     if not still and (turns or not jumps):
         warnings += [*velocity_disagrees(log), *better_convention(log, arm.second_joint_absolute), *late_torque(log)]

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from repro.identification.excitation import MIN_TORQUE_FRACTION, excitation, torque_fraction
+from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
 from repro.identification.extra_terms import ROTOR
 from repro.identification.filtering import FILTERS
 from repro.identification.least_squares import METHODS
@@ -17,7 +17,8 @@ from repro.identification.scores import position_errors, relative_rms, similarit
 from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import IdentificationProblem, Options, left_out, single_problem
+from repro.ownarm.prepare import Options
+from repro.ownarm.problem import IdentificationProblem, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings
 from repro.ownarm.result import (
     HALVES,
@@ -98,11 +99,7 @@ def fit(
     if method.claims_intervals:
         rng = stream(seed, Stream.OWN_BOOTSTRAP)
         spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
-    if len(problem.logs) > 1 and method.claims_intervals:
-        for log in problem.logs:
-            others = left_out(problem, log)
-            if excitation(others).rank == problem.excited.rank:  # else they cannot predict what it excites
-                parts.append((log.loaded.name, others, log.regression))
+        parts = [(log.loaded.name, others, log.regression) for log, others in problem.left_out]
     if halves and not parts:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
         for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
@@ -156,7 +153,7 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
     excited = torque_fraction(problem.moving, beta) > MIN_TORQUE_FRACTION
-    rough_joints = {term.name[-1] for term in problem.first.terms if not (term.taken or term.name.startswith(ROTOR))}
+    rough_joints = {term.name[-1] for term in problem.first.terms if not (term.taken or term.kind == ROTOR)}
     known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
     for k, name in enumerate(NAMES):

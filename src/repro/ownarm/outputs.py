@@ -98,7 +98,7 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:
-            rotor = sum(term.value for term in result.terms if term.taken and term.name.startswith(ROTOR))
+            rotor = sum(term.value for term in result.terms if term.taken and term.kind == ROTOR)
             links = replace(links, rotor=rotor)
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))

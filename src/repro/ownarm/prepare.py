@@ -1,4 +1,4 @@
-"""Prepare logs: options and filters chosen from the fitted log, calibration errors corrected, the problem to solve."""
+"""Prepare logs: filters chosen, calibration errors corrected, and terms beyond Eq. 1 subtracted."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -10,7 +10,6 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.identification.calibration import (
-    CALIBRATION,
     CANDIDATES,
     SCALE,
     CalibrationError,
@@ -19,7 +18,6 @@ from repro.identification.calibration import (
     correct_calibration,
     find_calibration_errors,
 )
-from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import (
     TERMS,
     ExtraTerm,
@@ -38,27 +36,16 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, mean_variance
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined
 from repro.identification.scores import unexplained
 from repro.identification.solve import solve
-from repro.identification.uncertainty import (
-    Perturbation,
-    WeightedLog,
-    attach_prior,
-    join_filtered,
-    of_each_log,
-    perturbations,
-    project_out,
-    unmodelled_effects,
-)
 from repro.logs.armfile import Arm
 from repro.logs.conventions import quiet_joints
-from repro.logs.diagnostics import Description, describe
+from repro.logs.diagnostics import Description, describe, left_out_torque
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
 from repro.logs.torque_limits import saturated, unreliable_torque
 from repro.model.parameters import NAMES, Array
-from repro.ownarm.prior import with_plane
 
 
 @dataclass(frozen=True)
@@ -132,39 +119,6 @@ class PreparedLog:
         return [term for term in self.terms if term.taken]
 
 
-#: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2.
-SCALE_OF_JOINT_1 = "scale of joint 1"
-
-
-@dataclass(frozen=True)
-class IdentificationProblem:
-    """The regressions that the methods solve and are evaluated on."""
-
-    logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
-    regression: Regression  # all of them together
-    moving: Regression  # the same without standstill, with subtracted terms projected out: methods are fitted to it
-    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
-    validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
-    excited: Identifiability  # which parameters the motion identifies
-    estimates_delay: bool  # whether the delay is estimated from the log
-    prior: Prior | None = None  # of the parameters
-
-    @property
-    def scale_open(self) -> bool:
-        """Whether the torque constant of either joint may be the wrong one."""
-        return SCALE_OF_JOINT_1 in self.as_good
-
-    @property
-    def doubt(self) -> str:
-        """Why no interval is claimed; empty if it is from one of the logs."""
-        return self.first.doubt if all(log.doubt for log in self.logs) else ""
-
-    @property
-    def first(self) -> PreparedLog:
-        """The first log to fit, whose filters are those of the validation logs."""
-        return self.logs[0]
-
-
 def load_log(source: Source, arm: Arm) -> LoadedLog:
     """Read and describe a log."""
     raw = read_log(source, arm)
@@ -173,14 +127,15 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     if (wrong := unreliable_torque(log)).any():
         log = replace(log, left_out=wrong)
     fresh = tuple(note for note in log.notes if note not in description.notes)
-    return LoadedLog(log, replace(description, notes=description.notes + fresh), raw)
+    warnings = (*description.warnings, *left_out_torque(log))
+    return LoadedLog(log, replace(description, notes=description.notes + fresh, warnings=warnings), raw)
 
 
 #: Why a cut-off is the user's.
 GIVEN = "given by the user"
 
 
-def _check_rate(log: Log, cutoff: Cutoff) -> None:
+def check_rate(log: Log, cutoff: Cutoff) -> None:
     """Refuse a log that is sampled too slowly for the cut-off."""
     rate = 1.0 / period(log)
     if cutoff.hertz > 0.25 * rate:
@@ -214,7 +169,7 @@ def _choose_settings(
     elif common is not None and common.hertz < chosen.hertz:
         chosen = replace(chosen, hertz=common.hertz, reason="the lowest cut-off of the logs")
     settings = replace(settings, cutoff=chosen.hertz)
-    _check_rate(log, chosen)
+    check_rate(log, chosen)
     if arm.friction_steepness is None:
         settings = replace(settings, friction_steepness=choose_steepness(log, settings))
     if arm.delay is not None:
@@ -271,20 +226,30 @@ def _finish(
     corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
 ) -> PreparedLog:
     """Subtract the terms beyond Eq. 1 from a corrected log, and filter it."""
-    recorded, loaded, settings, faults = corrected.recorded, corrected.loaded, corrected.settings, corrected.faults
-    hidden = calibration_limits(loaded.log, settings, faults, others)
+    loaded, settings = corrected.loaded, corrected.settings
+    hidden = calibration_limits(loaded.log, settings, corrected.faults, others)
     taken = [term for term in terms if term.taken]
     if taken:
         loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
     regression = drop_idle_joints(prepare(loaded.log, settings))
-    doubt = _interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm)
-    chosen = settings, corrected.cutoff, corrected.delay_error
-    return PreparedLog(loaded, recorded, regression, *chosen, faults, hidden, terms, load, doubt)
+    return PreparedLog(
+        loaded=loaded,
+        recorded=corrected.recorded,
+        regression=regression,
+        settings=settings,
+        cutoff=corrected.cutoff,
+        delay_error=corrected.delay_error,
+        faults=corrected.faults,
+        hidden=hidden,
+        terms=terms,
+        load=load,
+        doubt=_interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm),
+    )
 
 
 def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
     """Correct the calibration errors of a log, choose what is not given, and filter it."""
-    return _prepare_logs([loaded], arm, options)[0]
+    return prepare_logs([loaded], arm, options)[0]
 
 
 #: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
@@ -294,6 +259,11 @@ MIN_EXPLAINED, MAX_OVER_FRICTION = 0.5, 0.5
 #: second fraction of the squared torque: the rest shows too little of what acted.
 MAX_SATURATED, MAX_LEFT_SATURATED = 0.5, 0.04
 FRICTION = slice(NAMES.index("b1"), None)
+
+
+def delay_at_limit(delay: float) -> bool:
+    """Whether a delay is at the end of the search range."""
+    return abs(delay) >= 0.99 * MAX_DELAY
 
 
 def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
@@ -325,22 +295,25 @@ def _shows_scale(log: _Corrected, size: float) -> bool:
     return limit is not None and limit < size
 
 
-def _common(logs: Sequence[_Corrected]) -> _Common:
+def _in_common(logs: Sequence[_Corrected]) -> _Common:
     """Find what several logs of an arm have in common.
 
-    Their delays are weighted by their precision, and their scatter widens the error (Birge). A torque constant is the
-    arm's: its error counts if no log contradicts it that would show it by itself.
+    A torque constant is the arm's: its error counts if no log contradicts it that would show it by itself.
     """
-    scales = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
-    away = abs(float(np.mean(scales)) - 1.0) if scales else 0.0
-    scaled = bool(scales) and not any(SCALE not in values_of(log.faults) and _shows_scale(log, away) for log in logs)
+    factor = mean_scale(logs)
+    without = [log for log in logs if SCALE not in values_of(log.faults)]
+    scaled = factor is not None and not any(_shows_scale(log, abs(factor - 1.0)) for log in without)
     names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
+    return _Common(min(log.settings.cutoff for log in logs), *_common_delay(logs), names)
+
+
+def _common_delay(logs: Sequence[_Corrected]) -> tuple[float, float]:
+    """Weigh the delays of several logs by their precision; their scatter widens the error (Birge)."""
     delay = np.array([log.settings.delay for log in logs])
     weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
     mean = float(np.average(delay, weights=weight))
     birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
-    error = float(np.sqrt(max(birge, 1.0) / weight.sum()))
-    return _Common(min(log.settings.cutoff for log in logs), mean, error, names)
+    return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
 
 
 def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm], load: Array) -> list[_Corrected]:
@@ -351,21 +324,21 @@ def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm]
         again.append(log.delayed(*estimate_delay(log.loaded.log, log.settings, columns)))
     if len(logs) == 1:
         return again
-    common = _common(again)
-    return [log.delayed(common.delay, common.delay_error) for log in again]
+    common = _common_delay(again)
+    return [log.delayed(*common) for log in again]
 
 
 #: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
 COMPARED_ERROR, DECISIVE = 0.05, 4.0
 
 
-def _scale(logs: Sequence[_Corrected] | Sequence[PreparedLog]) -> float | None:
+def mean_scale(logs: Sequence[_Corrected] | Sequence[PreparedLog]) -> float | None:
     """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
     values = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
     return float(np.mean(values)) if values else None
 
 
-def _wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
+def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
     """Decide by a prior which joint's torque constant is wrong; None if it cannot.
 
     If it is that of joint 1 after all, all parameters are `factor` times those of the log with joint 2 corrected.
@@ -393,7 +366,7 @@ def _find_terms(logs: Sequence[_Corrected], options: Options) -> tuple[tuple[Ext
     return terms, solve(moving.y, moving.tau)
 
 
-def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
+def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
     """Prepare the logs of one arm, which has one delay, one set of terms beyond Eq. 1, and here one cut-off.
 
     Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
@@ -401,7 +374,7 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
     uncorrected log can make a good one look faulty.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    common = _common(corrected) if len(logs) > 1 else None
+    common = _in_common(corrected) if len(logs) > 1 else None
 
     def others(one: _Corrected) -> list[Regression]:
         return [log.moving for log in corrected if log is not one]
@@ -423,105 +396,11 @@ def _prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tupl
         most = min(gains, key=gains.__getitem__)
         corrected[most] = found[most]
         remaining.remove(most)
-    moving, factor = joined([log.moving for log in corrected]), _scale(corrected)
-    if factor is not None and _wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
+    moving, factor = joined([log.moving for log in corrected]), mean_scale(corrected)
+    if factor is not None and wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
         corrected = [_blame_joint_1(log) for log in corrected]
     terms, load = _find_terms(corrected, options)
     if arm.delay is None and (taken := [term for term in terms if term.taken]):
         corrected = _estimate_delay_again(corrected, taken, load)
         terms, load = _find_terms(corrected, options)
     return tuple(_finish(log, arm, terms, load, others(log)) for log in corrected)
-
-
-#: RMS error of a log over that of the best one above which its rows count less: the model causes smaller differences.
-MAX_ERROR_RATIO = 3.0
-
-
-def _weights(logs: Sequence[PreparedLog]) -> list[float]:
-    """Weigh the rows of each of several logs: one with large errors counts less."""
-    size = [float(np.sqrt(mean_variance(log.moving, solve(log.moving.y, log.moving.tau)))) for log in logs]
-    return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
-
-
-def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Array:
-    """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
-    taken = list({term.name: term for one in prepared for term in one.taken}.values())
-    if not taken:
-        return np.empty((*whole.tau.shape, 0))
-    each = [
-        log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken)
-        for log, one in zip(logs, prepared, strict=True)
-    ]
-    return np.concatenate(each, axis=1)
-
-
-def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
-    """Join several logs and a prior to one regression without standstill, and its perturbations."""
-    weights = _weights(logs)
-    weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
-    # The values of what was subtracted have errors, so that its columns are projected out.
-    whole = joined([log.moving for log in logs], weights)
-    subtracted = _subtracted_columns(whole, weighted, logs)
-    moving = project_out(whole, subtracted)
-    as_good = perturbations(weighted, max(log.delay_error for log in logs))
-    if any(log.faults for log in logs):
-        beta = solve(moving.y, moving.tau)
-        columns = [
-            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults)
-            for log, one in zip(weighted, logs, strict=True)
-        ]
-        both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
-        as_good["set-up"] = Perturbation((project_out(whole, both),))
-        recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
-        instead = unmodelled_effects(recorded, join_filtered(weighted))
-        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
-        factor = _scale(logs)
-        if factor is not None and _wrong_torque(prior, beta, factor) is None:
-            scaled = moving.change(lambda y: y / factor)
-            as_good[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
-    return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
-
-
-def left_out(problem: IdentificationProblem, log: PreparedLog) -> Regression:
-    """Join all logs of a problem but one, without standstill."""
-    logs = [other for other in problem.logs if other is not log]
-    if problem.prior is not None:
-        return join_logs(logs, problem.prior)[0]
-    return joined([other.moving for other in logs], _weights(logs))
-
-
-def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
-    """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms."""
-    first, names = logs[0], [values_of(log.faults) for log in logs]
-    common = {name: value for name, value in names[0].items() if all(name in each for each in names)}
-    right = correct_calibration(log, common)
-    return subtract_terms(right, first.settings, first.load, first.taken) if first.taken else right
-
-
-def make_problem(
-    fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog], arm: Arm, options: Options
-) -> IdentificationProblem:
-    """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
-    logs = _prepare_logs(fitted, arm, options)
-    first = logs[0]
-    validation = tuple(replace(loaded, log=_correct_as(loaded.log, logs)) for loaded in validation)
-    for loaded in validation:
-        _check_rate(loaded.log, first.cutoff)
-    predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
-    prior = with_plane(options.prior, arm)
-    moving, as_good = join_logs(logs, prior)
-    regression = joined([log.regression for log in logs])
-    excited = excitation(moving)
-    return IdentificationProblem(logs, regression, moving, as_good, predicted, excited, arm.delay is None, prior)
-
-
-def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
-    """Give the problem of one of its logs by itself, prepared as it is among the others."""
-    moving, as_good = join_logs((log,), problem.prior)
-    alone = replace(problem, logs=(log,), regression=log.regression, validation=(), excited=excitation(moving))
-    return replace(alone, moving=moving, as_good=as_good)
-
-
-def delay_at_limit(delay: float) -> bool:
-    """Whether a delay is at the end of the search range."""
-    return abs(delay) >= 0.99 * MAX_DELAY

@@ -8,7 +8,8 @@ import numpy as np
 from repro.errors import option
 from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
-from repro.ownarm.prepare import IdentificationProblem, delay_at_limit
+from repro.ownarm.prepare import delay_at_limit
+from repro.ownarm.problem import IdentificationProblem
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,

@@ -25,7 +25,8 @@ from repro.logs.log import Log, period, segments, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
-from repro.ownarm.prepare import IdentificationProblem, LoadedLog, Options, PreparedLog, join_logs, prepare_log
+from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, prepare_log
+from repro.ownarm.problem import IdentificationProblem, join_logs
 from repro.ownarm.result import RecoveredParameter, SelfTest
 from repro.streams import Stream, stream
 

@@ -168,7 +168,7 @@ def _size(name: str, value: float, error: float | None = None) -> str:
 
 def term_line(term: ExtraTerm) -> str:
     """Report a term that Eq. 1 does not contain."""
-    kind, joint = term.name[:-1], term.name[-1]
+    kind, joint = term.kind, term.name[-1]
     what = {"load": "of its load", "stribeck": "N m more at rest", ROTOR: "kg m^2, next to I3"}[kind]
     of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
     size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
