@@ -41,3 +41,10 @@ def flat(value: object, name: str = "") -> list[str]:
 
 def _number(value: object) -> str:
     return f"{value:.5e}" if isinstance(value, float) else str(value)
+
+
+def blocks(page: str) -> list[str]:
+    """The text of an HTML page, a line for each block and row of a table."""
+    text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.DOTALL).split())
+    text = re.sub(r"</(tr|p|li|h\d|dt|dd|div|caption|summary)>", "\n", text)
+    return re.sub(r"<[^>]+>", " ", text).splitlines()
