@@ -4,8 +4,9 @@ import re
 from pathlib import Path
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
-#: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too.
-ALLOWED = 1e-4
+#: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too,
+#: and an absolute difference.
+ALLOWED, TINY = 1e-4, 1e-9
 
 
 def _near(a: str, b: str) -> bool:
@@ -14,7 +15,7 @@ def _near(a: str, b: str) -> bool:
     mantissa, _, power = b.removesuffix(" %").partition("e")
     unit = float(f"1e{int(power or 0) - len(mantissa.partition('.')[2])}")
     x, y = (float(number.removesuffix(" %")) for number in (a, b))
-    return abs(x - y) <= max(ALLOWED * abs(y), 1.01 * unit)
+    return abs(x - y) <= max(ALLOWED * abs(y), 1.01 * unit, TINY)
 
 
 def _like(a: str, b: str) -> bool:
