@@ -17,6 +17,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from claims_example import write_results
+from kept import same
 from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
@@ -290,6 +291,35 @@ def of_a_job(rule, value):
     if callable(value):
         value = value(*(SimpleNamespace(**ONE), rule.input)[: len(signature(value).parameters)])
     return value
+
+
+def described(rule):
+    """A rule in lines: files, parameters without values of the configuration, resources."""
+
+    def lines(values):
+        for name, value in values:
+            value = of_a_job(rule, value)
+            many = sorted(value) if isinstance(value, dict) else value if isinstance(value, (list, tuple)) else [value]
+            text = ", ".join(map(str, many)).replace(str(ROOT), "")
+            if not re.search(r" [0-9a-f]{12}\b", text):  # a digest of code
+                yield f"{name} {text}"
+
+    def named(of):
+        names = {id(value): name for name, value in of.items()}
+        return [(names.get(id(value), ""), value) for value in of]
+
+    digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
+    trainers = [name for name in ("repro.cnn.train", "repro.cnn.plain") if f"{name}:train" in digests]
+    resources = [(name, value) for name, value in rule.resources.items() if name not in ("tmpdir", "_nodes")]
+    yield f"rule {rule.name}: {Path(rule.script).name}; {rule.message}; priority {rule.priority}; trains by {trainers}"
+    for kind, of in (("input", named(rule.input)), ("output", named(rule.output)), ("param", named(rule.params))):
+        yield from (f"  {kind} {line}" for line in lines(of))
+    yield from (f"  resource {name} {value}" for name, value in sorted(resources) if not callable(value))
+
+
+def test_rules_are_those_kept(working, file_regression):
+    kept = "\n".join(line for rule in sorted(working, key=lambda rule: rule.name) for line in described(rule)) + "\n"
+    file_regression.check(kept, check_fn=same, basename="rules")
 
 
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):
