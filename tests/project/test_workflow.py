@@ -295,26 +295,19 @@ def of_a_job(rule, value):
 
 def described(rule):
     """A rule in lines: files, parameters without values of the configuration, resources."""
-
-    def lines(values):
-        for name, value in values:
-            value = of_a_job(rule, value)
-            many = sorted(value) if isinstance(value, dict) else value if isinstance(value, (list, tuple)) else [value]
-            text = ", ".join(map(str, many)).replace(str(ROOT), "")
-            if not re.search(r" [0-9a-f]{12}\b", text):  # a digest of code
-                yield f"{name} {text}"
-
-    def named(of):
-        names = {id(value): name for name, value in of.items()}
-        return [(names.get(id(value), ""), value) for value in of]
-
     digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
     trainers = [name for name in ("repro.cnn.train", "repro.cnn.plain") if f"{name}:train" in digests]
-    resources = [(name, value) for name, value in rule.resources.items() if name not in ("tmpdir", "_nodes")]
     yield f"rule {rule.name}: {Path(rule.script).name}; {rule.message}; priority {rule.priority}; trains by {trainers}"
-    for kind, of in (("input", named(rule.input)), ("output", named(rule.output)), ("param", named(rule.params))):
-        yield from (f"  {kind} {line}" for line in lines(of))
-    yield from (f"  resource {name} {value}" for name, value in sorted(resources) if not callable(value))
+    for kind in ("input", "output", "params"):
+        given = getattr(rule, kind)
+        names, found = {id(value): name for name, value in given.items()}, {}
+        for value in given:
+            one = of_a_job(rule, value)
+            many = sorted(one) if isinstance(one, dict) else one if isinstance(one, (list, tuple)) else [one]
+            texts = [text for text in map(str, many) if not re.search(r" [0-9a-f]{12}\b", text)]  # digests of code
+            found.setdefault(names.get(id(value), ""), []).extend(texts)
+        yield from (f"  {kind} {name}: {', '.join(texts)}".replace(str(ROOT), "") for name, texts in found.items())
+    yield from (f"  {value}" for name, value in sorted(rule.resources.items()) if name in ("mem_mb", "runtime"))
 
 
 def test_rules_are_those_kept(working, file_regression):
