@@ -5,7 +5,7 @@ from pathlib import Path
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
 #: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too.
-ALLOWED = 1e-3
+ALLOWED = 1e-4
 
 
 def _near(a: str, b: str) -> bool:
