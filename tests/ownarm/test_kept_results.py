@@ -1,5 +1,6 @@
 """All that `repro identify` says and writes of three kinds of log, as it was kept."""
 
+import io
 import json
 import logging
 import re
@@ -8,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from kept import blocks, flat, same
+from kept import blocks, drawn, flat, same
 from log_example import BETA, motion, text
+from PIL import Image
 from regression_example import other_motion
 
 import repro
@@ -79,7 +81,9 @@ def capture(_folder):
 
 @pytest.mark.parametrize("logs", [several, short, capture])
 def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
-    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
+    figures, dot = [], io.BytesIO()
+    Image.new("P", (1, 1)).save(dot, "PNG")
+    monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figures.append(figure) or dot.getvalue())
     caplog.set_level(logging.INFO, "repro")
     arm = tmp_path / "arm.yaml"
     arm.write_text(ARM, encoding="utf-8")
@@ -91,6 +95,7 @@ def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog
     lines = [*names, *(message for message in caplog.messages if "%" not in message), *str(result).splitlines()]
     lines += flat(json.loads(files.pop("parameters.json")))
     lines += blocks(files.pop("report.html"))
+    lines += [line for figure in figures for line in drawn(figure)]
     residuals = pd.read_csv(out / "residuals.csv")
     files["residuals.csv"] = residuals[:: len(residuals) // 40].to_csv(index=False, float_format="%.4f")
     lines += [line for name in sorted(files) for line in files[name].splitlines()]
