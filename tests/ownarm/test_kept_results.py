@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from html_page import Page
-from kept import flat, same
+from kept import blocks, flat, same
 from log_example import BETA, motion, text
 from regression_example import other_motion
 
@@ -37,7 +36,7 @@ friction_steepness: auto
 """
 
 
-def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, rotor=0.003, limit=np.inf, gap=(0.0, 0.0)):
+def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limit=np.inf, gap=(0.0, 0.0)):
     """A log of an arm with a rotor and friction beyond Eq. 1, whose torque acts 4 ms late; its name is its seed."""
     t = np.arange(round(seconds * 250)) / 250
     t = t[(t < gap[0]) | (t >= gap[1])]
@@ -45,11 +44,11 @@ def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, rotor=0.003, li
     acting = moved(t + start + 0.004)
     load = inverse_dynamics(*acting, np.where(np.arange(9) < 5, BETA, 0.0))[0]
     tau = inverse_dynamics(*acting, BETA)
-    tau += np.stack([0.15 * np.abs(load) * np.tanh(20.0 * acting[1][0]), rotor * acting[2][1]])
+    tau += np.stack([0.15 * np.abs(load) * np.tanh(20.0 * acting[1][0]), 0.003 * acting[2][1]])
     tau += np.array([[0.02], [0.01]]) * np.random.default_rng(ord(path.stem)).normal(size=tau.shape)
     tau[0] = np.clip(tau[0], -limit, limit)
     degrees = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3])
-    signals = (1e3 * t, *degrees, 1e3 * (0.1 - 0.8 * tau[0]), 1e3 * tau[1])
+    signals = (1e3 * t, *degrees, 1e3 * (0.1 - 0.8 * tau[0]), 1e3 * scale * tau[1])
     names = ("t [ms]", "shoulder [deg]", "elbow [deg]", "M1 [mN m]", "M2 [mN m]")
     path.write_text(text(dict(zip(names, signals, strict=True)), 8), encoding="utf-8")
     return path
@@ -67,14 +66,14 @@ def several(folder):
 
 
 def short(folder):
-    """A log without a prediction to judge by, whose friction is left in, and synthetic logs beside it."""
-    log = write(folder / "c.csv", seconds=8.0, rotor=0.0)
+    """A log with a wrong torque constant, whose friction is left in; synthetic logs beside it."""
+    log = write(folder / "c.csv", seconds=8.0, scale=1.5)
     return {"log": log, "method": ["ordinary", "weighted"], "self_test": True, "filter": "butterworth"}
 
 
 def capture(_folder):
     """The simulated board's recording, which excites little."""
-    files = {"log": str(CAPTURES / "ID.bin"), "validate": str(CAPTURES / "T1.bin")}
+    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / f"{name}.bin") for name in ("T1", "T4")]}
     return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0}
 
 
@@ -91,11 +90,9 @@ def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog
     del files["provenance.json"]
     lines = [*names, *(message for message in caplog.messages if "%" not in message), *str(result).splitlines()]
     lines += flat(json.loads(files.pop("parameters.json")))
-    page = Page(files.pop("report.html"))
-    lines += [" | ".join(row) for table in page.tables for row in page.rows(table)]
-    lines += [element["text"] for element in page.elements if element["tag"] in ("title", "h1", "h2", "h3", "p", "li")]
+    lines += blocks(files.pop("report.html"))
     residuals = pd.read_csv(out / "residuals.csv")
-    files["residuals.csv"] = residuals[:: len(residuals) // 40].to_csv(index=False, float_format="%.5e")
+    files["residuals.csv"] = residuals[:: len(residuals) // 40].to_csv(index=False, float_format="%.4f")
     lines += [line for name in sorted(files) for line in files[name].splitlines()]
     kept = "\n".join(" ".join(line.split()) for line in lines if line.strip()) + "\n"
     file_regression.check(re.sub(re.escape(str(tmp_path)), "", kept), check_fn=same, basename=logs.__name__)

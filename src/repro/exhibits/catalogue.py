@@ -3,6 +3,7 @@
 from repro.comparison.tolerances import Tolerances, measured_spread
 from repro.exhibits import (
     arm_experiment,
+    board_design,
     causes,
     many_arms,
     network_training,
@@ -22,6 +23,7 @@ MODULES = (
     arm_experiment,
     variants,
     paper_audit,
+    board_design,
 )  # ours in this order
 
 
