@@ -60,10 +60,10 @@ def parameters() -> dict[str, dict[str, list[str]]]:
 
 
 def pages(folder: Path) -> dict[str, list[str]]:
-    """Lines of the run's tables for reading, and blocks of text of its report down to the provenance."""
+    """Lines of the run's tables for reading and of its check sums, and blocks of text of its report but provenance."""
     found = {}
-    for path in sorted([*folder.glob("*.md"), *folder.glob("tables/*.[mt]*"), *folder.glob("report/*.html")]):
-        text = path.read_text(encoding="utf-8")
+    for path in sorted([*folder.glob("*.[ms]*"), *folder.glob("tables/*.[mt]*"), *folder.glob("report/*.html")]):
+        text = re.sub(r"[0-9a-f]{64}", "", path.read_text(encoding="utf-8"))
         if path.suffix == ".html":
             text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", text, flags=re.DOTALL).split())
             text = BLOCK_END.sub("\n", text.partition('<section id="provenance"')[0])

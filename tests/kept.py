@@ -4,8 +4,9 @@ import re
 from pathlib import Path
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
-#: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too.
-ALLOWED = 1e-4
+#: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too,
+#: and an absolute difference.
+ALLOWED, TINY = 1e-4, 1e-9
 
 
 def _near(a: str, b: str) -> bool:
@@ -14,7 +15,7 @@ def _near(a: str, b: str) -> bool:
     mantissa, _, power = b.removesuffix(" %").partition("e")
     unit = float(f"1e{int(power or 0) - len(mantissa.partition('.')[2])}")
     x, y = (float(number.removesuffix(" %")) for number in (a, b))
-    return abs(x - y) <= max(ALLOWED * abs(y), 1.01 * unit)
+    return abs(x - y) <= max(ALLOWED * abs(y), 1.01 * unit, TINY)
 
 
 def _like(a: str, b: str) -> bool:
@@ -41,3 +42,10 @@ def flat(value: object, name: str = "") -> list[str]:
 
 def _number(value: object) -> str:
     return f"{value:.5e}" if isinstance(value, float) else str(value)
+
+
+def blocks(page: str) -> list[str]:
+    """The text of an HTML page, a line for each block and row of a table."""
+    text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.DOTALL).split())
+    text = re.sub(r"</(tr|p|li|h\d|dt|dd|div|caption|summary)>", "\n", text)
+    return re.sub(r"<[^>]+>", " ", text).splitlines()
