@@ -336,7 +336,7 @@ def identify(
         if with_plane(before, described) is not None:
             given = "prior" if before is not None else f"{described.file}: plane"
             raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
-        require("torch", "cnn", "method Algorithm 1")
+        require("torch", "cnn", "method Algorithm 1", "method least-squares, or ")
         _check_cache(options.cache)
     _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]
