@@ -213,6 +213,14 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
         build_report(example)
 
 
+@pytest.mark.parametrize("line", [f"{'0' * 63}  ID.bin", f"{'0' * 64} ID.bin", f"{'0' * 64}  "])
+def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(tmp_path, line):
+    example = make_example(tmp_path)
+    example.captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
+        build_report(example)
+
+
 def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):
     monkeypatch.setattr(page_module, "LARGEST_REPORT", 10_000)
     with pytest.raises(InputError, match=r"index\.html: found [01]\.\d MB, expected 0\.01 MB at most"):
