@@ -217,7 +217,7 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
 def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(tmp_path, line):
     example = make_example(tmp_path)
     example.captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
+    with pytest.raises(InputError, match=r"SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
         build_report(example)
 
 
