@@ -185,7 +185,7 @@ def note(*methods):
     ],
 )
 def test_a_network_that_predicts_far_worse_has_its_reason_told(similarity, words, others):
-    noted = note(network(0.15, similarity), network(0.1, name="a"))
+    noted = note(network(0.15, similarity), network(0.3, name="b"), network(0.1, name="a"))
     assert "1.5 times that of the best least squares (a)" in noted
     assert all(word in noted for word in words), noted
     assert not any(word in noted for word in others), noted
