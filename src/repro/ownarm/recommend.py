@@ -109,8 +109,8 @@ def unusable(method: MethodResult) -> str:
     """Give the reason not to use the parameters; empty if they can be used."""
     if not method.consistent:
         return f"the parameters are not physically consistent: {method.why_not_consistent}"
-    worst = max(max(score.relative_rms) for _, score in method.scores)
-    return f"Eq. 1 leaves up to {100 * worst:.3g} % of a torque unexplained" if worst > USELESS else ""
+    worst, where = max((max(score.relative_rms), score.log) for _, score in method.scores)
+    return f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})" if worst > USELESS else ""
 
 
 def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
@@ -202,7 +202,7 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
     if half > max(WORSE * fit, SMALL):
         yield (
-            f"one half of the log predicts the other with a torque error of {100 * half:.3g} %: the log is too short, "
+            f"one half of the log predicts the other with a torque error of {100 * half:.0f} %: the log is too short, "
             "or something changed during it; record a longer one, or fit several logs"
         )
 
