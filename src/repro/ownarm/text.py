@@ -17,7 +17,7 @@ from repro.ownarm.result import Result, Score, SelfTest
 
 #: What the intervals allow for, in one sentence.
 ALLOWED = (
-    "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
+    "the 95 % intervals allow for noise, the choice of filters, lambda and delay, errors of the motion, "
     f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques"
 )
