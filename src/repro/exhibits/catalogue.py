@@ -9,6 +9,7 @@ from repro.exhibits import (
     numeric_tests,
     paper_audit,
     schematics,
+    study_results,
     variants,
 )
 from repro.exhibits.declare import CLAIMS, Exhibit, Kind
@@ -21,6 +22,7 @@ MODULES = (
     many_arms,
     arm_experiment,
     variants,
+    study_results,
     paper_audit,
 )  # ours in this order
 
