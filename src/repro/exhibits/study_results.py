@@ -11,6 +11,7 @@ from repro.exhibits.declare import ABLATION, Inputs, figure, table
 from repro.exhibits.markup import Column, Table, digits, grid, plain, words
 from repro.files import read_csv
 from repro.pipeline.job import Config
+from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
 from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
 from repro.study.outcomes import KEYS, RANKS
@@ -60,8 +61,8 @@ def means_layout(frame: pd.DataFrame) -> Table:
     caption = (
         "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
         "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
-        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad); share of "
-        "parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
+        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad); share "
+        "of parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
     )
     blocks = [(plain(f"Prior: {prior}"), own) for prior, own in frame.groupby("prior", sort=False)]
     return grid(caption, columns, blocks)
@@ -84,10 +85,10 @@ def claims_layout(frame: pd.DataFrame) -> Table:
         ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
     ]
     caption = (
-        "Claims over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, positive "
-        "if the claim is true, with its 95 % interval over arms, valid at once for all claims. A claim that something "
-        f"does not matter holds if at most {100 * analysis.EQUIVALENT:g} points are lost. Last: in how many conditions "
-        "the difference is surely positive."
+        "Claims over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
+        "positive if the claim is true, with its 95 % interval over arms, valid at once for all claims. A claim that "
+        f"something does not matter holds if at most {100 * EQUIVALENT:g} points are lost. Last: in how many "
+        "conditions the difference is surely positive."
     )
     return grid(caption, columns, [(None, frame)])
 

@@ -122,9 +122,17 @@ CLAIMS = (
     ),
     Claim("robust", "Algorithm 1 loses less than least squares where Eq. 1 does not hold", _robust),
     Claim("posterior", "the amortised posterior is better than least squares", _pair(POSTERIOR, "ordinary")),
-    Claim("constrained", "the amortised posterior is better than consistent least squares", _pair(POSTERIOR, "consistent")),
-    Claim("prior", "the prior alone, in weighted least squares, is better than consistent", _pair("generalised+prior", "consistent")),
-)  # fmt: skip
+    Claim(
+        "constrained",
+        "the amortised posterior is better than consistent least squares",
+        _pair(POSTERIOR, "consistent"),
+    ),
+    Claim(
+        "prior",
+        "generalised least squares with the prior is better than consistent least squares",
+        _pair("generalised+prior", "consistent"),
+    ),
+)
 HOLDS, FAILS = "holds", "fails"
 
 
@@ -184,5 +192,5 @@ def band(n: int, grid: Array, draws: int = 2000) -> float:
 def best_condition(table: pd.DataFrame, method: str, opponent: str) -> pd.Series:
     """Cell with the largest lower bound of a pair: where the method wins, or the bound within which it does not."""
     own = table[(table["method"] == method) & (table["opponent"] == opponent)]
-    row: pd.Series = own.loc[own["low"].idxmax()]
+    row: pd.Series = own.iloc[int(own["low"].to_numpy().argmax())]
     return row

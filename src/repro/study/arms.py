@@ -49,7 +49,7 @@ def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Arra
 
 def with_friction(beta: Array, factor: float) -> Array:
     """The same arms with their friction multiplied."""
-    return beta * np.array([1.0] * 5 + [factor] * 4)
+    return np.asarray(beta * np.array([1.0] * 5 + [factor] * 4))
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,8 @@ class Effects:
     def times(self, amplitude: Array) -> "Effects":
         """Multiply the effects of each arm by its amplitude (n,)."""
         a = amplitude[:, np.newaxis]
-        return Effects(*(a * x for x in list(vars(self).values())[:-1]), self.phase)
-
-    def take(self, which: slice) -> "Effects":
-        """Effects of some of the arms."""
-        return Effects(*(x[which] for x in vars(self).values()))
+        changed = (a * self.stribeck, a * self.ripple, a * self.compliance, a * self.saturation, a * self.delay)
+        return Effects(*changed, self.phase)
 
     def observed(self, k: int, q: Array, tau: Array, h: float) -> tuple[Array, Array]:
         """What is recorded of arm `k` instead of its position and torque (2, N)."""
@@ -153,14 +150,13 @@ def _is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory)
     """Whether a motion stays within torque and speed of each arm (n, 9)."""
     torque_limit, speed_limit = limits(config)
     speed, torque = peaks(program, beta)
-    within: NDArray[np.bool_] = (torque <= np.array(torque_limit)).all(axis=-1) & (speed <= speed_limit).all()
-    return within
+    return np.asarray((torque <= np.array(torque_limit)).all(axis=-1) & (speed <= speed_limit).all())
 
 
 def _tracks(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
     """Whether each arm (n, 9) tracks a motion."""
     position, _ = _counts(config, beta, program.q)
-    return tracking_error(position, program) <= config["data"]["tracked"]["largest_error_rad"]
+    return np.asarray(tracking_error(position, program) <= config["data"]["tracked"]["largest_error_rad"])
 
 
 def _validation(config: Config, k: int) -> list[ReferenceTrajectory]:
@@ -168,11 +164,17 @@ def _validation(config: Config, k: int) -> list[ReferenceTrajectory]:
     return [program_from_config(config, name, k + 1) for name in VALIDATION]
 
 
-def read_choice(path: Path, config: Config, excitation: str, prior: str) -> tuple[ReferenceTrajectory, Array]:
-    """An excitation as the board receives it, and the arms (n, 9) of a prior."""
+def read_excitation(path: Path, config: Config, excitation: str) -> ReferenceTrajectory:
+    """An excitation as the board receives it."""
     kept, _ = read_tensors(path, "motions and arms of the study")
     q, (begin, end) = kept[f"motion/{excitation}"].astype(np.float64), kept[f"proper/{excitation}"].tolist()
-    return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept[f"arms/{prior}"]
+    return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"])
+
+
+def read_arms(path: Path, prior: str) -> Array:
+    """The arms (n, 9) of a prior."""
+    kept, _ = read_tensors(path, "motions and arms of the study")
+    return np.asarray(kept[f"arms/{prior}"], dtype=np.float64)
 
 
 # --- Recordings of a job's cells ----------------------------------------------------------------------------------

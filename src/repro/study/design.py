@@ -48,8 +48,8 @@ def cells(config: Config) -> list[Cell]:
     s = config["study"]
     factors = [list(enumerate(s[name])) for name in ("excitations", "discrepancies", "priors", "frictions")]
     return [
-        Cell(*(value for _, value in levels), sum(i for i, _ in levels) % s["cnn_fraction"] == 0)
-        for levels in product(*factors)
+        Cell(excitation, discrepancy, prior, friction, searched=(i + j + k + m) % s["cnn_fraction"] == 0)
+        for (i, excitation), (j, discrepancy), (k, prior), (m, friction) in product(*factors)
     ]
 
 

@@ -1,4 +1,4 @@
-"""Outcomes of the study: each method's estimate of each arm in each cell, and how good it is where it was not fitted."""
+"""Outcomes of the study: how good each method's estimate of each arm in each cell is, also where it was not fitted."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.streams import Stream, stream
-from repro.study.arms import Specimen, read_choice, specimens
+from repro.study.arms import Specimen, read_arms, read_excitation, specimens
 from repro.study.design import NETWORKS, excitation_config, jobs
 from repro.study.readers import Readers, Reading
 
@@ -35,9 +35,9 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
     own = jobs(config)[job]
     excitation, prior = own[0].excitation, own[0].prior
     c = excitation_config(config, excitation)
-    program, arms = read_choice(choice, config, excitation, prior)
+    program, arms = read_excitation(choice, config, excitation), read_arms(choice, prior)
     readers = Readers(training, dict(zip(NETWORKS, weights, strict=False)), config, signal_settings(c))
-    recorded, rows, estimates = specimens(config, own, program, arms), [], []
+    recorded, rows, estimates = specimens(config, own, program, arms), [], list[tuple[Specimen, Array]]()
     progress = Progress(f"identifying {len(recorded)} runs")
     for k, one in enumerate(recorded):
         rng = stream(config["study"]["seed"], Stream.STUDY_SEARCH, one.arm)
@@ -47,13 +47,11 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
             claimed = readers.judge(reading, one.true, scores.largest, rng)
             below = np.full(len(NAMES), np.nan) if claimed is None else claimed.below_truth
             nearer, contraction = (np.nan, np.nan) if claimed is None else (claimed.nearer, claimed.contraction)
-            own = {"contraction": contraction, "nearer": nearer, **dict(zip(RANKS, below.tolist(), strict=True))}
-            rows.append({**cell, "arm": one.arm, "method": reading.method, **scores(reading.beta), **own})
-            estimates.append((k, reading.beta))
+            claim = {"contraction": contraction, "nearer": nearer, **dict(zip(RANKS, below.tolist(), strict=True))}
+            rows.append({**cell, "arm": one.arm, "method": reading.method, **scores(reading.beta), **claim})
+            estimates.append((one, reading.beta))
         progress(k + 1, len(recorded))
-    table = pd.DataFrame(rows)
-    table.insert(table.columns.get_loc("contraction"), "position_error", _position_errors(recorded, estimates, config))
-    return table.round(DIGITS)
+    return pd.DataFrame(rows).assign(position_error=_position_errors(estimates, config)).round(DIGITS)
 
 
 class _Scorer:
@@ -79,13 +77,13 @@ class _Scorer:
         }
 
 
-def _position_errors(recorded: Sequence[Specimen], estimates: Sequence[tuple[int, Array]], config: Config) -> Array:
+def _position_errors(estimates: Sequence[tuple[Specimen, Array]], config: Config) -> Array:
     """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot."""
     beta = np.stack([beta for _, beta in estimates])
-    able = np.flatnonzero(FEASIBILITY["positive-definite"](beta))
-    motions = [recorded[estimates[k][0]].recordings[1] for k in able]
+    able = FEASIBILITY["positive-definite"](beta)
+    motions = [one.recordings[1] for (one, _), possible in zip(estimates, able, strict=True) if possible]
     plant = Plant(beta[able], config["signals"]["sampling_period_s"], always_slow=True)
-    progress = Progress(f"simulating {len(able)} estimates")
+    progress = Progress(f"simulating {len(motions)} estimates")
     with np.errstate(over="ignore", invalid="ignore"):
         desired = np.stack([motion.program.q for motion in motions])
         position, _ = simulate(plant, control_constants(config), desired, progress)

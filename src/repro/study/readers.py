@@ -36,10 +36,10 @@ from repro.pipeline.experiment import Recording
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import data_settings, network_settings, search_settings, signal_settings, training_settings
-from repro.signals.dct import SignalSettings, image_regressor
+from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import Motion
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, around_stored_arm, draw_law, read_choice, record
+from repro.study.arms import Effects, around_stored_arm, draw_law, read_excitation, record
 from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED, excitation_config
 
 #: Least squares that do not need the simulations.
@@ -67,7 +67,7 @@ def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
 def simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
     """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
     c, s = excitation_config(config, excitation), config["study"]
-    program, _ = read_choice(choice, config, excitation, law)
+    program = read_excitation(choice, config, excitation)
     signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
     rng = stream(s["seed"], Stream.STUDY_TRAINING_ARMS, int(law == "narrow"))
     beta = draw_law(law, rng, n, config)
@@ -83,7 +83,7 @@ def simulate_training(excitation: str, law: str, choice: Path, out: Path, config
         errors.append(error / np.sqrt(np.mean(error**2)))
     sent = _motion(program.q, signals)
     ideal = sample_motion(sent, signals, proper)
-    tracked = stack_motions(tracks, image_regressor(*(x[:, proper] for x in (sent.q, sent.dq, sent.ddq)), signals))
+    tracked = stack_motions(tracks, ideal.model)
     draws = draw_torques(rng, PRIOR_DRAWS, tracked, _data(config, law, unmodelled=False))[1]
     covariance = np.cov(np.array(errors).T)
     white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
@@ -162,7 +162,8 @@ def _prepared(recording: Recording, signals: SignalSettings, image_motion: Image
     r, shown = recording.regression(signals), None
     if image_motion == "desired":
         proper = slice(recording.program.n1, recording.program.n2)
-        shown = tuple(x[:, proper] for x in derivatives(recording.program.q, signals))
+        q, dq, ddq = (x[:, proper] for x in derivatives(recording.program.q, signals))
+        shown = q, dq, ddq
     return prepare(r, r.tau, signals, image_motion=shown)
 
 
@@ -211,12 +212,12 @@ class Readers:
         """Least squares weighted by the covariance of the simulated torque errors, without and with the prior."""
         y = linalg.solve_triangular(self._factor, prepared.y_sub.reshape(-1, 9), lower=True)
         tau = linalg.solve_triangular(self._factor, prepared.alpha.reshape(-1), lower=True)
-        beta = np.linalg.lstsq(y, tau, rcond=None)[0]
+        beta = linalg.lstsq(y, tau)[0]
         variance = float(np.sum((tau - y @ beta) ** 2)) / (len(tau) - len(beta))
         information, unit = y.T @ y / variance, prepared.torque_scale
-        yield Reading("generalised", unit * beta, unit**2 * np.linalg.inv(information))
-        mean, precision = self._prior[0], np.linalg.inv(self._prior[1])
-        covariance = np.linalg.inv(information + precision)
+        yield Reading("generalised", unit * beta, unit**2 * linalg.inv(information))
+        mean, precision = self._prior[0], linalg.inv(self._prior[1])
+        covariance = linalg.inv(information + precision)
         beta = covariance @ (y.T @ tau / variance + precision @ mean)
         yield Reading("generalised+prior", unit * beta, unit**2 * covariance)
 
@@ -225,7 +226,7 @@ class Readers:
         alpha = torch.from_numpy(prepared.alpha.reshape(1, -1).astype(np.float32))
         mean, factor = (x[0].numpy().astype(np.float64) for x in self._plain(alpha))
         unit = prepared.torque_scale
-        return Reading(POSTERIOR, unit * mean, unit**2 * np.linalg.inv(factor @ factor.T))
+        return Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
 
     def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> Reading:
         """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
@@ -246,5 +247,5 @@ def _least_squares(regression: Regression) -> Iterator[Reading]:
             continue
         y, error = regression.y.reshape(-1, 9), regression.tau - regression.y @ beta
         rows = max(2.0 * correlation_time(error, regression.h) / regression.h - 1.0, 1.0)
-        covariance = rows * mean_variance(regression, beta) * np.linalg.pinv(y.T @ y)
-        yield Reading(name, beta, covariance)
+        covariance = linalg.pinv(y.T @ y) * (rows * mean_variance(regression, beta))
+        yield Reading(name, beta, np.asarray(covariance, dtype=np.float64))
