@@ -38,6 +38,8 @@ LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
 SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+#: What ends a line of a page, and the size of a file that is offered there.
+BLOCK_END, SIZE = re.compile(r"</(tr|p|li|h\d|dt|dd|div|option|caption|summary)>"), re.compile(r"[\d.]+ [kM]B")
 
 
 def parameters() -> dict[str, dict[str, list[str]]]:
@@ -58,13 +60,14 @@ def parameters() -> dict[str, dict[str, list[str]]]:
 
 
 def pages(folder: Path) -> dict[str, list[str]]:
-    """Cells of the run's tables for reading and of its report, line by line."""
+    """Lines of the run's tables for reading and of its check sums, and blocks of text of its report but provenance."""
     found = {}
-    for path in sorted([*folder.glob("*.md"), *folder.glob("tables/*.md"), *folder.glob("report/*.html")]):
-        text = path.read_text(encoding="utf-8")
+    for path in sorted([*folder.glob("*.[ms]*"), *folder.glob("tables/*.[mt]*"), *folder.glob("report/*.html")]):
+        text = re.sub(r"[0-9a-f]{64}", "", path.read_text(encoding="utf-8"))
         if path.suffix == ".html":
-            rows_of_page = re.findall(r"<tr.*?</tr>", text, re.DOTALL)
-            text = "\n".join(" ".join(re.sub(r"<[^>]+>", " ", row).split()) for row in rows_of_page)
+            text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", text, flags=re.DOTALL).split())
+            text = BLOCK_END.sub("\n", text.partition('<section id="provenance"')[0])
+            text = SIZE.sub("", re.sub(r"<[^>]+>", " ", text))
         found[str(path.relative_to(folder))] = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
     return found
 

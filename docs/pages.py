@@ -23,6 +23,7 @@ REFERENCE = ROOT / "docs/reference"
 PAGES = (
     "README.md",
     "docs/api.md",
+    "docs/board.md",
     "docs/commands.md",
     "docs/log-files.md",
     "docs/results.md",
@@ -52,6 +53,7 @@ COSTS = {
     "training": "`training`",
     "table08": "`table08`",
     "table09": "`table09`",
+    "board_size": "`board_size`",
     "claims": "settings, constants and arithmetic: the ledger's own job",
     None: "none: only the hardware can decide",
 }
@@ -183,7 +185,17 @@ def verdict() -> str:
 
 def factorial() -> str:
     """Effects of the factorial on the mean totals, with their intervals, and the frozen arm; largest first."""
-    return (REFERENCE / "tables/factorial.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
+    return laid_out("factorial")
+
+
+def board_size() -> str:
+    """Size of the board in logic, next to the published one."""
+    return laid_out("board_size")
+
+
+def laid_out(name: str) -> str:
+    """A table as the reference has it, without its caption."""
+    return (REFERENCE / f"tables/{name}.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
 
 
 def arm_file() -> str:
@@ -245,7 +257,10 @@ def described(name: str, what: object) -> str:
 
 TABLES: dict[str, Callable[[], str]] = {
     table.__name__: table
-    for table in (headline, verdicts, table06, table07, table10, costs, verdict, factorial, arm_file, commands, api)
+    for table in (
+        *(headline, verdicts, table06, table07, table10, costs, verdict, factorial, board_size),
+        *(arm_file, commands, api),
+    )
 }
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

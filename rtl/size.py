@@ -1,15 +1,12 @@
-"""Size of the design on the paper's FPGA, as Yosys maps it to Cyclone IV E, with the published figures next to it.
+"""Size of the design on the paper's FPGA, as Yosys maps it to Cyclone IV E.
 
 Yosys maps to look-up tables (LUT) and flip-flops separately. A logic element has one of each, so between max(LUT, FF)
-and LUT + FF elements are needed. There is no open placer for this family: nothing here is timed. The design has no
-multiplier: products are sums, a bit a clock.
+and LUT + FF elements are needed. There is no open placer for this family: nothing here is timed.
 """
 
-import csv
 import json
-import sys
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 from amaranth.back import rtlil
@@ -29,81 +26,71 @@ from rtl.read_ram import ReadRam
 from rtl.uart import Receiver
 from rtl.write_ram import WriteRam
 
-#: Logic elements and M9K blocks of the EP4CE22F17C6.
-DEVICE_ELEMENTS, DEVICE_BLOCKS = 22_320, 66
-#: Section III of the paper; the memory is published as a share.
-PUBLISHED_ELEMENTS, PUBLISHED_MEMORY = 6_683, 0.87
+#: The EP4CE22F17C6 by its data sheet.
+DEVICE = {"elements": 22_320, "multipliers": 132, "memory_blocks": 66, "memory_bits": 608_256}
 #: The blocks as the board has them at 100 MHz; of Decoder, PWM gen and H bridge it has two.
-BLOCKS = {
-    "Write Ram": WriteRam(),
-    "Ram-FPGA": RamFpga(),
-    "Read Ram": ReadRam(),
-    "Aq time": AqTime(250_000),
-    "Decoder": Decoder(),
-    "Fp ops": FpOps(),
-    "PD": PD(100e6),
-    "PWM gen": PwmGen(),
-    "H bridge": HBridge(100, 500),
-    "Aq uart": AqUart(868),
-    "receiver": Receiver(868),
-    "board": Board(),
+BLOCKS: dict[str, Callable[[], Component]] = {
+    "Write Ram": WriteRam,
+    "Ram-FPGA": RamFpga,
+    "Read Ram": ReadRam,
+    "Aq time": lambda: AqTime(250_000),
+    "Decoder": Decoder,
+    "Fp ops": FpOps,
+    "PD": lambda: PD(100e6),
+    "PWM gen": PwmGen,
+    "H bridge": lambda: HBridge(100, 500),
+    "Aq uart": lambda: AqUart(868),
+    "receiver": lambda: Receiver(868),
+    "board": Board,
 }
+#: Products as multipliers of 18 x 18 bits, each two of the device's of 9 bits. Yosys knows none of this family.
+MULTIPLIERS = (
+    "proc; opt; wreduce; read_verilog -lib mult.v",
+    "techmap -map +/mul2dsp.v -D DSP_A_MAXWIDTH=18 -D DSP_B_MAXWIDTH=18 -D DSP_NAME=MULT",
+)
+MULT = "module MULT #(parameter A_SIGNED=0, B_SIGNED=0, A_WIDTH=18, B_WIDTH=18, Y_WIDTH=36) "
+MULT += "(input [A_WIDTH-1:0] A, input [B_WIDTH-1:0] B, output [Y_WIDTH-1:0] Y); endmodule"
+#: Yosys' own IEEE units of single precision, for comparison.
+UNITS = {
+    f"symfpu {name}": (f"symfpu -op {op} -eb 8 -sb 24 -rm RNE", "chformal -assert -remove", "rename symfpu top", *more)
+    for name, op, more in (("add", "add", ()), ("multiply", "mul", ()), ("multiply, multipliers", "mul", MULTIPLIERS))
+}
+Row = tuple[str, str, int, int]
 
 
-@dataclass(frozen=True)
-class Size:
-    """Cells of one design."""
-
-    lut: int
-    flip_flops: int
-    multipliers: int
-    memory_blocks: int
-    memory_bits: int  # that the design uses
-
-    @property
-    def logic_elements(self) -> tuple[int, int]:
-        """Least and most logic elements."""
-        return max(self.lut, self.flip_flops), self.lut + self.flip_flops
-
-
-def measure(design: Component) -> Size:
-    """Synthesise a design and count its cells."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "design.il").write_text(rtlil.convert(design, name="top"), encoding="utf-8")
-        # Yosys' mapping refuses memory with initial content; the design needs none, because it erases its memory.
-        steps = (
-            "read_rtlil design.il",
-            "hierarchy -top top",
-            "flatten",
-            "delete t:$meminit*",
-            "memory_collect",
-            "tee -q -o bits.json stat -json",
-            "synth_intel -family cycloneive -top top",
-            "tee -q -o cells.json stat -json",
-        )
-        yosys("-q", "-p", "; ".join(steps), folder=folder)
-        bits, cells = (json.loads((folder / f"{name}.json").read_text())["design"] for name in ("bits", "cells"))
-    of = cells["num_cells_by_type"]
-    return Size(
-        lut=of.get("cycloneive_lcell_comb", 0),
-        flip_flops=of.get("dffeas", 0),
-        multipliers=sum(n for name, n in of.items() if "MUL" in name or "mult" in name),
-        memory_blocks=of.get("altsyncram", 0),
-        memory_bits=bits["num_memory_bits"],
-    )
+def measure(name: str, text: str, *source: str) -> list[Row]:
+    """Synthesise a design, ``design.il`` or what Yosys' commands make, and count its cells."""
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        (folder / "design.il").write_text(text, encoding="utf-8")
+        (folder / "mult.v").write_text(MULT, encoding="utf-8")
+        steps = (*source, "tee -q -o bits.json stat -json", "synth_intel -family cycloneive -top top")
+        yosys("-q", "-p", "; ".join((*steps, "tee -q -o cells.json stat -json")), folder=folder)
+        bits, cells = (json.loads((folder / f"{kind}.json").read_text()) for kind in ("bits", "cells"))
+    of = cells["design"]["num_cells_by_type"]
+    lut, flip_flops = of.get("cycloneive_lcell_comb", 0), of.get("dffeas", 0)
+    counts = {
+        "lut": lut,
+        "flip_flops": flip_flops,
+        "multipliers": 2 * of.get("MULT", 0),
+        "memory_blocks": of.get("altsyncram", 0),
+        "memory_bits": bits.get("design", {}).get("num_memory_bits", 0),
+    }
+    elements = (name, "elements", max(lut, flip_flops), lut + flip_flops)
+    return [elements, *((name, quantity, count, count) for quantity, count in counts.items())]
 
 
-def write_table(path: Path) -> None:
-    """Write a row for each block, for the board, and for what was published."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(("block", "lut", "flip_flops", "elements_least", "elements_most", "m9k_blocks", "memory_bits"))
-        for name, block in BLOCKS.items():
-            size = measure(block)
-            least, most = size.logic_elements
-            rows.writerow((name, size.lut, size.flip_flops, least, most, size.memory_blocks, size.memory_bits))
-
-
-if __name__ == "__main__":
-    write_table(Path(sys.argv[1]))
+def sizes(*names: str) -> list[Row]:
+    """Block, quantity, least and most: of the device, and of these blocks and units or of all."""
+    rows = [("device", name, number, number) for name, number in DEVICE.items()]
+    # Yosys' mapping refuses memory with initial content; the design needs none, because it erases its memory.
+    read = ("read_rtlil design.il", "hierarchy -top top", "flatten", "delete t:$meminit*")
+    for name in names or (*BLOCKS, *UNITS):
+        text = ""
+        if name in BLOCKS:
+            block = BLOCKS[name]()
+            text = rtlil.convert(block, name="top")
+            if isinstance(block, Decoder):
+                rows.append((name, "position_bits", len(block.position), len(block.position)))
+        rows += measure(name, text, *UNITS.get(name, read))
+    return rows

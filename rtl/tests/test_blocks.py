@@ -1,6 +1,8 @@
 """The small blocks, each in Amaranth's simulator."""
 
+import csv
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from rtl.decoder import Decoder
 from rtl.h_bridge import HBridge
 from rtl.pwm_gen import PwmGen
 from rtl.read_ram import ReadRam
+from rtl.size import sizes
 from rtl.tests.bench import simulate
 from rtl.uart import Receiver, Transmitter
 
@@ -229,3 +232,9 @@ def test_project_places_every_pin_and_makes_the_clock(tmp_path):
     verilog = (tmp_path / "board.v").read_text()
     assert re.search(r"clk0_multiply_by\(32'd5\)", verilog) and re.search(r"clk0_divide_by\(32'd5\)", verilog)
     assert "derive_pll_clocks" in (tmp_path / "board.sdc").read_text()
+
+
+def test_synthesis_gives_the_kept_numbers():
+    kept = csv.reader((Path(__file__).parents[2] / "data/board/size.csv").read_text(encoding="utf-8").splitlines())
+    made = sizes("Decoder", "board", "symfpu multiply, multipliers")
+    assert {tuple(map(str, row)) for row in made} <= {tuple(row) for row in kept}

@@ -29,5 +29,5 @@ def option(name: str, value: str = "") -> str:
 def require(package: str, extra: str, place: str) -> None:
     """Refuse what needs a package that an extra of the project installs."""
     if find_spec(package) is None:
-        expected = f"the extra {extra}: python -m pip install '.[{extra}]' in the project's folder"
+        expected = f"the extra {extra}: python -m pip install -e '.[{extra}]' in the project's folder"
         raise InputError.at(place, f"no package {package}", expected)

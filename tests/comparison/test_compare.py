@@ -64,6 +64,13 @@ def test_numbers_near_zero_are_compared_absolutely():
     assert large.broken
 
 
+def test_a_trained_number_that_never_differed_may_be_rounded():
+    steady = Tolerances(widest={("tables/table10", "algorithm1", "total"): 0.0})
+    for text, broken in (("0.9000000001", False), ("0.90001", True)):
+        (difference,) = differences("tables/table10", ROWS, changed(0, "total", text), steady)
+        assert difference.broken is broken
+
+
 def test_what_was_not_measured_is_reported_but_not_judged():
     (difference,) = differences("tables/other", ROWS, changed(0, "total", "0.1"), SPREAD)
     assert not difference.broken

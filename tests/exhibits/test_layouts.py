@@ -7,6 +7,8 @@ import pandas as pd
 from exhibit_examples import TABLES, laid_out, refused
 from hypothesis import given
 from hypothesis import strategies as st
+from kept import same
+from pytest_regressions.file_regression import FileRegressionFixture
 
 from repro.exhibits import markup
 
@@ -49,8 +51,12 @@ def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
     assert "N4" in refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"])
 
 
-def test_losses_of_interpretations_are_in_ten_thousandths(tmp_path: Path) -> None:
-    assert "| as configured | 40000 | 1.25 |" in laid_out(tmp_path, "ablation", TABLES["ablation"]())[1]
+def test_losses_of_interpretations_are_in_ten_thousandths(
+    tmp_path: Path, file_regression: FileRegressionFixture
+) -> None:
+    tex, md = laid_out(tmp_path, "ablation", TABLES["ablation"]())
+    assert "| as configured | 40000 | 1.25 |" in md
+    file_regression.check(f"{tex}\n{md}", check_fn=same, basename="ablation")
 
 
 def one_finding(**fields: object) -> pd.DataFrame:

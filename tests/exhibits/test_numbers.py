@@ -8,14 +8,16 @@ import pandas as pd
 import pytest
 import torch
 import yaml
-from exhibit_examples import EXHIBITS
+from exhibit_examples import EXHIBITS, laid_out
 from factorial_example import factorial_references, factorial_scores
+from kept import same
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings
 from repro.cnn.network import SignalCNN
 from repro.cnn.priors import sample_beta
 from repro.exhibits import catalogue, network_training, numeric_tests, style
+from repro.exhibits.declare import make_exhibit
 from repro.files import write_csv
 from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.stored_networks import architecture
@@ -76,14 +78,27 @@ def optional(tmp_path_factory):
         ("figure", "paper_recipe", 6),
     ],
 )
-def test_optional_exhibits_are_computed_and_drawn(optional, kind, name, rows):
+def test_optional_exhibits_are_computed_and_drawn(optional, tmp_path, file_regression, kind, name, rows):
     exhibit = EXHIBITS[kind, name]
     frame = exhibit.numbers(optional[name], {section: CONFIG[section] for section in exhibit.sections})
     assert len(frame) == rows
     if name == "paper_recipe" and kind == "table":
         assert frame["total"].tolist() == [0.2] * 54  # the median seed on the identification trajectory
     with style.house_style():
-        assert exhibit.draw(frame)
+        words = laid_out(tmp_path, name, frame) if kind == "table" else (str(exhibit.draw(frame)),)
+    kept = "\n".join([frame.to_csv(index=False, float_format="%.5e"), *words])
+    file_regression.check(kept, check_fn=same, basename=f"{kind}-{name}")
+
+
+def test_the_kept_size_of_the_board_is_laid_out_as_kept(tmp_path):
+    exhibit, kinds = EXHIBITS["table", "board_size"], ("csv", "tex", "md")
+    out = {kind: tmp_path / f"board_size.{kind}" for kind in kinds}
+    make_exhibit(exhibit, {"synthesis": [ROOT / "data/board/size.csv"]}, out, {})
+    for kind in kinds:
+        assert out[kind].read_bytes() == (ROOT / f"docs/reference/tables/board_size.{kind}").read_bytes()
+    sizes = pd.read_csv(out["csv"]).set_index(["block", "quantity"])
+    tables, flip_flops = sizes.loc["board", "least"][["lut", "flip_flops"]]
+    assert sizes.loc["board", :].loc["elements"].tolist() == [max(tables, flip_flops), tables + flip_flops]
 
 
 def curve(frame, panel, series):

@@ -33,6 +33,10 @@ def test_each_kind_does_what_it_says_as_often_as_asked(kind, change):
     assert len(data) == len(CLEAN) + change * n
     assert n == injector.counts.total()
     assert abs(n - 1000) < 4 * np.sqrt(950)
+    if kind == "flip":  # any one bit of a byte, none more often than another
+        flipped = [(a ^ b).bit_length() - 1 for a, b in zip(CLEAN, data, strict=True) if a != b]
+        assert all(a ^ b in (0, *(1 << bit for bit in range(8))) for a, b in zip(CLEAN, data, strict=True))
+        assert np.bincount(flipped) == pytest.approx(np.full(8, n / 8), abs=50)
 
 
 def test_stalls_are_due_once_and_lose_their_bytes():

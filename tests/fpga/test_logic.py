@@ -14,10 +14,11 @@ def test_missing_compiler_is_named(monkeypatch):
     assert "no-such-compiler" in str(error.value)
 
 
-def test_missing_extra_is_named(monkeypatch):
+@pytest.mark.parametrize("load", [logic.logic_board, logic.board_size])
+def test_missing_extra_is_named(monkeypatch, load):
     monkeypatch.setattr("repro.errors.find_spec", lambda _: None)
     with pytest.raises(InputError) as error:
-        logic.logic_board()
+        load()
     assert "'.[rtl]'" in str(error.value)
 
 

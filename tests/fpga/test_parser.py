@@ -196,6 +196,9 @@ def test_each_reason_is_counted():
         frame[i] ^= value or frame[i]
         *_, gaps, counts = parse(b"".join([*sent[:6], frame, *sent[7:]]))
         assert [(g.offset, g.skipped, g.lost, g.reason) for g in gaps] == [(48, 8, 1, reason)]
+    for skipped, lost in ((19, 2), (20, 3)):  # to the nearest whole number of frames, halves up
+        *_, gaps, _ = parse(b"".join([*sent[:6], bytes(skipped - 8), *sent[7:]]))
+        assert [(g.skipped, g.lost) for g in gaps] == [(skipped, lost)]
         assert getattr(counts, reason) >= 1
     never = sent[6][:5] + bytes.fromhex("800000")
     *_, gaps, _ = parse(b"".join([*sent[:6], never, *sent[7:]]))

@@ -123,6 +123,16 @@ def test_samples_are_caught_up_after_a_delay():
         assert taken == min(200, int((now - 100.0) / 0.0025 + 1e-9) + 1)
 
 
+def test_a_board_that_is_late_sends_between_bursts():
+    """A host must not take a slow board for a silent one."""
+    board, still, taken = PlayedBoard(FRAMES), Still(), []
+    server = BoardServer(board, still, clock=lambda: still.now)
+    server._receive(encode_start(200))
+    still.now += 10.0
+    server.serve(lambda: taken.append(board.place // 8) or not board.running)
+    assert taken == [0, 64, 128, 192, 200]
+
+
 def test_a_link_is_made_and_removed_and_files_are_left_alone(tmp_path):
     link = tmp_path / "board"
     with served(PlayedBoard(FRAMES), PtyEndpoint(link), real_time=False) as port:

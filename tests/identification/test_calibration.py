@@ -156,6 +156,11 @@ def test_a_log_that_tells_nothing_of_a_fault_hides_any_size_of_it():
     hidden = calibration_limits(swing, SETTINGS, ())
     assert hidden["zero2"] is None
     assert hidden["scale2"] is None
+    # A limit of an offset between the largest torques of the joints.
+    for joint, size in ((0, [[6.0], [0.02]]), (1, [[0.02], [6.0]])):
+        rough = noisy(1, log_from(lambda t: tuple(0.05 * x for x in motion(t)), seconds=20.0), np.array(size))
+        limit = calibration_limits(rough, SETTINGS, ())[f"offset{joint + 1}"]
+        assert np.abs(rough.tau[1 - joint]).max() < limit < np.abs(rough.tau[joint]).max()
 
 
 # Friction beyond Eq. 1.

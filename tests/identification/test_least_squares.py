@@ -210,6 +210,8 @@ def test_viscous_friction_that_a_slow_motion_cannot_show_is_dropped():
         ([[1.0, 1.0, 1.0], [1.1, 1.2, 1.3], [0.8, 1.1, 1.4]], 2),
         # The best lies between; a stronger one is too bad, a weaker one is not taken.
         ([[1.2, 1.3, 1.4], [1.0, 1.0, 1.0], [2.0, 2.1, 2.2]], 1),
+        # Mean 0.07 within 0.12 / sqrt(2), the number of blocks, and not within 0.12 / sqrt(4), that of penalties.
+        ([[1.0, 1.0], [0.985, 1.155], [3.0, 3.0], [3.0, 3.0]], 1),
     ],
 )
 def test_the_strongest_penalty_within_one_standard_error_is_chosen(errors, row):

@@ -116,6 +116,7 @@ def test_an_arm_file_that_cannot_be_read(tmp_path):
         ({"position_limit": [[1, -1], [0, 1]]}, "position_limit[0]"),
         ({"columns": {"q1": "a", "q2": "a"}}, "columns.q2"),
         ({"zero": (180, 0)}, "zero.0"),
+        ({"zero": (0, -90)}, "zero.1"),
         ({"speed_limit": (np.nan, 1)}, "speed_limit[0]"),
     ],
 )

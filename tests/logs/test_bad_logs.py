@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yaml
+from kept import same
 from log_damage import (
     COARSE_TIME,
     DEGREE,
@@ -184,30 +185,29 @@ def write(folder, content):
     return path
 
 
-def named(cases):
-    return [pytest.param(*rest, id=name) for name, *rest in cases]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("content", "arm", "found"), named(REFUSED))
-def test_what_cannot_be_read_is_reported_in_one_line(tmp_path, content, arm, found):
-    path = write(tmp_path, content)
-    with pytest.raises(InputError) as caught:
-        uniform(read_log(path, Arm(**arm)))
-    message = str(caught.value)
-    assert found in message
-    assert "\n" not in message
-    assert "log.csv" in message or message.startswith("arm file: ")
-    assert len(message) < 400
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("content", "arm", "found"), named(SUSPECTED))
-def test_what_may_be_wrong_is_warned_of(tmp_path, content, arm, found):
-    arm = Arm(**arm)
-    warnings = describe(read_log(write(tmp_path, content), arm), arm).warnings
-    assert any(found in warning for warning in warnings), warnings
-    assert not any("\n" in warning or len(warning) > 400 for warning in warnings)
+def test_what_cannot_be_read_is_reported_in_one_line_and_what_may_be_wrong_is_warned_of(tmp_path, file_regression):
+    """The words of the table are in the message; all of it is as it was kept."""
+    sound = describe(read_log(write(tmp_path, good()), Arm()), Arm()).facts
+    said = [f"{label} {value}" for label, value in sound]
+    for name, content, arm, found in REFUSED:
+        with pytest.raises(InputError) as caught:
+            uniform(read_log(write(tmp_path, content), Arm(**arm)))
+        message = str(caught.value)
+        assert found in message, name
+        assert "\n" not in message, name
+        assert "log.csv" in message or message.startswith("arm file: "), name
+        assert len(message) < 400, name
+        said.append(f"{name}: {message}")
+    for name, content, keys, found in SUSPECTED:
+        arm = Arm(**keys)
+        log = describe(read_log(write(tmp_path, content), arm), arm)
+        assert any(found in warning for warning in log.warnings), (name, log.warnings)
+        assert not any("\n" in warning or len(warning) > 400 for warning in log.warnings), name
+        facts = (f"{label} {value}" for label, value in log.facts if (label, value) not in sound)
+        said += [f"{name}: {line}" for line in (*facts, *log.notes, *log.warnings)]
+    kept = "\n".join(said).replace(str(tmp_path), "")
+    file_regression.check(kept + "\n", check_fn=same, basename="messages")
 
 
 @pytest.mark.slow

@@ -105,4 +105,4 @@ def test_without_the_extra_one_line_says_what_to_install(tmp_path, monkeypatch, 
     (tmp_path / "arm.mcap").write_bytes(b"")
     assert main(["identify", str(tmp_path / "arm.mcap"), "--method", "ordinary", "-o", str(tmp_path / "out")]) == 2
     (said,) = capsys.readouterr().err.strip().splitlines()
-    assert "found no package rosbags, expected the extra bags: python -m pip install '.[bags]'" in said
+    assert "found no package rosbags, expected the extra bags: python -m pip install -e '.[bags]'" in said

@@ -251,6 +251,10 @@ def test_the_tip_lands_on_the_point(l1, l2, share, direction):
     assert q[1, 0] >= 0
 
 
+def test_an_arm_that_points_straight_up_is_at_half_a_turn_and_not_at_minus_that():
+    np.testing.assert_allclose(inverse_kinematics(column(0.0, ARM.reach), ARM), column(np.pi, 0.0), atol=1e-7)
+
+
 @given(q1=angles, tiny=st.floats(0.0, 1e-6))
 def test_a_nearly_straight_arm_keeps_its_digits(q1, tiny):
     """The tip fixes q2 only to the root of the rounding there, but it comes back to the tip exactly."""

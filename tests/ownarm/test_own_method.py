@@ -20,10 +20,11 @@ HEADING = "Adding a method\n"
 def test_the_method_of_the_guide_runs_as_printed(tmp_path, monkeypatch):
     pages = [path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))]
     (section,) = [page.split(f"# {HEADING}")[1] for page in pages if f"# {HEADING}" in page]
-    code, entry, source = re.findall(r"^```\w+\n(.*?)^```", section, re.MULTILINE | re.DOTALL)[:3]
+    code, entry = re.findall(r"^```python\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
     scope = dict(vars(least_squares))
     exec(code, scope)
     (method,) = eval(entry, scope)
+    source = f"@book{{{method.citation},\n  title = {{Ridge regression}}\n}}\n"
     file = tmp_path / "methods.bib"
     file.write_text(outputs.METHODS_FILE.read_text(encoding="utf-8") + "\n" + source, encoding="utf-8")
     monkeypatch.setattr(outputs, "METHODS_FILE", file)

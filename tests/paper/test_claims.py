@@ -110,6 +110,9 @@ def claims(published, config, folder):
         (printed(relation="up to"), ours(96.0, better=higher), DIFFERS),
         (printed("1e-3", "about"), ours(1.4e-3, better=lower), REPRODUCED),
         (printed("1e-3", "about"), ours(1.4e-3, better=lower, strict=True), DIFFERS),
+        # Bounds of ours from 96 to 98: within them nothing is reproduced.
+        (printed(), ours(97.0, bounds=1.0), INCONCLUSIVE),
+        (printed("98.01"), ours(97.0, bounds=1.0), DIFFERS),
         (printed(kind="hardware-only"), OurValue(None, ""), HARDWARE),
         (printed(kind="setting"), ours(1.0, unused=True), NOT_RUN),
         # A contradiction of 0.9 explains a difference of 0.9, and no more.

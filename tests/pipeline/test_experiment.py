@@ -117,6 +117,7 @@ OTHER_SETTINGS = {
     "other bands of T1": ("T1", {"experiment": {"random_bands": 13.0}}),
     "other links": ("T2", {"arm": {"link_lengths_m": [0.17, 0.15]}}),
     "other gains": ("T3", {"board": {"kp_nm_per_rad": [180.0, 30.0]}}),
+    "other motors": ("T2", {"board": {"full_torque_nm": [8.0, 8.1]}}),
     "another back-EMF": ("T3", {"arm": {"back_emf_nm_s_per_rad": 0.0}}),
     "another ripple": ("T4", {"arm": {"ripple_nm": [0.1, 0.1]}}),
 }

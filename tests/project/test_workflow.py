@@ -17,6 +17,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from claims_example import write_results
+from kept import same
 from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
 
 from repro.exhibits import catalogue
@@ -39,6 +40,8 @@ SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
 NETWORKS = ("", "-tracked")
 ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
 LEAST_SQUARES = {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
+#: Needs the extra rtl.
+SYNTHESIS = "synthesise_board"
 #: Rules that only name other rules' files.
 COLLECTIONS = {"all", "training", "tutorials", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
 
@@ -235,12 +238,12 @@ def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder, working):
     assert stage.keys() == {rule.name for rule in working} - {"train", "ablation_train", "train_factorial", "acquire"}
     stage |= {"acquire": "prepare", "train": "train", "ablation_train": "train", "train_factorial": "train"}
     code, said = snakemake(
-        folder, "--rulegraph", "dot", "--", "all", "ablation", "paper_recipe", "factorial", "tutorials"
+        folder, "--rulegraph", "dot", "--", "all", "ablation", "paper_recipe", "factorial", "tutorials", SYNTHESIS
     )
     assert code == 0, said
     names = dict(re.findall(r'(\d+)\[label = "(\w+)"', said))
     edges = [(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", said)]
-    assert {name for edge in edges for name in edge} >= stage.keys()
+    assert set(names.values()) >= stage.keys()
     for maker, user in edges:
         assert user in COLLECTIONS or STAGES[stage[maker]] <= STAGES[stage[user]], (maker, user)
 
@@ -288,6 +291,28 @@ def of_a_job(rule, value):
     if callable(value):
         value = value(*(SimpleNamespace(**ONE), rule.input)[: len(signature(value).parameters)])
     return value
+
+
+def described(rule):
+    """A rule in lines: files, parameters without values of the configuration, resources."""
+    digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
+    trainers = [name for name in ("repro.cnn.train", "repro.cnn.plain") if f"{name}:train" in digests]
+    yield f"rule {rule.name}: {Path(rule.script).name}; {rule.message}; priority {rule.priority}; trains by {trainers}"
+    for kind in ("input", "output", "params"):
+        given = getattr(rule, kind)
+        names, found = {id(value): name for name, value in given.items()}, {}
+        for value in given:
+            one = of_a_job(rule, value)
+            many = sorted(one) if isinstance(one, dict) else one if isinstance(one, (list, tuple)) else [one]
+            texts = [text for text in map(str, many) if not re.search(r" [0-9a-f]{12}\b", text)]  # digests of code
+            found.setdefault(names.get(id(value), ""), []).extend(texts)
+        yield from (f"  {kind} {name}: {', '.join(texts)}".replace(str(ROOT), "") for name, texts in found.items())
+    yield from (f"  {value}" for name, value in sorted(rule.resources.items()) if name in ("mem_mb", "runtime"))
+
+
+def test_rules_are_those_kept(working, file_regression):
+    kept = "\n".join(line for rule in sorted(working, key=lambda rule: rule.name) for line in described(rule)) + "\n"
+    file_regression.check(kept, check_fn=same, basename="rules")
 
 
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):

@@ -3,6 +3,7 @@ EXHIBITS_FOLDER = HERE.parent / "src/repro/exhibits"
 # What tables and figures (src/repro/exhibits) are computed from.
 SOURCES = {
     "diagrams": {"diagrams": sorted(map(str, (EXHIBITS_FOLDER / "diagrams").iterdir()))},
+    "board": {"synthesis": "data/board/size.csv"},
     "ID": {"captures": captures(["ID"])},
     "validation": {"captures": captures(VALIDATION)},
     "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},

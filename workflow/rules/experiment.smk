@@ -25,6 +25,20 @@ rule acquire:
         CALL
 
 
+# Needs the extra rtl. What all is made from is the kept data/board/size.csv.
+rule synthesise_board:
+    input:
+        sorted(map(str, (HERE.parent / "rtl").glob("*.py"))),
+    output:
+        f"{R}/board/size.csv",
+    params:
+        *call("repro.fpga.logic:board_size"),
+    message:
+        "Synthesising the board in logic"
+    script:
+        CALL
+
+
 rule identify_experiment:
     input:
         captures=captures(["ID"]),

@@ -3,6 +3,7 @@
 from repro.comparison.tolerances import Tolerances, measured_spread
 from repro.exhibits import (
     arm_experiment,
+    board_design,
     causes,
     many_arms,
     network_training,
@@ -24,6 +25,7 @@ MODULES = (
     variants,
     study_results,
     paper_audit,
+    board_design,
 )  # ours in this order
 
 

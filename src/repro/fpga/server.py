@@ -337,7 +337,7 @@ class BoardServer:
         if not self._board.running:
             return 0
         if self._real_time:
-            return int((self._clock() - self._began) / SAMPLING_PERIOD) + 1 - self._samples
+            return min(_BURST, int((self._clock() - self._began) / SAMPLING_PERIOD) + 1 - self._samples)
         return _BURST if len(self._pending) < _WAITING else 0
 
 

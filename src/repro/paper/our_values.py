@@ -31,8 +31,7 @@ from repro.files import read_rows
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
-from repro.paper import audit as hardware
-from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, Basis, Margin, OurValue, higher, lower
+from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, SETTING, Basis, Margin, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
@@ -75,6 +74,7 @@ FILES: dict[str, tuple[str, ...]] = {
     "tables/table09.csv": PARAMETERS,
     "tables/table10.csv": SIMILARITY,
     "tables/stability.csv": ("method", "quantity", "value", "bound"),
+    "tables/board_size.csv": ("block", "quantity", "least", "most"),
     "model/training.csv": HISTORY_COLUMNS,
     "validation/numeric.csv": (*SCORES, "trajectory"),
     "validation/experiment.csv": SCORES,
@@ -156,6 +156,12 @@ class Results:
         names = self._rows(name, method="appendix")["quantity"]
         full = next((text for text in names if text.startswith(quantity)), quantity)
         return self._number(name, column, method="appendix", quantity=full)
+
+    def board(self, block: str, quantity: str) -> tuple[float, float]:
+        """Bounds of a number of the board in logic."""
+        row = {"block": block, "quantity": quantity}
+        least, most = (self._number("tables/board_size.csv", bound, **row) for bound in ("least", "most"))
+        return least, most
 
     def loss(self) -> float:
         """Held-out loss at the end of the training."""
@@ -281,6 +287,18 @@ def _stability(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
     return {"": OurValue(results.stability(quantity, column), "stability", note=number.note)}
 
 
+def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+    """Number of the board in logic: exact, or the middle of the bounds of its synthesis."""
+    block, quantity = number.ours.rpartition(":")[2].split(".")
+    least, most = results.board(block, quantity)
+    note = f"{least:g} to {most:g}; {number.note}" if least < most else number.note
+    middle, strict = 0.5 * (least + most), number.kind == SETTING
+    ours = OurValue(
+        middle, "board_size", bounds=most - middle, strict=strict, cause="" if strict else "another board", note=note
+    )
+    return {"": ours}
+
+
 def _loss(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Held-out loss at the end of the training."""
     loss, note = results.loss(), number.note
@@ -336,6 +354,7 @@ def _ratio(a: float, b: float) -> float:
 
 #: Sources of numbers in the result files, by their names in the column.
 RESULT_SOURCES: dict[str, Callable[[PublishedValue, Results, Mapping[str, Any]], Values]] = {
+    "board": _board,
     "largest": _extreme,
     "loss": _loss,
     "mean": _mean,
@@ -368,7 +387,7 @@ def values_of(
         module, _, expression = expression.partition(":")
         names = vars(MODULES[module]) if module in MODULES else {}
     elif source == "arithmetic":
-        names |= {"frames": frames, "programs": programs, "hardware": hardware, "audit": audit}
+        names |= {"frames": frames, "audit": audit}
         names["printed"] = {each.id: each.value for each in published}
     try:
         value = float(evaluate(expression, names))
@@ -378,8 +397,7 @@ def values_of(
         note = re.sub(
             r"\{([^:}]+)(?::([^}]+))?\}", lambda match: format(evaluate(match[1], names), match[2] or "g"), number.note
         )
-        cause = "unlisted memory" if number.id == "section3/memory-share" else ""
-        return {"": OurValue(value, LEDGER, Basis.ARITHMETIC, cause=cause, note=note)}
+        return {"": OurValue(value, LEDGER, Basis.ARITHMETIC, note=note)}
     if source == "const":
         note = "; ".join(filter(None, (number.note, "repro." + module)))
         return {"": OurValue(value, LEDGER, strict=True, note=note)}

@@ -1,0 +1,51 @@
+"""Text that was kept: the same words, and numbers within what rounding on another processor moves."""
+
+import re
+from pathlib import Path
+
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
+#: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too,
+#: and an absolute difference.
+ALLOWED, TINY = 1e-4, 1e-9
+
+
+def _near(a: str, b: str) -> bool:
+    if a == b or not {".", "%"} & set(b):
+        return a == b
+    mantissa, _, power = b.removesuffix(" %").partition("e")
+    unit = float(f"1e{int(power or 0) - len(mantissa.partition('.')[2])}")
+    x, y = (float(number.removesuffix(" %")) for number in (a, b))
+    return abs(x - y) <= max(ALLOWED * abs(y), 1.01 * unit, TINY)
+
+
+def _like(a: str, b: str) -> bool:
+    return NUMBER.sub("#", a) == NUMBER.sub("#", b) and all(map(_near, NUMBER.findall(a), NUMBER.findall(b)))
+
+
+def same(obtained: Path, kept: Path) -> None:
+    """Compare two files line by line, as `file_regression` asks for it."""
+    now, before = (path.read_text(encoding="utf-8").splitlines() for path in (obtained, kept))
+    differ = [f"found {b}\n kept {a}" for a, b in zip(before, now, strict=False) if not _like(b, a)]
+    assert len(now) == len(before) and not differ, "\n".join([f"{len(now)} lines, {len(before)} kept", *differ[:9]])
+
+
+def flat(value: object, name: str = "") -> list[str]:
+    """Every number and text of a JSON document, one a line, with its place."""
+    if isinstance(value, dict):
+        return [line for key, item in value.items() for line in flat(item, f"{name}.{key}")]
+    if isinstance(value, list) and any(isinstance(item, (dict, list, str)) for item in value):
+        return [line for k, item in enumerate(value) for line in flat(item, f"{name}.{k}")]
+    if isinstance(value, list):
+        return [f"{name[1:]} = {', '.join(_number(item) for item in value)}"]
+    return [f"{name[1:]} = {_number(value)}"]
+
+
+def _number(value: object) -> str:
+    return f"{value:.5e}" if isinstance(value, float) else str(value)
+
+
+def blocks(page: str) -> list[str]:
+    """The text of an HTML page, a line for each block and row of a table."""
+    text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.DOTALL).split())
+    text = re.sub(r"</(tr|p|li|h\d|dt|dd|div|caption|summary)>", "\n", text)
+    return re.sub(r"<[^>]+>", " ", text).splitlines()

@@ -1,0 +1,98 @@
+"""All that `repro identify` says and writes of three kinds of log, as it was kept."""
+
+import json
+import logging
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from kept import blocks, flat, same
+from log_example import BETA, motion, text
+from regression_example import other_motion
+
+import repro
+from repro.model.dynamics import inverse_dynamics
+
+pytestmark = pytest.mark.slow
+
+CAPTURES = Path(__file__).resolve().parents[2] / "data" / "captures"
+#: What `write` records, in the words of an arm file.
+ARM = """
+name: bench arm
+columns: {time: "t [ms]", q1: "shoulder [deg]", q2: "elbow [deg]", tau1: "M1 [mN m]", tau2: "M2 [mN m]"}
+sign: [1, -1]
+torque_sign: [-1, -1]
+second_joint_absolute: true
+zero: [0, -0.3]
+torque_offset: [0.1, 0]
+torque_scale: [0.8, 1]
+torque_limit: [9, 4]
+position_limit: [[-2, 2], [-1.5, 2.5]]
+gravity: 9.8
+link_lengths: [0.25, 0.2]
+friction_steepness: auto
+"""
+
+
+def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limit=np.inf, gap=(0.0, 0.0)):
+    """A log of an arm with a rotor and friction beyond Eq. 1, whose torque acts 4 ms late; its name is its seed."""
+    t = np.arange(round(seconds * 250)) / 250
+    t = t[(t < gap[0]) | (t >= gap[1])]
+    q = moved(t + start)[0]
+    acting = moved(t + start + 0.004)
+    load = inverse_dynamics(*acting, np.where(np.arange(9) < 5, BETA, 0.0))[0]
+    tau = inverse_dynamics(*acting, BETA)
+    tau += np.stack([0.15 * np.abs(load) * np.tanh(20.0 * acting[1][0]), 0.003 * acting[2][1]])
+    tau += np.array([[0.02], [0.01]]) * np.random.default_rng(ord(path.stem)).normal(size=tau.shape)
+    tau[0] = np.clip(tau[0], -limit, limit)
+    degrees = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3])
+    signals = (1e3 * t, *degrees, 1e3 * (0.1 - 0.8 * tau[0]), 1e3 * scale * tau[1])
+    names = ("t [ms]", "shoulder [deg]", "elbow [deg]", "M1 [mN m]", "M2 [mN m]")
+    path.write_text(text(dict(zip(names, signals, strict=True)), 8), encoding="utf-8")
+    return path
+
+
+def several(folder):
+    """Two logs, one with a zero error, one with a gap and a torque at its limit; a prior, and friction subtracted."""
+    return {
+        "log": [write(folder / "a.csv", zero=0.06), write(folder / "b.csv", start=5.0, limit=5.0, gap=(4.0, 5.5))],
+        "validate": write(folder / "v.csv", other_motion, 6.0),
+        "method": ["ordinary", "weighted", "robust", "bounded"],
+        "friction": True,
+        "prior": {"g1": {"value": 3.2, "sd": 0.2}, "k2": {"value": 0.1, "sd": 0.01}},
+    }
+
+
+def short(folder):
+    """A log with a wrong torque constant, whose friction is left in; synthetic logs beside it."""
+    log = write(folder / "c.csv", seconds=8.0, scale=1.5)
+    return {"log": log, "method": ["ordinary", "weighted"], "self_test": True, "filter": "butterworth"}
+
+
+def capture(_folder):
+    """The simulated board's recording, which excites little."""
+    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / f"{name}.bin") for name in ("T1", "T4")]}
+    return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0}
+
+
+@pytest.mark.parametrize("logs", [several, short, capture])
+def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
+    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
+    caplog.set_level(logging.INFO, "repro")
+    arm = tmp_path / "arm.yaml"
+    arm.write_text(ARM, encoding="utf-8")
+    result = repro.identify(**logs(tmp_path), **({} if logs is capture else {"arm": arm}))
+    out = tmp_path / "out"
+    names = result.save(out)
+    files = {name: (out / name).read_text(encoding="utf-8") for name in names}
+    del files["provenance.json"]
+    lines = [*names, *(message for message in caplog.messages if "%" not in message), *str(result).splitlines()]
+    lines += flat(json.loads(files.pop("parameters.json")))
+    lines += blocks(files.pop("report.html"))
+    residuals = pd.read_csv(out / "residuals.csv")
+    files["residuals.csv"] = residuals[:: len(residuals) // 40].to_csv(index=False, float_format="%.4f")
+    lines += [line for name in sorted(files) for line in files[name].splitlines()]
+    kept = "\n".join(" ".join(line.split()) for line in lines if line.strip()) + "\n"
+    file_regression.check(re.sub(re.escape(str(tmp_path)), "", kept), check_fn=same, basename=logs.__name__)
