@@ -14,7 +14,7 @@ from strategies import seeds
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
-from repro.identification.regression import correlation_time
+from repro.identification.regression import correlation_time, drop_standstill
 from repro.identification.solve import solve
 from repro.identification.uncertainty import (
     GROUPS,
@@ -215,7 +215,7 @@ def test_a_log_with_a_fault_asks_for_its_columns_and_gives_the_truth_with_them(n
     q, dq, ddq = motion(LOG.t)
     positions, torque = spoil(LOG, q, dq, ddq)
     log = replace(LOG, q=positions, tau=torque)
-    found = perturbations([WeightedLog(log, SETTINGS)])[name]
+    found = perturbations([WeightedLog(log, SETTINGS)], drop_standstill(prepare(log, SETTINGS)))[name]
     plain, (other,) = prepare(log, SETTINGS), found.regressions
     without_it, with_it = (np.abs(solve(r.y, r.tau) / BETA - 1)[:5].max() for r in (plain, other))
     assert found.weight > 0.9
@@ -259,7 +259,7 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
     weights = []
     for _ in range(10):
         noisy = replace(LOG, tau=LOG.tau + 0.05 * rng.normal(size=LOG.tau.shape))
-        found = perturbations([WeightedLog(noisy, SETTINGS)])
+        found = perturbations([WeightedLog(noisy, SETTINGS)], drop_standstill(prepare(noisy, SETTINGS)))
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
 
@@ -274,9 +274,8 @@ def test_an_effect_that_explains_a_log_without_its_correction_has_weight(zero, c
     noise = 0.02 * np.random.default_rng(4).normal(size=LOG.tau.shape)
     recorded = change(replace(LOG, q=LOG.q + each(zero - 0.05, 0.0), tau=LOG.tau + noise))
     corrected = replace(recorded, q=recorded.q + each(0.05, 0.0))
-    found = unmodelled_effects([WeightedLog(recorded, SETTINGS)], prepare(corrected, SETTINGS))[
-        "torque of period half a turn"
-    ]
+    own, plain = (drop_standstill(prepare(log, SETTINGS)) for log in (recorded, corrected))
+    found = unmodelled_effects([WeightedLog(recorded, SETTINGS)], own, plain)["torque of period half a turn"]
     assert found.rival
     assert bool(found.weight > 0.9) is explains
     if explains:

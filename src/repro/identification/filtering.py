@@ -15,11 +15,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.fft import dct, idct, idst, prev_fast_len
+from scipy.fft import dct, idct, idst, prev_fast_len, rfft, rfftfreq
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
-from scipy.signal import butter, csd, savgol_filter, sosfiltfilt
 
 from repro.identification.regression import Regression, correlation_time, joined, masked
 from repro.identification.solve import solve
@@ -39,6 +39,8 @@ MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0
 #: Length of a segment of the spectra, s.
 SEGMENT = 3.0
+#: Coefficients of the cosines that add up to a window of the spectra.
+HANN, BLACKMAN_HARRIS = (0.5, 0.5), (0.35875, 0.48829, 0.14128, 0.01168)
 #: Values of lambda that are tried, s/rad: from friction that sets in over 0.2 rad/s to one that is a step.
 STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 #: Largest delay that is searched, s, and number of delays.
@@ -84,6 +86,8 @@ def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
 
 def savitzky_golay(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """Fit a cubic to a moving window, or its derivative; see `Filter.apply`."""
+    from scipy.signal import savgol_filter  # noqa: PLC0415  (a third of a second that the default filter does not need)
+
     half = max(round(SAVITZKY_GOLAY_HALF_POWER / (2.0 * cutoff * h) - 0.5), SAVITZKY_GOLAY_DEGREE)
     window = min(2 * half + 1, (x.shape[-1] - 1) // 2 * 2 + 1)
     return savgol_filter(x, window, SAVITZKY_GOLAY_DEGREE, deriv=order, delta=h, axis=-1)
@@ -94,6 +98,8 @@ def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
 
     The gain 1 / (1 + (f / f_0)^8) of both passes is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
     """
+    from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415  (as above)
+
     corner = cutoff / (np.sqrt(2.0) - 1.0) ** (0.5 / BUTTERWORTH_ORDER)
     sos = butter(BUTTERWORTH_ORDER, min(2.0 * corner * h, 0.99), output="sos")
     smooth: Array = sosfiltfilt(sos, x, axis=-1)
@@ -239,7 +245,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     highest = min(HIGHEST_CUTOFF, rate / 10.0)
     segment = min(round(SEGMENT * rate), log.longest.t.size // 4)
     q = [piece.q for piece in log.pieces]
-    frequency, density = _density(q, q, rate, segment, "blackmanharris")
+    frequency, density = _density(q, q, rate, segment, BLACKMAN_HARRIS)
     # The noise is that of the upper half of the spectrum, where an arm does not move.
     noise = np.median(density.real[:, frequency > 0.25 * rate], axis=-1, keepdims=True)
     position = np.sqrt(density.real / np.where(noise > 0.0, noise, np.finfo(np.float64).tiny))
@@ -256,7 +262,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
         tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
-    (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, "hann") for pair in pairs)
+    (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, HANN) for pair in pairs)
     with np.errstate(divide="ignore", invalid="ignore"):  # no torque at all
         squared = np.nan_to_num(np.abs(cross) ** 2 / own.real / other.real)
     coherence = np.stack([np.interp(frequency, grid, joint) for joint in squared])
@@ -273,13 +279,21 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
 
 
 def _density(
-    x: Sequence[Array], y: Sequence[Array], rate: float, segment: int, window: str
+    x: Sequence[Array], y: Sequence[Array], rate: float, segment: int, window: tuple[float, ...]
 ) -> tuple[Array, NDArray[np.complex128]]:
-    """Frequency and cross-spectral density of the pieces of a log that contain a segment, each by its length."""
+    """Frequency and cross-spectral density (Welch), but for a factor; pieces of a log count by their length."""
+    angle = np.linspace(-np.pi, np.pi, segment, endpoint=False)
+    taper = sum(size * np.cos(k * angle) for k, size in enumerate(window))
+
+    def spectra(signal: Array) -> NDArray[np.complex128]:
+        parts = sliding_window_view(signal, segment, axis=-1)[..., :: segment - segment // 2, :]
+        return rfft((parts - parts.mean(-1, keepdims=True)) * taper)
+
     long = [(a, b) for a, b in zip(x, y, strict=True) if a.shape[-1] >= segment]
-    densities = [csd(a, b, rate, window=window, nperseg=segment, axis=-1) for a, b in long]
-    weight = np.array([a.shape[-1] for a, _ in long]) / sum(a.shape[-1] for a, _ in long)
-    return densities[0][0], sum(part * w for (_, part), w in zip(densities, weight, strict=True))
+    densities = [np.mean(spectra(a).conj() * spectra(b), axis=-2) for a, b in long]
+    density = np.average(densities, axis=0, weights=[a.shape[-1] for a, _ in long])
+    density[..., 1 : (segment + 1) // 2] *= 2.0  # one-sided
+    return rfftfreq(segment, 1.0 / rate), density
 
 
 def _first_below(frequency: Array, curve: Array, limit: float) -> float:

@@ -255,7 +255,7 @@ METHODS: dict[str, Method] = {
         Method("ordinary", "ordinary least squares", "gautier1992exciting", ordinary),
         Method("weighted", "weighted least squares", "swevers2007dynamic", weighted),
         Method("robust", "robust least squares (Huber)", "huber1964robust", robust),
-        Method("instrumental", "instrumental variables", "janot2014generic", instrumental),
+        Method("instrumental", "instrumental variables", "janot2014generic", instrumental, needs_even_odd=True),
         Method("bounded", "bounded least squares", "branch1999subspace", bounded),
         Method("consistent", "consistent least squares", "sousa2014physical", consistent),
         Method(

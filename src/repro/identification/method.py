@@ -80,6 +80,7 @@ class Method:
     estimate: Callable[[Regression], Estimate]
     claims_intervals: bool = True  # whether it is repeated for standard errors and intervals
     needs_all_samples: bool = False  # whether it needs the log as signals, including samples of standstill
+    needs_even_odd: bool = False  # whether it uses `Regression.even_odd`, which is twice as large as the regressor
     #: ``refit(regression, choice)`` computes beta with `Estimate.choice` kept, for a method that chooses.
     refit: Callable[[Regression, float], Array] | None = None
     #: For a method that is biased on purpose: its unbiased form. Their difference enters the standard error.

@@ -53,7 +53,7 @@ def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None
         gram = a.T @ a
         return pseudo_solve(gram, a.T @ tau.reshape(-1)) * (gram.diagonal() > 0.0) / scale
     flat = y.reshape(-1, y.shape[-1])
-    weighted = flat * np.broadcast_to(1.0 if weight is None else weight, tau.shape).reshape(-1, 1)
+    weighted = (y * np.asarray(1.0 if weight is None else weight)[..., np.newaxis]).reshape(flat.shape)
     gram, right = weighted.T @ flat, weighted.T @ tau.reshape(-1)
     if prior is not None:
         added = prior.precision * (prior.variance if weight is None else 1.0)

@@ -39,8 +39,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, hadamard
-from scipy.stats import f as fisher
-from scipy.stats import t as student
+from scipy.special import fdtri, stdtrit
 
 from repro.identification.extra_terms import (
     STRIBECK_SPEEDS,
@@ -207,7 +206,7 @@ def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
     if not 0.0 < after < before or freedom <= 0.0:
         return 0.0
     ratio = (before - after) / after * freedom / k
-    return max(0.0, 1.0 - float(fisher.isf(F_TEST_LEVEL, k, freedom)) / ratio)
+    return max(0.0, 1.0 - float(fdtri(k, freedom, 1.0 - F_TEST_LEVEL)) / ratio)
 
 
 @dataclass(frozen=True)
@@ -236,9 +235,8 @@ def of_each_log(parts: Sequence[Array]) -> Array:
     return np.stack([block_diag(*joint) for joint in zip(*parts, strict=True)])
 
 
-def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[str, Perturbation]:
+def unmodelled_effects(logs: Sequence[WeightedLog], own: Regression, plain: Regression) -> dict[str, Perturbation]:
     """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
-    own = join_filtered(logs)
     beta = solve(own.y, own.tau)
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
     columns_of_forms = zip(*(log.columns(forms, beta) for log in logs), strict=True)
@@ -258,8 +256,8 @@ def unmodelled_effects(logs: Sequence[WeightedLog], plain: Regression) -> dict[s
     return results
 
 
-def perturbations(logs: Sequence[WeightedLog], delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Prepare logs with other filters, another delay (if its error is not 0), `UNMODELLED_EFFECTS`, and SIMEX."""
+def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: float = 0.0) -> dict[str, Perturbation]:
+    """Change the regression of logs: other filters, another delay (if its error is not 0), other effects, SIMEX."""
 
     def filtered(cut: float, width: float) -> Regression:
         return join_filtered(logs, lambda s: replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut))
@@ -270,8 +268,7 @@ def perturbations(logs: Sequence[WeightedLog], delay_error: float = 0.0) -> dict
     results = {"filters": Perturbation(tuple(filtered(*factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
         results["delay"] = Perturbation((delayed(-delay_error), delayed(delay_error)))
-    plain = join_filtered(logs)
-    results |= unmodelled_effects(logs, plain)
+    results |= unmodelled_effects(logs, plain, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results
 
@@ -371,6 +368,8 @@ def bootstrap(
     """
     n, beta = regression.t.size, first.beta
     length = block_length(regression.tau - regression.y @ beta, regression.h)
+    if not method.needs_even_odd:  # two thirds of what a replicate copies
+        regression = replace(regression, even_odd=None)
     drawn = []
     for k in range(replicates):
         replicate = regression.take(resample(n, length, rng))
@@ -382,11 +381,11 @@ def bootstrap(
     sampling = np.var(drawn, axis=0, ddof=1)
     blocks = max(n // length - 1, 1)
     slow, groups = jackknife(method, regression, first)
-    slower = slow > float(fisher.isf(F_TEST_LEVEL, groups, blocks)) * sampling
+    slower = slow > float(fdtri(groups, blocks, 1.0 - F_TEST_LEVEL)) * sampling
     sampling = np.where(slower, slow, sampling)
     type_b, attenuation = type_b_variance(lambda other: method.repeat(other, first), beta, perturbations)
     if method.unbiased is not None:
         type_b += (method.unbiased(regression).beta - beta) ** 2
-    factors = student.ppf(0.975, np.where(slower, groups, blocks)), float(student.ppf(0.975, blocks))
+    factors = stdtrit(np.where(slower, groups, blocks), 0.975), float(stdtrit(blocks, 0.975))
     half_width = np.sqrt(factors[0] ** 2 * sampling + factors[1] ** 2 * type_b + attenuation)
     return Uncertainty(np.sqrt(sampling + type_b), beta - half_width, beta + half_width)

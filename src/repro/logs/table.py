@@ -28,7 +28,7 @@ LARGEST, LONGEST_LINE = 512 << 20, 1 << 20
 #: Most lines of comments before the header.
 _HEAD = 1000
 #: Lines that are read at a time.
-_BLOCK = 20_000
+_BLOCK = 2_000
 _EXPECTED = "a CSV table: a header, then rows of numbers"
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
@@ -62,12 +62,13 @@ class Table:
         readers = [_Column(f"column {self.header[index]}") for index in columns]
         lines: list[int] = []
         for rows in self.blocks():
-            lines += [line for line, _ in rows]
+            numbers = [line for line, _ in rows]
+            lines += numbers
             if len(lines) > MOST_ROWS:
                 expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
                 raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
             for column, index in zip(readers, columns, strict=True):
-                column.add([(line, cells[index]) for line, cells in rows])
+                column.add(numbers, [cells[index] for _, cells in rows])
         self._check(readers)
         values = np.stack([np.concatenate(column.values) for column in readers])
         notes = ("numbers have a decimal comma",) if any("comma" in column.first for column in readers) else ()
@@ -103,16 +104,16 @@ class _Column:
     # Of each kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
     first: dict[str, _Cell] = field(default_factory=dict)
 
-    def add(self, cells: list[tuple[int, str]]) -> None:
+    def add(self, lines: list[int], cells: list[str]) -> None:
         """Append the cells of some lines."""
-        text, values = "".join(cell for _, cell in cells), np.array([math.nan])
+        text, values = "".join(cells), np.array([math.nan])
         if "_" not in text and text.isascii():  # the usual case: numbers alone
             with suppress(ValueError):
-                values = np.array([float(cell) for _, cell in cells])
+                values = np.array([float(cell) for cell in cells])
         if np.isfinite(values).all():
             self.point = self.point or "." in text
         else:
-            values = np.array([self._read(line, cell.strip()) for line, cell in cells])
+            values = np.array([self._read(line, cell.strip()) for line, cell in zip(lines, cells, strict=True)])
         self.values.append(values)
 
     def _read(self, line: int, cell: str) -> float:

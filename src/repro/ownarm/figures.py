@@ -87,7 +87,7 @@ def _png(figure: Figure) -> bytes:
     # Once, where saving would draw once more for the layout.
     canvas.draw()  # type: ignore[no-untyped-call]
     image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")  # type: ignore[no-untyped-call]
-    image.quantize(_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(small, "PNG")
+    image.quantize(_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(small, "PNG")
     return small.getvalue()
 
 
@@ -251,7 +251,8 @@ def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) 
             look: dict[str, Any] = {"marker": MARKS[place % len(MARKS)], "fillstyle": "none" if place else "full"}
             axes.plot(parameter.estimate, place, color=colour, ls="none", ms=4.0, zorder=3, **look)
             if parameter.low is not None and parameter.high is not None:
-                axes.hlines(place, max(parameter.low, low), min(parameter.high, high), color=colour, lw=1.3)
+                ends = max(parameter.low, low), min(parameter.high, high)
+                axes.plot(ends, (place, place), color=colour, lw=1.3, solid_capstyle="butt")
         else:
             _arrow(axes, parameter.estimate, place, parameter.estimate > high, colour)
     if low <= 0.0 <= high:

@@ -113,7 +113,7 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
     whole = joined([log.moving for log in logs], weights)
     subtracted = _subtracted_columns(whole, weighted, logs)
     moving = project_out(whole, subtracted)
-    as_good = perturbations(weighted, max(log.delay_error for log in logs))
+    as_good = perturbations(weighted, whole, max(log.delay_error for log in logs))
     if any(log.faults for log in logs):
         beta = solve(moving.y, moving.tau)
         columns = [
@@ -123,7 +123,7 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
         both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
         as_good["set-up"] = Perturbation((project_out(whole, both),))
         recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
-        instead = unmodelled_effects(recorded, join_filtered(weighted))
+        instead = unmodelled_effects(recorded, join_filtered(recorded), whole)
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
         factor = mean_scale(logs)
         if factor is not None and wrong_torque(prior, beta, factor) is None:

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.signal import welch
 
 from repro.identification.calibration import correct_calibration
 from repro.identification.extra_terms import values_of
@@ -37,6 +36,8 @@ NOISE = 0.5
 
 def _level(x: Array, h: float, low: float, high: float) -> Array:
     """Estimate the standard deviation (2, 1) of white noise as strong as a signal between two frequencies."""
+    from scipy.signal import welch  # noqa: PLC0415  (a third of a second, for a self-test alone)
+
     segment = min(round(SEGMENT / h), x.shape[-1] // 4)
     frequency, density = welch(x, 1.0 / h, window="blackmanharris", nperseg=segment, axis=-1)
     band = (frequency >= low) & (frequency <= high)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,8 +52,11 @@ def commit(folder: Path) -> str:
 
 def package_versions() -> dict[str, str]:
     """Versions of the programs that results depend on."""
-    installed = {package.name.lower(): package.version for package in importlib.metadata.distributions()}
-    return {"repro": __version__, **{name: installed[name] for name in PACKAGES if name.lower() in installed}}
+    versions = {"repro": __version__}
+    for name in PACKAGES:
+        with suppress(importlib.metadata.PackageNotFoundError):
+            versions[name] = importlib.metadata.version(name)
+    return versions
 
 
 def host_fingerprint() -> dict[str, str]:
