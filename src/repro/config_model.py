@@ -355,13 +355,13 @@ class Study(Section):
     """Where a learned method pays: the factors, their levels, and the budgets."""
 
     excitations: Annotated[list[Literal["eq10", "slow", "random", "optimal"]], Field(min_length=1), Unique] = key(
-        "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion"
+        "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion",
     )
     discrepancies: Annotated[list[Share], Field(min_length=1), Unique] = key(
         "similarity that ordinary least squares reaches on the motion to identify by"
     )
     priors: Annotated[list[Literal["wide", "narrow", "mismatched"]], Field(min_length=1), Unique] = key(
-        "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one"
+        "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one",
     )
     frictions: Annotated[list[Positive], Field(min_length=1), Unique] = key("factors on the friction of tested arms")
     arms: Annotated[int, Field(ge=2, le=10_000)] = key("tested arms of each prior, in every cell", "arms")
