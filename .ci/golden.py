@@ -36,7 +36,7 @@ IN_A_ROW = 0.5
 #: A table with more rows than the first number is kept as about the second number of them.
 LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
-SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread")
+SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 #: What ends a line of a page, and the size of a file that is offered there.
 BLOCK_END, SIZE = re.compile(r"</(tr|p|li|h\d|dt|dd|div|option|caption|summary)>"), re.compile(r"[\d.]+ [kM]B")

@@ -33,6 +33,15 @@ TITLES = {
     "generalised+prior": "Least squares, generalised, with prior",
     "true": "True parameters",
 }
+#: Lines of methods that claim a distribution, as those of other figures.
+_LOOKS = {
+    ALGORITHM1: "algorithm1",
+    TRACKED: "algorithm1+tracked",
+    POSTERIOR: "algorithm1+refinement",
+    "ordinary": "least-squares",
+    "generalised": "bounded",
+    "generalised+prior": "consistent",
+}
 _MOTIONS = {"eq10": "Eq. 10", "slow": "Eq. 10, half pace", "random": "random", "optimal": "D-optimal"}
 #: Pairs of the map, and where its colours end, points.
 _SHOWN = ((ALGORITHM1, "ordinary"), (TRACKED, "consistent"), (POSTERIOR, "consistent"))
@@ -110,14 +119,15 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         image = axes.imshow(100.0 * rows.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
         for (i, j), value in np.ndenumerate(100.0 * rows.to_numpy()):
             if np.isfinite(value):
-                axes.text(j, i, f"{value:.1f}", ha="center", va="center", fontsize=style.TEXT_SIZE - 1)
+                colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
+                axes.text(j, i, f"{value:.1f}", ha="center", va="center", color=colour)
         axes.set_xticks(range(rows.shape[1]), labels=[f"{100 * level:g}" for level in rows.columns])
         axes.set_yticks(range(len(rows)), labels=[f"{prior}, {_MOTIONS[motion]}" for prior, motion in rows.index])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
     figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
     if image is not None:
-        figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED})", extend="both")
+        figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
     return figure
 
 
@@ -135,7 +145,6 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
     figure = style.new_figure(style.PAGE, 3.6)
     priors = list(dict.fromkeys(frame["prior"]))
     panels = figure.subplots(2, len(priors), sharex=True, sharey=True, squeeze=False)
-    looks = dict(zip(dict.fromkeys(frame["method"]), style.STROKES.values(), strict=False))
     for column, prior in enumerate(priors):
         for axes, what in zip(panels[:, column], ("each", "together"), strict=True):
             chosen = frame[(frame["prior"] == prior) & (frame["of"] == what)]
@@ -143,7 +152,7 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
             axes.axhspan(-half, half, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
             for method, own in chosen.groupby("method", sort=False):
                 level = 100.0 * own["level"].to_numpy()
-                stroke = {**looks[method], "linewidth": 1.0}
+                stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
                 axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
         panels[0, column].set_title(prior)
     panels[0, 0].set_ylabel("Each parameter")

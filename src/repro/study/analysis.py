@@ -83,8 +83,7 @@ class Claim:
 
 def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
     """Values at one level of a factor, which is no longer in the index."""
-    chosen: pd.Series = values.xs(level, level=factor)
-    return chosen
+    return values[values.index.get_level_values(factor) == level].droplevel(factor)
 
 
 def _optimised(outcomes: pd.DataFrame) -> pd.Series:
@@ -137,10 +136,15 @@ HOLDS, FAILS = "holds", "fails"
 
 
 def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Each claim: centre and interval over arms, valid at once for all; and the conditions in which it is true."""
+    """Each claim: centre and interval over arms, valid at once for all; and the conditions in which it is true.
+
+    A claim on levels that a smaller study leaves out has no row.
+    """
     rows = []
     for claim in CLAIMS:
         values = claim.values(outcomes)
+        if values.empty:
+            continue
         of_arms = values.groupby(["prior", "arm"]).mean()
         centre, low, high = interval(of_arms.to_numpy(), len(CLAIMS))
         verdict = HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
