@@ -1,7 +1,10 @@
 """Text that was kept: the same words, and numbers within what rounding on another processor moves."""
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
+
+from matplotlib.figure import Figure
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
 #: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too,
@@ -49,3 +52,18 @@ def blocks(page: str) -> list[str]:
     text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.DOTALL).split())
     text = re.sub(r"</(tr|p|li|h\d|dt|dd|div|caption|summary)>", "\n", text)
     return re.sub(r"<[^>]+>", " ", text).splitlines()
+
+
+def drawn(figure: Figure) -> Iterator[str]:
+    """What the axes of a figure show: words, limits, and some points of each line."""
+    for axes in figure.axes:
+        limits = ", ".join(f"{end:.3e}" for end in (*axes.get_xlim(), *axes.get_ylim()))
+        words = (axes.get_title(), axes.get_xlabel(), axes.get_ylabel(), axes.get_xscale(), axes.get_yscale())
+        yield f"axes {' | '.join(words)}: {limits}"
+        for line in axes.lines:
+            points = line.get_xydata()
+            some = ", ".join(f"{x:.3e}" for x in points[:: max(len(points) // 4, 1)].ravel())
+            look = (line.get_label(), line.get_linestyle(), line.get_marker(), line.get_color(), line.get_linewidth())
+            yield f"line {' '.join(map(str, look))}, {len(points)} points: {some}"
+        yield from (f"text {text.get_text()} at {text.get_position()}" for text in axes.texts)
+    yield from (f"legend {text.get_text()}" for legend in figure.legends for text in legend.get_texts())

@@ -258,6 +258,8 @@ def test_simulation_agrees_with_an_independent_integrator(result):
     assert dq == pytest.approx(expected[2:], abs=1e-3)
     with pytest.raises(ValueError, match=r"^t: "):
         own.simulate(t[::-1], tau, [0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(ValueError, match=r"^t: "):
+        own.simulate(np.r_[t[:-1], t[-2]], tau, [0.0, 0.0], [0.0, 0.0])
     with pytest.raises(ValueError, match=r"^t, tau, q0, dq0: "):
         own.simulate(t, tau[:, 1:], [0.0, 0.0], [0.0, 0.0])
 

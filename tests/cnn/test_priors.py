@@ -72,26 +72,6 @@ def test_published_ranges_cannot_reach_the_published_arms():
     np.testing.assert_allclose(np.median(beta[:, FRICTION], 0), 0.5, atol=0.02)
 
 
-def features(beta):
-    """Yes-or-no facts about an arm that differ between the priors."""
-    l1 = 0.5 * beta[:, I2] / beta[:, G2] * STANDARD_GRAVITY
-    link_like = (l1 >= 0.05) & (l1 <= 0.6) & is_positive_definite(beta)
-    small = (beta[:, FRICTION] < 0.05).sum(1)
-    return np.stack([np.ones(len(beta)), link_like, small >= 1, small >= 2, beta.max(1) > 1.0, small >= 3], 1)
-
-
-def mixture_shares(beta):
-    """Shares of the three priors that explain an arm population best."""
-    columns = np.stack([features(arms(p, seed=1)).mean(0) for p in ("uniform", "log-uniform", "links")], 1)
-    return np.linalg.lstsq(columns, features(beta).mean(0), rcond=None)[0]
-
-
-def test_mixture_is_shuffled_so_that_a_split_keeps_the_shares():
-    beta = arms("mixture", 40_000)
-    np.testing.assert_allclose(mixture_shares(beta[:8_000]), [0.5, 0.25, 0.25], atol=0.03)
-    np.testing.assert_allclose(mixture_shares(beta[-8_000:]), [0.5, 0.25, 0.25], atol=0.03)
-
-
 def test_training_guesses_are_exact_near_and_uniform_in_the_chosen_shares():
     chosen = GuessSettings(exact_share=0.3, near_share=0.5, near_low=1e-6, near_high=1e-4)
     right = arms("uniform", MANY, 5)

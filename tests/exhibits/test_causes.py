@@ -53,10 +53,3 @@ def test_cells_and_effects_by_hand():
     for name, value in {"image_motion": 0.3, "training": 0.25, "both": 0.2}.items():
         assert effects.loc[(name, "validation"), "value"] == pytest.approx(value, abs=1e-12)
         assert effects.loc[(name, "validation"), "spread"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_one_seed_has_no_spread():
-    table = why_table(crossed(scores(seeds=(1,))))
-    assert (table["spread"] == 0.0).all()
-    assert set(table["seeds"]) == {1}
-    assert rows_of(table, "effect").loc[("both", "", "id"), "value"] == pytest.approx(-0.01, abs=1e-12)

@@ -13,26 +13,17 @@ from factorial_example import factorial_references, factorial_scores
 from kept import same
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.dataset import DataSettings
 from repro.cnn.network import SignalCNN
-from repro.cnn.priors import sample_beta
-from repro.exhibits import catalogue, network_training, numeric_tests, style
+from repro.exhibits import catalogue, network_training, style
 from repro.exhibits.declare import make_exhibit
 from repro.files import write_csv
-from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.stored_networks import architecture
-from repro.settings import numeric_settings, signal_settings
 from repro.signals.programs import PROGRAMS
-from repro.signals.trajectories import identification_trajectory
-from repro.streams import Stream, stream
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
-SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
-N = 3770
 RECIPES = ("algorithm1", "algorithm1+paper-recipe", "algorithm1+paper-recipe-ranges")
-H = 2.5e-3
 
 
 def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
@@ -99,73 +90,6 @@ def test_the_kept_size_of_the_board_is_laid_out_as_kept(tmp_path):
     sizes = pd.read_csv(out["csv"]).set_index(["block", "quantity"])
     tables, flip_flops = sizes.loc["board", "least"][["lut", "flip_flops"]]
     assert sizes.loc["board", :].loc["elements"].tolist() == [max(tables, flip_flops), tables + flip_flops]
-
-
-def curve(frame, panel, series):
-    rows = frame[(frame["panel"] == panel) & (frame["series"] == series)]
-    return rows["x"].to_numpy(), rows["y"].to_numpy()
-
-
-def band(x, k):
-    """Coefficient k, from 0, of Eq. 5, summed as printed."""
-    n = x.size
-    a = np.sqrt(0.5) if k == 0 else 1.0
-    return np.sqrt(2 / n) * a * np.sum(x * np.cos(np.pi * k * (2 * np.arange(n) + 1) / (2 * n)))
-
-
-def test_subsampling_shows_the_torque_its_spectrum_and_what_the_first_bands_keep():
-    frame = numeric_tests.subsampling_curves(SIGNALS, NUMERIC.arms["N1"])
-    time, x = curve(frame, "signal", "x")
-    motion = identification_trajectory()
-    np.testing.assert_allclose(time, H * np.arange(N), rtol=1e-12)
-    np.testing.assert_allclose(x, inverse_dynamics(motion.q, motion.dq, motion.ddq, NUMERIC.arms["N1"])[0], rtol=1e-12)
-    (k, kept), (j, dropped) = curve(frame, "spectrum", "kept"), curve(frame, "spectrum", "dropped")
-    np.testing.assert_array_equal(np.concatenate([k, j]), np.arange(N))
-    assert k.size == 100
-    for number in (0, 1, 7, 99):
-        assert kept[number] == pytest.approx(band(x, number), abs=1e-9)
-    assert dropped[0] == pytest.approx(band(x, 100), abs=1e-9)
-    assert np.sum(kept**2) + np.sum(dropped**2) == pytest.approx(np.sum(x**2), rel=1e-12)
-    time_sub, xs = curve(frame, "subsampled", "xs")
-    assert xs.size == 100
-    # The bands kept hold nearly all of it, so the subsampled torque lies on the torque.
-    error = xs - np.interp(time_sub, time, x)
-    assert np.sqrt(np.mean(error**2)) < 0.02 * np.sqrt(np.mean(x**2))
-
-
-def test_example_images_of_right_guesses_are_symmetric_and_those_of_wrong_ones_are_not():
-    frame = network_training.example_pixels(SIGNALS, DataSettings(), seed=1)
-    assert len(frame) == 2 * 9 * 100 * 100
-    asymmetry = {}
-    for (kind, name), pixels in frame.groupby(["kind", "image"]):
-        colours = pixels.sort_values(["row", "column"])[["red", "green", "blue"]].to_numpy().reshape(100, 100, 3)
-        assert colours.min() >= 0.0
-        assert colours.max() <= 1.0
-        # psi = alpha for a right guess, so both parts of Eq. 9 are symmetric.
-        asymmetry[kind, name] = np.abs(colours - colours.transpose(1, 0, 2)).mean()
-    assert {kind: len([k for k in asymmetry if k[0] == kind]) for kind in ("Mp", "Mn")} == {"Mp": 9, "Mn": 9}
-    right, wrong = ([v for k, v in asymmetry.items() if k[0] == kind] for kind in ("Mp", "Mn"))
-    assert max(right) < 0.02
-    assert np.median(wrong) > 5 * max(right)
-
-
-def test_torque_percentiles_are_ordered_fractions_of_the_largest_torque():
-    frame = network_training.torque_percentiles(SIGNALS, DataSettings(), seed=1, arms=500)
-    motion = identification_trajectory()
-    beta = sample_beta(stream(1, Stream.TRAINING_ARMS), 500)
-    for j, joint in enumerate(("joint1", "joint2")):
-        levels = [curve(frame, joint, f"p{p:02d}")[1] for p in (5, 25, 50, 75, 95)]
-        assert all((low <= high).all() for low, high in itertools.pairwise(levels))
-        assert max(np.abs(level).max() for level in levels) <= 1.0
-        time, mean = curve(frame, joint, "mean")
-        assert ((levels[0] <= mean) & (mean <= levels[-1])).all()
-        # The same without filter and subsampling, at the nearest full-rate samples.
-        pick = np.rint(time / H).astype(int)
-        tau = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
-        tau = (tau / np.abs(tau).max((-2, -1), keepdims=True))[:, j, pick]
-        # Friction turns round within a few samples; there the filter and the exact instant matter.
-        assert np.median(np.abs(np.median(tau, 0) - levels[2])) < 0.02
-        assert np.median(np.abs(tau.mean(0) - mean)) < 0.02
 
 
 def arrays(net):

@@ -77,6 +77,7 @@ REFUSED = [
     ("clock time", cell("time", 0, "12:00:01.5"), {}, "line 2, column time: found '12:00:01.5'"),
     ("torque missing", without("tau1", "tau2"), {}, "expected a column for tau1, tau2; for arm.yaml, to correct"),
     ("one position missing", without("q2"), {}, "found the columns time, q1, dq1, dq2, tau1, tau2, expected a column"),
+    ("many columns", {**without("q2"), **{f"extra{k}": NOISE[0] for k in range(8)}}, {}, "extra2, extra3 and 4 more, "),
     ("misspelt", renamed(tau1="tauu1"), {}, "expected a column for tau1 (perhaps 'tauu1' for tau1)"),
     ("joints from 0", renamed(q1="q0", q2="q1"), {}, "found columns of a joint 0: q0, expected joints 1 and 2"),
     ("degrees without a unit", scaled(1 / DEGREE, "q1", "q2"), {}, "turns if it is rad, expected units.position in"),

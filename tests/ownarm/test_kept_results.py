@@ -1,5 +1,6 @@
 """All that `repro identify` says and writes of three kinds of log, as it was kept."""
 
+import io
 import json
 import logging
 import re
@@ -8,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from kept import blocks, flat, same
+from kept import blocks, drawn, flat, same
 from log_example import BETA, motion, text
+from PIL import Image
 from regression_example import other_motion
 
 import repro
@@ -45,9 +47,10 @@ def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limi
     load = inverse_dynamics(*acting, np.where(np.arange(9) < 5, BETA, 0.0))[0]
     tau = inverse_dynamics(*acting, BETA)
     tau += np.stack([0.15 * np.abs(load) * np.tanh(20.0 * acting[1][0]), 0.003 * acting[2][1]])
-    tau += np.array([[0.02], [0.01]]) * np.random.default_rng(ord(path.stem)).normal(size=tau.shape)
+    noise = np.random.default_rng(ord(path.stem)).normal(size=(4, t.size))
+    tau += np.array([[0.02], [0.01]]) * noise[:2]
     tau[0] = np.clip(tau[0], -limit, limit)
-    degrees = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3])
+    degrees = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3]) + 0.02 * noise[2:]
     signals = (1e3 * t, *degrees, 1e3 * (0.1 - 0.8 * tau[0]), 1e3 * scale * tau[1])
     names = ("t [ms]", "shoulder [deg]", "elbow [deg]", "M1 [mN m]", "M2 [mN m]")
     path.write_text(text(dict(zip(names, signals, strict=True)), 8), encoding="utf-8")
@@ -68,7 +71,7 @@ def several(folder):
 def short(folder):
     """A log with a wrong torque constant, whose friction is left in; synthetic logs beside it."""
     log = write(folder / "c.csv", seconds=8.0, scale=1.5)
-    return {"log": log, "method": ["ordinary", "weighted"], "self_test": True, "filter": "butterworth"}
+    return {"log": log, "method": ["ordinary", "consistent"], "self_test": True, "filter": "butterworth"}
 
 
 def capture(_folder):
@@ -79,7 +82,10 @@ def capture(_folder):
 
 @pytest.mark.parametrize("logs", [several, short, capture])
 def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
-    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
+    figures, dot = [], io.BytesIO()
+    Image.new("P", (1, 1)).save(dot, "PNG")
+    monkeypatch.setattr("repro.ownarm.figures.MOST_LOGS", 1)
+    monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figures.append(figure) or dot.getvalue())
     caplog.set_level(logging.INFO, "repro")
     arm = tmp_path / "arm.yaml"
     arm.write_text(ARM, encoding="utf-8")
@@ -91,6 +97,7 @@ def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog
     lines = [*names, *(message for message in caplog.messages if "%" not in message), *str(result).splitlines()]
     lines += flat(json.loads(files.pop("parameters.json")))
     lines += blocks(files.pop("report.html"))
+    lines += [line for figure in figures for line in drawn(figure)]
     residuals = pd.read_csv(out / "residuals.csv")
     files["residuals.csv"] = residuals[:: len(residuals) // 40].to_csv(index=False, float_format="%.4f")
     lines += [line for name in sorted(files) for line in files[name].splitlines()]

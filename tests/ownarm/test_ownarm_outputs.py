@@ -74,23 +74,6 @@ def test_the_json_holds_the_result_and_no_nan(tmp_path):
     assert found == expected
 
 
-@pytest.mark.usefixtures("small_figures")
-def test_residuals_are_those_of_the_recommended_method(tmp_path):
-    result, curves = example()
-    write_result(tmp_path / "out", result, curves, ARM)
-    table = pd.read_csv(tmp_path / "out" / "residuals.csv")
-    assert list(table.columns) == ["log", "time_s", "joint", "torque_nm", "rebuilt_nm", "residual_nm"]
-    assert len(table) == 2 * sum(s.t.size for s in curves.signals)
-    assert list(dict.fromkeys(table["log"])) == list(LOGS)
-    assert table["residual_nm"].to_numpy() == pytest.approx(table["torque_nm"] - table["rebuilt_nm"], abs=1e-8)
-    for signals in curves.signals:
-        for joint in (1, 2):
-            rows = table[(table["log"] == signals.name) & (table["joint"] == joint)]
-            assert rows["time_s"].to_numpy() == pytest.approx(signals.t, abs=1e-8)
-            assert rows["torque_nm"].to_numpy() == pytest.approx(signals.tau[joint - 1], rel=1e-8)
-            assert rows["rebuilt_nm"].to_numpy() == pytest.approx(signals.rebuilt["consistent"][joint - 1], rel=1e-8)
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_figures")
 @pytest.mark.parametrize(

@@ -39,7 +39,9 @@ HOSTILE = '<script>alert(1)</script>&".csv'
 
 @pytest.fixture(scope="module")
 def figures():
-    return figures_of(example_result(), example_curves())
+    """A small picture for each, none like another: what is drawn is another test's concern."""
+    names = ["parameters", "cutoff", *(f"{kind}-{k}" for k in range(3) for kind in ("overlay", "spectra"))]
+    return {name: figures_png(10 + k) for k, name in enumerate(names)}
 
 
 @pytest.fixture(scope="module")
@@ -115,10 +117,10 @@ def test_a_hostile_name_is_text():
     assert HOSTILE in page.all("img")[0]["alt"]
 
 
-def figures_png():
+def figures_png(height=10):
     """A small PNG file."""
     file = io.BytesIO()
-    Image.new("RGB", (20, 10)).save(file, "PNG")
+    Image.new("RGB", (20, height)).save(file, "PNG")
     return file.getvalue()
 
 

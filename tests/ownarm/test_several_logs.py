@@ -52,6 +52,12 @@ def test_logs_have_one_delay_and_each_its_faults(two):
     assert [len(faults) for faults in result.setup] == [0, 1]
 
 
+def test_logs_whose_delays_differ_do_not_tell_the_common_one_better_than_that():
+    logs = make_problem([noisy_log("a.csv", 0, delay=0.004), noisy_log("a.csv", 0, delay=0.006)], (), ARM, OPTIONS).logs
+    assert [log.settings.delay for log in logs] == pytest.approx([0.005] * 2, abs=2e-4)
+    assert [log.delay_error for log in logs] == pytest.approx([0.001] * 2, rel=0.1)
+
+
 def near(pose, name, seed=1, size=0.1, noise=0.1, zero=0.0, ripple=0.0):
     """A short log that hardly leaves a pose, with the zero of joint 2 off, or with torque ripple."""
 

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import distance
 
-from repro.model.dynamics import inverse_dynamics
 from repro.paper.metric_candidates import CANDIDATES, Pair
 from repro.paper.metric_search import (
     CHOSEN,
@@ -21,7 +20,6 @@ from repro.paper.metric_search import (
     Scores,
     abstract_check,
     band_number_motion,
-    pair_bounds,
     rank_candidates,
     score_candidates,
     score_motions,
@@ -183,33 +181,6 @@ def test_ranks_without_an_arm_use_the_other_three_and_choose_the_motion_again():
     assert set(table[table["factor"] == "time"]["rank"]) == {1, 2, 3, 4}
 
 
-def test_torque_and_errors_of_a_motion_are_those_of_its_draws():
-    published = load_published()
-    true, estimate = published.parameter_sets("true"), published.parameter_sets("algorithm1")
-    motion, repeats = band_number_motion(1200), 3
-    scores = score_motions(5, repeats, (motion,))
-    torque, shortfall = [], []
-    for repeat in range(repeats):
-        drawn = motion.draw(np.random.default_rng([5, repeat]))
-        x, y = (
-            np.array([inverse_dynamics(drawn.q, drawn.dq, drawn.ddq, beta) for beta in betas])
-            for betas in (true, estimate)
-        )
-        torque.append(np.mean(x**2, -1))
-        shortfall.append(1.0 - metr2ev(x, y).frequency)
-    np.testing.assert_allclose(scores.mean_square[0], np.median(torque, axis=0), rtol=1e-9)
-    (k,) = [i for i, c in enumerate(CANDIDATES) if c.name == CHOSEN["frequency"]]
-    expected = np.mean(np.log(shortfall), axis=0) - np.log(1.0 - published.similarities("frequency"))
-    np.testing.assert_allclose(scores.log_error[0, k], expected, rtol=1e-9)
-
-
-@pytest.mark.parametrize(("formula", "mean"), [("energy", 0.97316), ("mean-square", 0.97387)])
-def test_abstract_figure_is_met_by_the_mean_of_the_published_pairs_but_not_by_each(formula, mean):
-    totals = abstract_check(settings=MetricSettings(time_formula=formula))["total"]
-    assert len(totals) == 8 and totals.mean() == pytest.approx(mean, abs=2e-5)
-    assert totals.min() < 0.97
-
-
 @given(st.integers(0, 10_000), st.floats(0.2, 5.0), st.floats(0.0, 0.5))
 @settings(max_examples=50, deadline=None)
 def test_bound_of_the_energy_error_holds_for_every_pair(seed, scale, noise):
@@ -219,27 +190,6 @@ def test_bound_of_the_energy_error_holds_for_every_pair(seed, scale, noise):
     frequency = float(metr2ev(x, y).frequency)
     c = 1.0 - 0.5 * (1.0 - frequency**2.5) ** 2
     assert np.sum((x - y) ** 2) / np.sum(x**2) >= 1.0 - c**2 - 1e-9 or frequency == 0.0
-
-
-def test_printed_pairs_that_no_torque_can_give_with_the_energy_formula():
-    bounds = pair_bounds().set_index("id")
-    assert bounds.groupby("place")["energy_possible"].sum().to_dict() == {"Table 7": 7, "Table 10": 5}
-
-
-@pytest.mark.parametrize(
-    # Printed values half a digit down in time and up in frequency; the smaller bound of both methods.
-    ("case", "joint", "time", "frequency", "method"),
-    [
-        ("ID", 1, 99.525, 94.725, "least-squares"),
-        ("T1", 1, 99.845, 91.855, "algorithm1"),
-        ("T1", 2, 99.975, 91.675, "least-squares"),
-    ],
-)
-def test_bounds_of_the_mean_square_torque_of_table_10_by_hand(case, joint, time, frequency, method):
-    row = torque_bounds().set_index(["case", "joint"]).loc[(case, joint)]
-    cosine = 1 - 0.5 * (1 - (frequency / 100) ** 2.5) ** 2
-    assert row["largest_mean_square"] == pytest.approx((1 - (time / 100) ** 2.5) / (1 - cosine**2))
-    assert row["published_method"] == method
 
 
 @given(st.integers(0, 10_000), st.floats(0.5, 2.0), st.floats(0.05, 0.5))

@@ -338,13 +338,6 @@ def test_each_function_is_given_what_it_names(working):
         assert {name for name, one in parameters.items() if one.default is one.empty} <= given, rule.name
 
 
-def test_optional_targets_are_made_of_all_their_files(rules):
-    losses = [Path(file).stem for file in rules["draw_numeric_tests_losses"].input]
-    assert losses == ["training", "training-paper-recipe", "training-paper-recipe-ranges"]
-    scripts = {path.stem for path in (ROOT / "docs/tutorials").glob("*.py")}
-    assert {Path(file).stem for file in rules["tutorials"].input if str(file).endswith(".md")} == scripts
-
-
 def test_no_script_is_left_over(working):
     assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
 

@@ -12,7 +12,7 @@ Coulomb friction that differs between the two directions is no candidate: while 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
@@ -63,7 +63,7 @@ class SmoothLog:
         h = period(log)
         return cls(smooth_motion(log.q, h, settings), filtered_torque(log.tau, h, settings), beta, h, settings)
 
-    @property
+    @cached_property
     def y(self) -> Array:
         """The regressor along the motion (2, N, 9)."""
         return regressor(*self.moved, self.settings.friction_steepness)

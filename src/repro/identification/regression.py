@@ -148,7 +148,7 @@ def joint_variance(regression: Regression, beta: Array) -> Array:
     """Mean squared torque error of each joint where it moves, shape (2, 1), N^2 m^2, never zero."""
     error = regression.tau - regression.y @ beta
     count = np.maximum(regression.mask.sum(-1, keepdims=True), 1)
-    floor = np.finfo(np.float64).eps * np.sum(regression.tau**2, axis=-1, keepdims=True) / count
+    floor = np.finfo(np.float64).eps * np.einsum("jn,jn->j", regression.tau, regression.tau)[:, np.newaxis] / count
     floor = np.where(floor > 0.0, floor, 1.0)
     return np.asarray(np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor))
 
