@@ -87,8 +87,8 @@ show(fast)
 
 # %% [markdown]
 # All parameters but I2 are known to a third now, and the intervals contain the true values. Those of inertia and
-# viscous friction are far narrower than with ID. That of g1 is not: it allows for the arm's ripple and Stribeck friction
-# ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
+# viscous friction are far narrower than with ID. That of g1 is not: it allows for the arm's ripple and Stribeck
+# friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
 
 # %%
 fast.plot(log=0)
