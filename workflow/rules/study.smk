@@ -49,21 +49,23 @@ rule study_train:
         CALL
 
 
-def study_readers(wildcards):
-    """What reads the cells of a job: training motions and networks of its excitation and its law."""
-    cells = STUDY_JOBS[wildcards.job]
-    folder = f"{R}/study/{cells[0].excitation}-{TRAINED_ON[cells[0].prior]}"
-    networks = NETWORKS if any(cell.searched for cell in cells) else NETWORKS[:1]
-    return {
-        "training": f"{folder}/training.safetensors",
-        "weights": [f"{folder}/{network}.safetensors" for network in networks],
-    }
+def study_folder(wildcards):
+    """Folder of what a job's readers learned: that of its excitation and its law."""
+    cell = STUDY_JOBS[wildcards.job][0]
+    return f"{R}/study/{cell.excitation}-{TRAINED_ON[cell.prior]}"
+
+
+def study_networks(wildcards):
+    """Networks of a job: without cells that Algorithm 1 is run in, the first alone."""
+    searched = any(cell.searched for cell in STUDY_JOBS[wildcards.job])
+    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in NETWORKS[: None if searched else 1]]
 
 
 rule study_cells:
     input:
-        unpack(study_readers),
         choice=rules.study_arms.output.out,
+        training=lambda wildcards: f"{study_folder(wildcards)}/training.safetensors",
+        weights=study_networks,
     output:
         f"{R}/study/cells/{{job}}.csv",
     resources:
