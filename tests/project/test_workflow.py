@@ -284,7 +284,16 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 #: Values of every wildcard, for what depends on one.
 ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked-few"}
-ONE |= {"cell": "plain-tracked-index", "seed": "2", "search": "3", "tutorial": "board"}
+ONE |= {
+    "cell": "plain-tracked-index",
+    "seed": "2",
+    "search": "3",
+    "tutorial": "board",
+    "job": "random-narrow-1",
+    "excitation": "slow",
+    "law": "wide",
+    "network": "posterior",
+}
 
 
 def of_a_job(rule, value):
