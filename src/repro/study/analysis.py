@@ -52,8 +52,12 @@ def conclude(low: float, high: float) -> str:
 def difference(outcomes: pd.DataFrame, method: str, opponent: str, response: str = "validation") -> pd.Series:
     """Response of a method minus that of another, by the factors and the arm; only where both were run."""
     values = outcomes.set_index(list(KEYS))[response]
-    apart: pd.Series = (values.xs(method, level="method") - values.xs(opponent, level="method")).dropna()
-    return apart
+    return (_level(values, "method", method) - _level(values, "method", opponent)).dropna()
+
+
+def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
+    """Values at one level of a factor, which is no longer in the index."""
+    return values[values.index.get_level_values(factor) == level].droplevel(factor)
 
 
 def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -79,11 +83,6 @@ class Claim:
     sentence: str
     values: Callable[[pd.DataFrame], pd.Series]
     margin: float = 0.0  # by which the difference may be negative
-
-
-def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
-    """Values at one level of a factor, which is no longer in the index."""
-    return values[values.index.get_level_values(factor) == level].droplevel(factor)
 
 
 def _optimised(outcomes: pd.DataFrame) -> pd.Series:
