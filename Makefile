@@ -24,9 +24,9 @@ TESTABLE := $(call stamp,testable,requirements-test.lock)
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
+	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make test       set up $(VENV) with the test tools and run every check"
 	@echo "make check      linters, types and the quick tests, before a commit"
-	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make golden     run it from stored networks with small counts and compare every number with tests/golden"
 	@echo "make rtl        test the board in logic: arithmetic, blocks, recordings, proofs"

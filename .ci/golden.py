@@ -38,6 +38,8 @@ LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
 SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+#: What marks an element of a page besides its text.
+MARK = re.compile(r'(<[a-z]\w*\b[^>]*?)\b(?:class|data-\w+)="([^"]*)"')
 #: What ends a line of a page, and the size of a file that is offered there.
 BLOCK_END, SIZE = re.compile(r"</(tr|p|li|h\d|dt|dd|div|option|caption|summary)>"), re.compile(r"[\d.]+ [kM]B")
 
@@ -66,7 +68,8 @@ def pages(folder: Path) -> dict[str, list[str]]:
         text = re.sub(r"[0-9a-f]{64}", "", path.read_text(encoding="utf-8"))
         if path.suffix == ".html":
             text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", text, flags=re.DOTALL).split())
-            text = BLOCK_END.sub("\n", text.partition('<section id="provenance"')[0])
+            text = MARK.sub(r"\2 \1", text.partition('<section id="provenance"')[0])
+            text = BLOCK_END.sub("\n", text)
             text = SIZE.sub("", re.sub(r"<[^>]+>", " ", text))
         found[str(path.relative_to(folder))] = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
     return found

@@ -7,6 +7,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
+#: What marks an element of a page besides its text.
+ATTRIBUTE = re.compile(r'(<[a-z]\w*\b[^>]*?)\b(?:class|data-\w+)="([^"]*)"')
 #: Relative difference of two numbers; one unit of the last printed digit of a decimal or percent is allowed, too,
 #: and an absolute difference.
 ALLOWED, TINY = 1e-4, 1e-9
@@ -50,6 +52,7 @@ def _number(value: object) -> str:
 def blocks(page: str) -> list[str]:
     """The text of an HTML page, a line for each block and row of a table."""
     text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.DOTALL).split())
+    text = ATTRIBUTE.sub(r"\2 \1", text)
     text = re.sub(r"</(tr|p|li|h\d|dt|dd|div|caption|summary)>", "\n", text)
     return re.sub(r"<[^>]+>", " ", text).splitlines()
 

@@ -10,7 +10,9 @@ from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_samples, sa
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
 from repro.identification.algorithm1.refinement import RefinementSettings, _move, uniform_guesses
 from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.exciting_motion import Envelope, expected_accuracy, published
 from repro.identification.uncertainty import resample
+from repro.logs.armfile import Arm
 from repro.paper.metric_search import MOTIONS
 from repro.pipeline.experiment import disturbance
 from repro.pipeline.simulated_arms import draw_arms, draw_built_arms
@@ -38,6 +40,12 @@ def draws():
     for name in PROGRAMS:
         motion = reference_trajectory(name, TrajectorySettings(), rng())
         yield name, [motion.n1, motion.n2, motion.h, motion.q[:, 5::500], *peaks(motion, arms[0])]
+    limits = ((-1.5, 1.2), (-1.4, 2.0))
+    envelope = Envelope(Arm(position_limit=limits, speed_limit=(5.0, 6.0), torque_limit=(1.7, 0.8)), arms[0] / 2.0)
+    motion = published(envelope, (1000, 0.01), 0.5, np.array([0.05, 0.03]))
+    yield "Eq. 10 within limits", [motion.time[-1], motion.q[:, 5::200], motion.dq[:, 5::200], motion.ddq[:, 5::200]]
+    half, condition, told = expected_accuracy((motion.q, motion.dq, motion.ddq), np.array([0.05, 0.03]), 20.0)
+    yield "expected accuracy", [half, condition, told]
     yield "motions of the search", {str(motion): motion.draw(rng()).q[:, 5::2000] for motion in MOTIONS}
     signals = SignalSettings()
     motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals, unmodelled=True)

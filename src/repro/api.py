@@ -127,7 +127,7 @@ class Identification:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What may be wrong with the logs or with the result."""
-        return self.details.warnings
+        return self.details.all_warnings
 
     @property
     def unusable(self) -> str:
@@ -336,7 +336,7 @@ def identify(
         if with_plane(before, described) is not None:
             given = "prior" if before is not None else f"{described.file}: plane"
             raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
-        require("torch", "cnn", "method Algorithm 1")
+        require("torch", "cnn", "method Algorithm 1", "method least-squares, or ")
         _check_cache(options.cache)
     _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]
@@ -378,14 +378,16 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
 def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
     some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    expected = "a path, a DataFrame, Log(t=..., q=..., tau=...) of arrays, or a list of these"
     for one in some:
-        _check_kind(name, one, (str, Path, pd.DataFrame, Log), "a path, a DataFrame, a Log, or a list of these")
+        _check_kind(name, one, (str, Path, pd.DataFrame, Log), expected)
     return tuple(Path(one) if isinstance(one, str) else one for one in some)
 
 
 def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
     if not isinstance(value, kind):
-        raise InputError.at(name, repr(value)[:60], expected)
+        shown = repr(value)
+        raise InputError.at(name, shown if len(shown) <= 60 else f"a value of type {type(value).__name__}", expected)
 
 
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:

@@ -26,8 +26,8 @@ def option(name: str, value: str = "") -> str:
     return f"--{name} {value}".rstrip() + f" (Python: {argument})"
 
 
-def require(package: str, extra: str, place: str) -> None:
+def require(package: str, extra: str, place: str, otherwise: str = "") -> None:
     """Refuse what needs a package that an extra of the project installs."""
     if find_spec(package) is None:
-        expected = f"the extra {extra}: python -m pip install -e '.[{extra}]' in the project's folder"
+        expected = f"{otherwise}the extra {extra}: python -m pip install -e '.[{extra}]' in the project's folder"
         raise InputError.at(place, f"no package {package}", expected)

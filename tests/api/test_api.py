@@ -135,6 +135,13 @@ def test_a_turned_arm_is_read_by_its_conventions():
     assert repro.read_log(turned, arm).q == pytest.approx(log.q, abs=1e-12)
 
 
+def test_warnings_contain_those_of_the_log():
+    log = repro.read_log(LOG)
+    in_degrees = repro.Log(t=log.t, q=np.degrees(log.q), tau=log.tau)
+    warnings = repro.identify(in_degrees, method="ordinary").warnings
+    assert any("units: {position: deg}" in warning for warning in warnings)
+
+
 @pytest.mark.parametrize(
     ("change", "place"),
     [({"t": np.arange(400.0) / 1e6}, "log: time"), ({"tau": np.zeros((2, 400))}, "log: torque of joint 1")],
@@ -156,6 +163,7 @@ def test_arrays_that_are_no_recording_are_refused(change, place):
         ({"tau": np.zeros((2, 4), bool)}, "log: tau"),
         ({"tau": np.zeros((2, 4)) * 1j}, "log: tau"),
         ({"q": np.ma.masked_less(np.zeros((2, 4)), 1.0)}, "log: q"),
+        ({"q": [[0.0, 0.0, np.nan, 0.0], [0.0] * 4]}, "log: q"),
         ({"dq": np.full((2, 4), np.inf)}, "log: dq"),
         ({"torque_limit": [1.0]}, "log: torque_limit"),
         ({"torque_limit": [0.0, 1.0]}, "log: torque_limit"),

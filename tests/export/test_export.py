@@ -1,6 +1,7 @@
 """Links, URDF, MJCF and BibTeX of identified parameters, against pinocchio, MuJoCo and an XML parser."""
 
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import mujoco
@@ -9,9 +10,10 @@ import pinocchio as pin
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from kept import same
 from strategies import seeds
 
-from repro.export import links_of, mjcf, principal_inertia, urdf
+from repro.export import horizontal_links_of, links_of, mjcf, principal_inertia, urdf
 from repro.model.dynamics import inverse_dynamics, mass_matrix
 from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links
 from repro.ownarm.outputs import METHODS_FILE, entries
@@ -53,6 +55,17 @@ def assert_same_parameters(links, beta):
     planar = Links(links.m1, links.m2, links.l1, links.lc1, links.lc2, links.j1, links.j2)
     assert (np.abs(inertial_from_links(planar, links.gravity) - beta[:5]) <= 1e-12 * scale).all()
     assert (*links.b, *links.k) == tuple(beta[5:])
+
+
+def test_models_are_those_kept(file_regression):
+    made = {
+        "small": links_of(REAL),
+        "on the Moon": links_of(BETA, 1.62, (0.4, 0.35)),
+        "horizontal": horizontal_links_of(REAL, (0.3, 0.25)),
+        "with a rotor": replace(links_of(BETA), rotor=0.004, notes=("a note", "another -- one")),
+    }
+    models = [write(links, name) for name, links in made.items() for write in (urdf, mjcf)]
+    file_regression.check("\n".join(models), check_fn=same, basename="models")
 
 
 @given(beta=consistent_betas(), gravity=gravities, lengths=given_lengths)

@@ -18,6 +18,7 @@ from repro.identification.regression import correlation_time, drop_standstill
 from repro.identification.solve import solve
 from repro.identification.uncertainty import (
     GROUPS,
+    STEEPNESS_FACTORS,
     UNMODELLED_EFFECTS,
     Perturbation,
     WeightedLog,
@@ -262,6 +263,17 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
         found = perturbations([WeightedLog(noisy, SETTINGS)], drop_standstill(prepare(noisy, SETTINGS)))
         weights.append([found[name].weight for name in UNMODELLED_EFFECTS])
     assert np.mean(weights) < 0.2
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_another_lambda_is_one_of_the_perturbations(which):
+    true = SETTINGS.friction_steepness * STEEPNESS_FACTORS[which]
+    log = replace(LOG, tau=regressor(*motion(LOG.t), true) @ BETA)
+    plain = drop_standstill(prepare(log, SETTINGS))
+    found = perturbations([WeightedLog(log, SETTINGS)], plain)["lambda"]
+    off = [np.abs(r.tau - r.y @ solve(r.y, r.tau)).max() for r in (*found.regressions, plain)]
+    assert off[which] < 0.3 * min(off[1 - which], off[2])
+    assert not found.rival
 
 
 def half_turn(log):

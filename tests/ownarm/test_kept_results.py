@@ -4,6 +4,7 @@ import io
 import json
 import logging
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from PIL import Image
 from regression_example import other_motion
 
 import repro
+from repro.fpga.capture import read_capture, write_capture
 from repro.model.dynamics import inverse_dynamics
 
 pytestmark = pytest.mark.slow
@@ -74,9 +76,14 @@ def short(folder):
     return {"log": log, "method": ["ordinary", "consistent"], "self_test": True, "filter": "butterworth"}
 
 
-def capture(_folder):
-    """The simulated board's recording, which excites little."""
-    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / f"{name}.bin") for name in ("T1", "T4")]}
+def capture(folder):
+    """The simulated board's recording, which excites little, and one with two frames lost."""
+    whole = CAPTURES / "T4.bin"
+    data = whole.read_bytes()
+    write_capture(
+        folder / whole.name, data[:8000] + bytes(16) + data[8016:], replace(read_capture(whole).metadata, host=None)
+    )
+    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / "T1.bin"), folder / whole.name]}
     return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0}
 
 

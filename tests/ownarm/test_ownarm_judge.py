@@ -10,11 +10,13 @@ from log_example import BETA
 from ownarm_problem import ARM, judged, noisy, prepared_from_file, problem_of, silent, solved
 from regression_example import exciting
 
+from repro.identification.filtering import MAX_DELAY
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate, Method
 from repro.identification.uncertainty import Uncertainty
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import NAMES, is_positive_definite
+from repro.ownarm import prepare
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
 from repro.ownarm.prepare import Options, load_log
 from repro.ownarm.problem import make_problem
@@ -88,6 +90,30 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
     else:
         assert {(p.low, p.high) for p in found.parameters} == {(None, None)}
         assert {why in p.verdict for p in found.parameters if p.verdict != NOT_EXCITED} == {True}
+
+
+@pytest.mark.parametrize(
+    ("left", "by_friction", "at_limit", "delay", "why"),
+    [
+        ((0.49, 0.1), (1.0, 1.0), (0.0, 0.0), 0.0, ""),
+        ((0.1, 0.51), (1.0, 1.0), (0.0, 0.0), 0.0, "Eq. 1 predicts only 49 % of the squared torque of joint 2"),
+        ((0.041, 0.0), (1.0, 1.0), (0.51, 0.0), 0.0, "the torque of joint 1 is at its limit in 51 % of the samples"),
+        ((0.041, 0.0), (1.0, 1.0), (0.49, 0.0), 0.0, ""),
+        ((0.039, 0.2), (1.0, 1.0), (0.51, 0.0), 0.0, ""),
+        ((0.4, 0.3), (0.5, 0.47), (0.0, 0.0), 0.0, "friction alone explains the torque nearly as well"),
+        ((0.4, 0.3), (0.5, 0.49), (0.0, 0.0), 0.0, ""),
+        ((0.4, 0.0), (0.7, 1.0), (0.0, 0.0), 0.0, "friction alone explains the torque nearly as well"),
+        ((0.1, 0.1), (1.0, 1.0), (0.0, 0.0), 0.995 * MAX_DELAY, "the delay of the torque is beyond the search range"),
+        ((0.1, 0.1), (1.0, 1.0), (0.0, 0.0), -0.985 * MAX_DELAY, ""),
+    ],
+)
+def test_intervals_are_doubted_from_their_limits_on(monkeypatch, left, by_friction, at_limit, delay, why):
+    shares = {True: np.array(left), False: np.array(by_friction)}
+    monkeypatch.setattr(prepare, "unexplained", lambda _, subset=None: shares[subset is None].copy())
+    monkeypatch.setattr(prepare, "saturated", lambda _: np.arange(1000) < 1000.0 * np.array(at_limit)[:, None])
+    monkeypatch.setattr(prepare, "quiet_joints", lambda _: [])
+    found = prepare._interval_doubt(None, None, delay, ARM)
+    assert found.startswith(why) and bool(found) == bool(why)
 
 
 def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):

@@ -8,9 +8,10 @@ from ownarm_example import method, score
 from ownarm_problem import problem_of
 from regression_example import exciting
 
+from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES
 from repro.ownarm.prior import read_prior
-from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings
+from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings, wrong_length
 from repro.ownarm.result import Excitation
 
 
@@ -184,7 +185,7 @@ def note(*methods):
     ],
 )
 def test_a_network_that_predicts_far_worse_has_its_reason_told(similarity, words, others):
-    noted = note(network(0.15, similarity), network(0.1, name="a"))
+    noted = note(network(0.15, similarity), network(0.3, name="b"), network(0.1, name="a"))
     assert "1.5 times that of the best least squares (a)" in noted
     assert all(word in noted for word in words), noted
     assert not any(word in noted for word in others), noted
@@ -202,3 +203,28 @@ def test_a_network_is_compared_with_least_squares_on_logs_only_that_both_predict
     assert compare_networks(unseen, ("algorithm1",)) == unseen
     none = (network(0.1, name="a"), network(0.2, name="b"))
     assert compare_networks(none, ("algorithm1",)) == none
+
+
+@pytest.mark.parametrize(
+    ("i2", "arm", "words"),
+    [
+        (0.1, {}, ()),
+        (0.1, {"link_lengths": (0.5, 0.2)}, ()),  # I2 g / (2 g2) is 0.5 m
+        (0.1, {"link_lengths": (0.41, 0.2)}, ()),
+        (0.4, {"link_lengths": (0.5, 0.2)}, ("2 m", "0.5 m", "2 times")),
+        (0.025, {"link_lengths": (0.5, 0.2)}, ("0.125 m", "0.5 m", "0.5 times")),
+        (0.4, {"link_lengths": (0.5, 0.2), "plane": "horizontal"}, ()),
+        (-0.4, {"link_lengths": (0.5, 0.2)}, ()),
+    ],
+)
+def test_times_of_another_unit_contradict_the_length_of_link_1(i2, arm, words):
+    values = {"I2": i2, "g2": 1.0}
+    parameters = tuple(
+        replace(p, estimate=values[p.name], low=values[p.name] - 0.01, high=values[p.name] + 0.01)
+        if p.name in values
+        else p
+        for p in GOOD.parameters
+    )
+    found = list(wrong_length(replace(GOOD, parameters=parameters), Arm(gravity=10.0, **arm)))
+    assert len(found) == bool(words)
+    assert all(word in found[0] for word in words)

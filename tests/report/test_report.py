@@ -179,6 +179,7 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, na
     with pytest.raises(InputError) as refused:
         build_report(example)
     assert str(path) in str(refused.value)
+    assert content is not None or "found No such file or directory, expected " in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -212,9 +213,17 @@ def test_a_ledger_that_is_no_table_is_refused(tmp_path):
         build_report(example)
 
 
+@pytest.mark.parametrize("line", [f"{'0' * 63}  ID.bin", f"{'0' * 64} ID.bin", f"{'0' * 64}  "])
+def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(tmp_path, line):
+    example = make_example(tmp_path)
+    example.captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
+        build_report(example)
+
+
 def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):
     monkeypatch.setattr(page_module, "LARGEST_REPORT", 10_000)
-    with pytest.raises(InputError, match=r"index\.html: found .* MB, expected 0\.01 MB at most"):
+    with pytest.raises(InputError, match=r"index\.html: found [01]\.\d MB, expected 0\.01 MB at most"):
         build_report(inputs)
 
 

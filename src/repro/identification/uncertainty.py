@@ -5,7 +5,7 @@ uncertainties are combined.
 
 - Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
   jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
-- Type B [3]_: root mean square shift of the estimate when filters, delay or calibration errors are chosen differently.
+- Type B [3]_: root mean square shift of the estimate when filters, delay, lambda or calibration errors are different.
   `UNMODELLED_EFFECTS` are effects beyond Eq. 1, among them the rotor of joint 2, a torque constant that changes with
   the current, and gears that give way between encoder and link. Each adds columns to the regressor, and where
   calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead. With these
@@ -75,6 +75,8 @@ CORRELATION_TIMES_PER_BLOCK, MIN_BLOCKS = 5.0, 20
 GROUPS = 6
 #: Factors on cut-off and width of the filters.
 FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
+#: Factors on lambda of Eq. 1, up to which it may be wrong: half the widest step of the values that `auto` chooses from.
+STEEPNESS_FACTORS = (2.5**-0.5, 2.5**0.5)
 #: Inertia and gravity: the first parameters, whose terms SIMEX perturbs.
 N_SIMEX_TERMS = 5
 #: Name of `simex` among the perturbations.
@@ -257,7 +259,7 @@ def unmodelled_effects(logs: Sequence[WeightedLog], own: Regression, plain: Regr
 
 
 def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: float = 0.0) -> dict[str, Perturbation]:
-    """Change the regression of logs: other filters, another delay (if its error is not 0), other effects, SIMEX."""
+    """Change the regression of logs: filters, delay (if its error is not 0), lambda, `UNMODELLED_EFFECTS`, SIMEX."""
 
     def filtered(cut: float, width: float) -> Regression:
         return join_filtered(logs, lambda s: replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut))
@@ -265,9 +267,14 @@ def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: f
     def delayed(by: float) -> Regression:
         return join_filtered(logs, lambda s: replace(s, delay=s.delay + by))
 
+    def steeper(by: float) -> Regression:
+        return join_filtered(logs, lambda s: replace(s, friction_steepness=s.friction_steepness * by))
+
     results = {"filters": Perturbation(tuple(filtered(*factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
         results["delay"] = Perturbation((delayed(-delay_error), delayed(delay_error)))
+    # A rectangular distribution, as of an unmodelled effect.
+    results["lambda"] = Perturbation(tuple(map(steeper, STEEPNESS_FACTORS)), 1.0 / 3.0)
     results |= unmodelled_effects(logs, plain, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results

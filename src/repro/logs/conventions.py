@@ -57,8 +57,8 @@ _RIGHT: Final = np.pi / 2.0
 
 #: Of conventions that fit equally well the first is reported.
 CONVENTIONS: Final = (
-    Convention("joints 1 and 2 swapped", "swap columns q1, q2 and tau1, tau2", _SWAP, _SWAP),
-    Convention("the torques of joints 1 and 2 swapped", "swap columns tau1 and tau2", torque=_SWAP),
+    Convention("joints 1 and 2 swapped", "columns: {q1: q2, q2: q1, tau1: tau2, tau2: tau1}", _SWAP, _SWAP),
+    Convention("the torques of joints 1 and 2 swapped", "columns: {tau1: tau2, tau2: tau1}", torque=_SWAP),
     Convention("the torques of the other sign", "torque_sign: [-1, -1]", torque=(-1.0, 0.0, 0.0, -1.0)),
     Convention("the torque of joint 1 of the other sign", "torque_sign: [-1, 1]", torque=(-1.0, 0.0, 0.0, 1.0)),
     Convention("the torque of joint 2 of the other sign", "torque_sign: [1, -1]", torque=(1.0, 0.0, 0.0, -1.0)),
@@ -161,7 +161,9 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
         equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
         best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
         yield _advice(
-            convention, f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
+            convention,
+            f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %",
+            log.dq is not None,
         )
     elif noisy:
         return
@@ -174,7 +176,7 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
         same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
         possible = [convention for fit, convention in same if fit.n_impossible == 0]
         for convention in possible[:1]:
-            yield _advice(convention, "as given, inertia, gravity or friction come out negative")
+            yield _advice(convention, "as given, inertia, gravity or friction come out negative", log.dq is not None)
 
 
 def late_torque(log: Log) -> Iterator[str]:
@@ -200,9 +202,16 @@ def late_torque(log: Log) -> Iterator[str]:
         )
 
 
-def _advice(convention: Convention, reason: str) -> str:
-    added = "" if convention.remedy.startswith(("swap", "second", "units", "multiply")) else ", on top of what is there"
-    return f"the log reads better with {convention.name} ({reason}): if so, {convention.remedy} in the arm file{added}"
+def _advice(convention: Convention, reason: str, has_velocity: bool) -> str:
+    remedy = convention.remedy
+    if remedy.startswith("columns"):
+        if convention.position == _SWAP and has_velocity:
+            remedy = remedy.replace("tau1:", "dq1: dq2, dq2: dq1, tau1:", 1)
+        remedy += " (with the headers of this log)"
+    elif remedy.startswith(("sign", "torque_sign", "zero")):
+        remedy += " (on top of what is there)"
+    step = f"{remedy} in the arm file" if remedy.startswith("multiply") else f"write into the arm file: {remedy}"
+    return f"the log reads better with {convention.name} ({reason}): if so, first of all {step}"
 
 
 def low_pass(signals: Array, h: float) -> Array:

@@ -19,18 +19,18 @@ _RATIOS: Final = (
     (
         57.296,
         "velocity in deg/s, taken for rad/s (or position in rad, taken for deg): "
-        "give units.velocity or units.position in the arm file",
+        "write into the arm file: units: {velocity: deg/s} (or units: {position: rad})",
     ),
     (
         1.0 / 57.296,
         "position in deg, taken for rad (or velocity in rad/s, taken for deg/s): "
-        "give units.position or units.velocity in the arm file",
+        "write into the arm file: units: {position: deg} (or units: {velocity: rad/s})",
     ),
-    (9.549, "velocity in rpm, taken for rad/s: give units.velocity: rpm in the arm file"),
-    (1000.0, "time in ms, taken for s: give units.time: ms in the arm file"),
-    (1e-3, "time in s, taken for ms: give units.time: s in the arm file"),
-    (1.0 / 60.0, "time in s, taken for min: give units.time: s in the arm file"),
-    (60.0, "time in min, taken for s: give units.time: min in the arm file"),
+    (9.549, "velocity in rpm, taken for rad/s: write into the arm file: units: {velocity: rpm}"),
+    (1000.0, "time in ms, taken for s: write into the arm file: units: {time: ms}"),
+    (1e-3, "time in s, taken for ms: write into the arm file: units: {time: s}"),
+    (1.0 / 60.0, "time in s, taken for min: write into the arm file: units: {time: s}"),
+    (60.0, "time in min, taken for s: write into the arm file: units: {time: min}"),
 )
 
 
@@ -57,7 +57,7 @@ def large_range(log: Log) -> Iterator[str]:
     if moved > 4.0 * _TURN:
         yield (
             f"joint {joint + 1} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
-            "give units.position in the arm file"
+            "write into the arm file: units: {position: deg} or units: {position: counts}"
         )
 
 
@@ -109,7 +109,7 @@ def velocity_disagrees(log: Log) -> Iterator[str]:
     if min(match[0, 1], match[1, 0]) > 0.9 > max(match[0, 0], match[1, 1]):
         yield (
             "the velocity columns of joints 1 and 2 are swapped (each is the derivative of the other position): "
-            "give columns.dq1 and columns.dq2 in the arm file"
+            "write into the arm file: columns: {dq1: dq2, dq2: dq1} (with the headers of this log)"
         )
         return
     problems = [_velocity_problem(match[joint, joint], recorded[joint], derived[joint]) for joint in range(2)]

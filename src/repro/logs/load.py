@@ -126,7 +126,8 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
         if columns[joint].assumed and np.ptp(si[joint]) > _FAR:
             place, turned = f"{table.file}: {columns[joint].header}", float(np.ptp(si[joint]))
             found = f"no unit, and {turned / (2.0 * np.pi):.3g} turns if it is rad"
-            expected = f"units.position in the arm file: deg ({np.radians(turned):.3g} rad), counts, or rad"
+            degrees = f"{np.radians(turned):.3g} rad"
+            expected = f"in the arm file units: {{position: deg}}, which makes it {degrees}, or counts, or rad"
             raise InputError.at(place, found, expected)
     time = si["time"]
     _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])

@@ -123,7 +123,9 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
         raise InputError.at(place, f"shape {array.shape}", f"shape {shape}")
     numbers = np.asarray(array, dtype=np.float64)
     if not np.isfinite(numbers).all():
-        raise InputError.at(place, f"{np.sum(~np.isfinite(numbers))} numbers that are not finite", "none")
+        bad = np.argwhere(~np.isfinite(numbers))
+        found = f"{len(bad)} numbers that are not finite, the first at index {bad[:, -1].min()}"
+        raise InputError.at(place, found, "none; leave these samples out")
     return numbers
 
 

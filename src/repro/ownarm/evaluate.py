@@ -19,7 +19,7 @@ from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepare import Options
 from repro.ownarm.problem import IdentificationProblem, single_problem
-from repro.ownarm.recommend import compare_networks, recommend, warnings
+from repro.ownarm.recommend import compare_networks, recommend, warnings, wrong_length
 from repro.ownarm.result import (
     HALVES,
     Curves,
@@ -201,6 +201,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         reason=reason,
         warnings=(
             *calibration_warnings(problem.logs, arm, problem.scale_open),
+            *wrong_length(next(m for m in methods if m.method == recommended), arm),
             *warnings(problem, methods, recommended, excitation),
         ),
         setup=tuple(log.faults for log in problem.logs),

@@ -8,6 +8,7 @@ import numpy as np
 from repro.errors import option
 from repro.identification.scores import driven, relative_rms
 from repro.identification.solve import solve
+from repro.logs.armfile import Arm
 from repro.ownarm.prepare import delay_at_limit
 from repro.ownarm.problem import IdentificationProblem
 from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
@@ -24,6 +25,8 @@ SMALL = 0.1
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
 #: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
 CONTRADICTION = 3.0
+#: Ratio of the implied length of link 1 to the given one that is left to errors of the given one.
+LENGTH_RATIO = 1.25
 #: A delay below this is no drive's, s.
 EARLY = -0.005
 #: A log of fewer seconds deserves a warning.
@@ -106,8 +109,8 @@ def unusable(method: MethodResult) -> str:
     """Give the reason not to use the parameters; empty if they can be used."""
     if not method.consistent:
         return f"the parameters are not physically consistent: {method.why_not_consistent}"
-    worst = max(max(score.relative_rms) for _, score in method.scores)
-    return f"Eq. 1 leaves up to {100 * worst:.3g} % of a torque unexplained" if worst > USELESS else ""
+    worst, where = max((max(score.relative_rms), score.log) for _, score in method.scores)
+    return f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})" if worst > USELESS else ""
 
 
 def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
@@ -129,6 +132,20 @@ def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterat
                 f"the log contradicts the prior of {p.name}: {mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes "
                 f"{p.estimate:.4g}; check the prior, or leave {p.name} out of it"
             )
+
+
+def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
+    """Warn if I2 and g2 imply another length of link 1 than the arm file: wrong times change inertia, not gravity."""
+    i2, g2 = method.parameters[1], method.parameters[4]
+    if arm.link_lengths is None or arm.plane == "horizontal" or not (i2.low and i2.high and g2.low and g2.high):
+        return
+    given, *implied = arm.link_lengths[0], *(i2.low / g2.high, i2.estimate / g2.estimate, i2.high / g2.low)
+    low, length, high = (0.5 * arm.gravity * ratio for ratio in implied)
+    if g2.low > 0.0 and low > 0.0 and (low > LENGTH_RATIO * given or high < given / LENGTH_RATIO):
+        yield (
+            f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m: check link_lengths and the "
+            f"unit of time (times that are {np.sqrt(length / given):.2g} times the true ones explain it)"
+        )
 
 
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -185,7 +202,7 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
     if half > max(WORSE * fit, SMALL):
         yield (
-            f"one half of the log predicts the other with a torque error of {100 * half:.3g} %: the log is too short, "
+            f"one half of the log predicts the other with a torque error of {100 * half:.0f} %: the log is too short, "
             "or something changed during it; record a longer one, or fit several logs"
         )
 

@@ -189,6 +189,13 @@ class Result:
         """The logs that were fitted."""
         return (self.log, *self.more_logs)
 
+    @property
+    def all_warnings(self) -> tuple[str, ...]:
+        """Warnings about each log, with its name if there are several, and about the result."""
+        logs = (*self.fitted_logs, *self.validation_logs)
+        about_logs = (f"{log.name}: {line}" if len(logs) > 1 else line for log in logs for line in log.warnings)
+        return (*about_logs, *self.warnings)
+
 
 @dataclass(frozen=True)
 class Signals:

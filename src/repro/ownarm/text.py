@@ -17,7 +17,7 @@ from repro.ownarm.result import Result, Score, SelfTest
 
 #: What the intervals allow for, in one sentence.
 ALLOWED = (
-    "the 95 % intervals allow for noise, the choice of filters and delay, errors of the motion, "
+    "the 95 % intervals allow for noise, the choice of filters, lambda and delay, errors of the motion, "
     f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques"
 )
@@ -172,7 +172,7 @@ def term_line(term: ExtraTerm) -> str:
     what = {"load": "of its load", "stribeck": "N m more at rest", ROTOR: "kg m^2, next to I3"}[kind]
     of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
     size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
-    done = "subtracting it reduces" if term.taken else "it is not subtracted; that would reduce"
+    done = "it is subtracted, which reduces" if term.taken else "it is not subtracted; that would reduce"
     asked = not term.taken and kind != ROTOR and term.gain >= MIN_ERROR_REDUCTION
     remedy = f": give {option('friction')}" if asked else ""
     if kind == ROTOR and not term.taken:
@@ -256,11 +256,7 @@ def summary(result: Result) -> str:
         heads = ("", "true", "median", "range", "in the interval")
         lines += ["  {:4}{:>11}{:>14}{:>26}{:>22}".format(*row) for row in (heads, *self_test_rows(test))]
         lines.append(self_test_verdict(test))
-    logs_read = (*result.fitted_logs, *result.validation_logs)
-    for log in logs_read:
-        where = f"{log.name}: " if len(logs_read) > 1 else ""
-        lines += [f"WARNING: {where}{warning}" for warning in log.warnings]
-    lines += [f"WARNING: {warning}" for warning in result.warnings]
+    lines += [f"WARNING: {warning}" for warning in result.all_warnings]
     return "\n".join(lines)
 
 
