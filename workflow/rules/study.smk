@@ -1,8 +1,3 @@
-# What a job of the study depends on: levels and job sizes do not change what a network learns.
-STUDY_JOBS = jobs(config)
-STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "training_arms", "posterior", "unmodelled")}
-
-
 rule study_arms:
     output:
         out=f"{R}/study/arms.safetensors",
@@ -47,18 +42,6 @@ rule study_train:
         "Training {wildcards.network} of {wildcards.excitation}, {wildcards.law}"
     script:
         CALL
-
-
-def study_folder(wildcards):
-    """Folder of what a job's readers learned: that of its excitation and its law."""
-    cell = STUDY_JOBS[wildcards.job][0]
-    return f"{R}/study/{cell.excitation}-{TRAINED_ON[cell.prior]}"
-
-
-def study_networks(wildcards):
-    """Networks of a job: without cells that Algorithm 1 is run in, the first alone."""
-    searched = any(cell.searched for cell in STUDY_JOBS[wildcards.job])
-    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in NETWORKS[: None if searched else 1]]
 
 
 rule study_cells:
