@@ -64,7 +64,6 @@ STUDY_JOBS = jobs(config)
 STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "training_arms", "posterior", "unmodelled")}
 
 
-
 def study_folder(wildcards):
     """Folder of what a job's readers learned: that of its excitation and its law."""
     cell = STUDY_JOBS[wildcards.job][0]
