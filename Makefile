@@ -47,7 +47,8 @@ smoke: setup
 
 # In float32, which every processor has.
 golden: setup
-	ONEDNN_MAX_CPU_ISA=AVX2 ATEN_CPU_CAPABILITY=avx2 $(SNAKEMAKE) --cores $(CORES) --configfile config/golden.yaml
+	ONEDNN_MAX_CPU_ISA=AVX2 ATEN_CPU_CAPABILITY=avx2 $(SNAKEMAKE) --cores $(CORES) --configfile config/golden.yaml -- \
+	  all study study_claims study_calibration
 	$(BIN)/python .ci/golden.py
 
 rtl: setup-test

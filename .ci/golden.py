@@ -36,7 +36,7 @@ IN_A_ROW = 0.5
 #: A table with more rows than the first number is kept as about the second number of them.
 LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
-SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread")
+SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 #: What marks an element of a page besides its text.
 MARK = re.compile(r'(<[a-z]\w*\b[^>]*?)\b(?:class|data-\w+)="([^"]*)"')

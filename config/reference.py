@@ -73,8 +73,8 @@ def _allowed(key: dict[str, Any]) -> str:
         words = ", ".join(f"`{value}`" for value in key["enum"])
     elif kind == "array":
         low, high = key["minItems"], key.get("maxItems")
-        count = f"{low} values" if low == high else f"{low} to {high} values" if high else f"{low} values or more"
-        words = f"{count}, each {_range(key['items'])}"
+        count = f"{low} values" if low == high else f"{low} to {high} values" if high else f"{low} or more values"
+        words = f"{count}, each {_allowed(key['items'])}"
     elif kind in ("number", "integer"):
         words = _range(key)
     else:

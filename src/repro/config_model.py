@@ -312,13 +312,18 @@ class Experiment(Section):
     search_seeds: Seeds = key("one run of Algorithm 1 and its refinement each; a table shows the median one")
 
 
-class PlainNetwork(Section):
-    """The plain network that reads the torque samples without an image or a guess."""
+class PosteriorNetwork(Section):
+    """The network of the amortised posterior."""
 
     width: Width = key("width of each of its three hidden layers")
     steps: Count = key("optimiser steps", "steps")
     batch: Width = key("torques in a step", "torques")
     learning_rate: Positive = key("rate that a cosine brings down to zero")
+
+
+class PlainNetwork(PosteriorNetwork):
+    """The plain network that reads the torque samples without an image or a guess."""
+
     noise: Level = key("standard deviation of noise on its training torques", "largest torque")
 
 
@@ -344,6 +349,31 @@ class Coverage(Section):
         "shares of arms that intervals are to cover", allowed="rising, n / (n + 1) of the n `arms` at most"
     )
     seed: Seed = key("seed of arms and guesses")
+
+
+class Study(Section):
+    """Where a learned method pays: the factors, their levels, and the budgets."""
+
+    excitations: Annotated[list[Literal["eq10", "slow", "random", "optimal"]], Field(min_length=1), Unique] = key(
+        "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion",
+    )
+    discrepancies: Annotated[list[Share], Field(min_length=1), Unique] = key(
+        "similarity that ordinary least squares reaches on the motion to identify by"
+    )
+    priors: Annotated[list[Literal["wide", "narrow", "mismatched"]], Field(min_length=1), Unique] = key(
+        "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one",
+    )
+    frictions: Annotated[list[Positive], Field(min_length=1), Unique] = key("factors on the friction of tested arms")
+    arms: Annotated[int, Field(ge=2, le=10_000)] = key("tested arms of each prior, in every cell", "arms")
+    seed: Seed = key("seed of motions, arms, effects, networks and guesses")
+    cnn_fraction: Annotated[int, Field(ge=1, le=10_000)] = key("Algorithm 1 is run in one of so many cells")
+    cells_per_job: Count = key("cells of a job, which share excitation and prior", "cells")
+    cnn_steps: Annotated[int, Field(ge=8, le=10_000_000)] = key(
+        "optimiser steps of the networks of Algorithm 1; the rate rises over a tenth of them", "steps"
+    )
+    training_arms: Annotated[int, Field(ge=20, le=10_000)] = key("arms whose motions are trained on", "arms")
+    posterior: PosteriorNetwork
+    unmodelled: Unmodelled
 
 
 class Spread(Section):
@@ -389,6 +419,7 @@ class Configuration(Section):
     experiment: Experiment
     factorial: Factorial
     coverage: Coverage
+    study: Study
     spread: Spread
     ablation: Ablation
     claims: Claims

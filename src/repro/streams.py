@@ -32,6 +32,11 @@ class Stream(IntEnum):
     PLAIN_STEP = 23
     FACTORIAL_SEARCH = 24
     UNIFORM_SEARCH = 25
+    STUDY_MOTION = 26
+    STUDY_ARMS = 27
+    STUDY_EFFECTS = 28
+    STUDY_TRAINING_ARMS = 29
+    STUDY_SEARCH = 30
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -141,6 +141,12 @@ def test_a_run_ends_with_table_10(inputs):
     assert line.split()[2:] == [f"{100 * number:.2f}" for number in numbers]
 
 
+@pytest.mark.parametrize(("files", "option"), [(("a.yaml",), ""), (("a.yaml", "b.yaml"), " --config a.yaml b.yaml")])
+def test_a_run_ends_with_the_command_that_verifies_it(inputs, files, option):
+    last = closing_lines(inputs.results, inputs.figures, files)[-1]
+    assert last == f"check: .venv/bin/repro verify --results {inputs.results}{option}"
+
+
 @pytest.mark.parametrize(
     ("conclusions", "word"),
     [

@@ -59,6 +59,23 @@ def factorial_training_sections(wildcards):
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
 
 
+# What a job of the study depends on: levels and job sizes do not change what a network learns.
+STUDY_JOBS = jobs(config)
+STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "training_arms", "posterior", "unmodelled")}
+
+
+def study_folder(wildcards):
+    """Folder of what a job's readers learned: that of its excitation and its law."""
+    cell = STUDY_JOBS[wildcards.job][0]
+    return f"{R}/study/{cell.excitation}-{TRAINED_ON[cell.prior]}"
+
+
+def study_networks(wildcards):
+    """Networks of a job: without cells that Algorithm 1 is run in, the first alone."""
+    searched = any(cell.searched for cell in STUDY_JOBS[wildcards.job])
+    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in NETWORKS[: None if searched else 1]]
+
+
 # What a search of the factorial depends on: not how many there are.
 SEEDS = ("training_seeds", "search_seeds")
 FACTORIAL = {key: value for key, value in config["factorial"].items() if key not in SEEDS}

@@ -40,6 +40,7 @@ SOURCES = {
         ],
         "references": f"{R}/factorial/references.csv",
     },
+    "study": {"outcomes": expand(f"{R}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }
 

@@ -53,8 +53,22 @@ DRAWS: dict[str, Callable[[np.random.Generator, int], Array]] = {
 MIXTURE = {"uniform": 0.5, "log-uniform": 0.25, "links": 0.25}
 
 
-def sample_beta(rng: np.random.Generator, n: int, prior: Prior = "mixture") -> Array:
+@dataclass(frozen=True)
+class AroundPrior:
+    """Arms about a known one: each parameter times or divided by up to a factor, log-uniform."""
+
+    centre: tuple[float, ...]  # the nine parameters
+    factor: float
+
+    def __call__(self, rng: np.random.Generator, n: int) -> Array:
+        """Draw n parameter sets (n, 9)."""
+        return np.array(self.centre) * _log_uniform(rng, 1.0 / self.factor, self.factor, (n, len(self.centre)))
+
+
+def sample_beta(rng: np.random.Generator, n: int, prior: Prior | AroundPrior = "mixture") -> Array:
     """Draw n parameter sets (n, 9) of training arms, all positive."""
+    if isinstance(prior, AroundPrior):
+        return prior(rng, n)
     if prior == "mixture":
         counts = rng.multinomial(n, [*MIXTURE.values()])
         parts = [DRAWS[part](rng, int(k)) for part, k in zip(MIXTURE, counts, strict=True)]

@@ -10,6 +10,7 @@ from repro.exhibits import (
     numeric_tests,
     paper_audit,
     schematics,
+    study_results,
     variants,
 )
 from repro.exhibits.declare import CLAIMS, Exhibit, Kind
@@ -22,6 +23,7 @@ MODULES = (
     many_arms,
     arm_experiment,
     variants,
+    study_results,
     paper_audit,
     board_design,
 )  # ours in this order

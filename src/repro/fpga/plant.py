@@ -43,7 +43,8 @@ class Plant:
 
     Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
     them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
-    loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
+    loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect; with
+    `always_slow` they are the same at all times, so that an arm's counts do not depend on the others of its batch.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class Plant:
         h: float,
         unmodelled: Unmodelled | Sequence[Unmodelled] = NOTHING,
         ripple_phase: ArrayLike = (0.0, 0.0),
+        always_slow: bool = False,
     ) -> None:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
         if not FEASIBILITY["positive-definite"](arms).all():
@@ -88,6 +90,7 @@ class Plant:
         # Both rows of Eq. 1 are divided by I3.
         self._weight, self._per_i3 = -weight / i3, 1.0 / i3
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0
+        self._always_slow = always_slow
         self._tableau = {steps: _tableau(h / steps) for steps in (STEPS, SLOW_STEPS)}
         # Work space with its views, made once: a recording takes some 100,000 derivatives.
         f, r = np.empty((13, batch)), np.empty((2, batch))
@@ -129,7 +132,7 @@ class Plant:
         if band := self._effects.dead_band:
             pwm = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0)
         tau = pwm * torque_per_count[:, np.newaxis] * self._per_i3
-        steps = SLOW_STEPS if np.abs(self.state[2:]).min() < SLOW else STEPS
+        steps = SLOW_STEPS if self._always_slow or np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point
         flat_point = point.reshape(-1)

@@ -223,7 +223,7 @@ def _points(row: Mapping[Hashable, Any]) -> str:
     return f"{difference:+.2f} points ({low:+.2f} to {high:+.2f})".replace("-", _MINUS)
 
 
-def closing_lines(results: Path, figures: Path) -> list[str]:
+def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Path] = ()) -> list[str]:
     """Give what a run of every target ends with on the screen; nothing where the ledger was not made."""
     if not (results / "claims.csv").exists() or not (results / "tables/table10.csv").exists():
         return []
@@ -236,7 +236,9 @@ def closing_lines(results: Path, figures: Path) -> list[str]:
     claims = pd.read_csv(results / "claims.csv", keep_default_na=False)
     numbers = claims.assign(ours=pd.to_numeric(claims["ours"], errors="coerce"))
     page = results / "report/index.html"
-    places = (f"report: {page}", f"figures: {figures}", f"check: .venv/bin/repro verify --results {results}")
+    overlaid = f" --config {' '.join(map(str, config_files))}" if len(config_files) > 1 else ""
+    check = f"check: .venv/bin/repro verify --results {results}{overlaid}"
+    places = (f"report: {page}", f"figures: {figures}", check)
     return [*lines, "", *summary(numbers), "", *places]
 
 

@@ -1,0 +1,172 @@
+"""Where a learned method pays: maps of differences over the conditions, claims of the paper, means, calibration."""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from repro.exhibits import style
+from repro.exhibits.declare import ABLATION, Inputs, figure, table
+from repro.exhibits.markup import Column, Table, digits, grid, plain, words
+from repro.files import read_csv
+from repro.pipeline.job import Config
+from repro.pipeline.monte_carlo import EQUIVALENT
+from repro.study import analysis
+from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
+from repro.study.outcomes import KEYS, RANKS
+
+_table, _figure = (
+    partial(kind, category=ABLATION, inputs=("study",), trained="all", optional=True) for kind in (table, figure)
+)
+
+#: Methods of the study in words.
+TITLES = {
+    ALGORITHM1: "Algorithm 1",
+    TRACKED: "Algorithm 1, closed-loop training",
+    POSTERIOR: "Amortised posterior",
+    "ordinary": "Least squares",
+    "robust": "Least squares, robust",
+    "bounded": "Least squares, bounded",
+    "consistent": "Least squares, consistent",
+    "generalised": "Least squares, generalised",
+    "generalised+prior": "Least squares, generalised, with prior",
+    "true": "True parameters",
+}
+#: Lines of methods that claim a distribution, as those of other figures.
+_LOOKS = {
+    ALGORITHM1: "algorithm1",
+    TRACKED: "algorithm1+tracked",
+    POSTERIOR: "algorithm1+refinement",
+    "ordinary": "least-squares",
+    "generalised": "bounded",
+    "generalised+prior": "consistent",
+}
+_MOTIONS = {"eq10": "Eq. 10", "slow": "Eq. 10, half pace", "random": "random", "optimal": "D-optimal"}
+#: Pairs of the map, and where its colours end, points.
+_SHOWN = ((ALGORITHM1, "ordinary"), (TRACKED, "consistent"), (POSTERIOR, "consistent"))
+_LIMIT = 10.0
+
+
+def _outcomes(inputs: Inputs) -> pd.DataFrame:
+    """Outcomes of all jobs."""
+    columns = (*KEYS, "id", "validation", "torque_error", "parameter_error", "position_error", "contraction", "nearer")
+    parts = [read_csv(path, (*columns, *RANKS)) for path in inputs["outcomes"]]
+    return analysis.check_outcomes(pd.concat(parts, ignore_index=True))
+
+
+def means_layout(frame: pd.DataFrame) -> Table:
+    """A block for each prior, a row for each method."""
+    columns: list[Column] = [
+        ("Method", "l", lambda row: plain(TITLES[row["method"]])),
+        ("ID", "r", digits("id", 2, 100.0)),
+        ("T1 to T4", "r", digits("validation", 2, 100.0)),
+        ("Torque error", "r", digits("torque_error", 1, 100.0)),
+        ("Parameter error", "r", digits("parameter_error", 4)),
+        ("Position error", "r", digits("position_error", 4)),
+        ("Covered", "r", digits("covered", 1, 100.0)),
+        ("Contraction", "r", digits("contraction", 2)),
+    ]
+    caption = (
+        "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
+        "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
+        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad); share "
+        "of parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
+    )
+    blocks = [(plain(f"Prior: {prior}"), own) for prior, own in frame.groupby("prior", sort=False)]
+    return grid(caption, columns, blocks)
+
+
+@_table("study", "Learned methods and least squares over many conditions", means_layout)
+def study_means(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Similarity, errors, coverage and contraction of every method, averaged over the conditions of the study."""
+    return analysis.means(_outcomes(inputs))
+
+
+def claims_layout(frame: pd.DataFrame) -> Table:
+    """A row for each claim."""
+    columns: list[Column] = [
+        ("Claim", "l", words("sentence")),
+        ("Arms", "r", digits("arms", 0)),
+        ("Difference", "r", digits("difference", 2, 100.0)),
+        ("Interval", "r", lambda row: plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")),
+        ("Verdict", "l", words("verdict")),
+        ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
+    ]
+    caption = (
+        "Claims over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
+        "positive if the claim is true, with its 95 % interval over arms, valid at once for all claims. A claim that "
+        f"something does not matter holds if at most {100 * EQUIVALENT:g} points are lost. Last: in how many "
+        "conditions the difference is surely positive."
+    )
+    return grid(caption, columns, [(None, frame)])
+
+
+@_table("study_claims", "Claims over many conditions", claims_layout, target="study_claims")
+def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Each claim of the paper over many simulated arms and conditions, with an interval and a verdict."""
+    return analysis.claims(_outcomes(inputs))
+
+
+def draw_map(frame: pd.DataFrame) -> Figure:
+    """One panel for each pair of methods: conditions by discrepancy, the colour is the difference."""
+    figure = style.new_figure(style.PAGE, 4.6)
+    panels, image = figure.subplots(1, len(_SHOWN), sharey=True), None
+    for axes, (method, opponent) in zip(panels, _SHOWN, strict=True):
+        own = frame[(frame["method"] == method) & (frame["opponent"] == opponent)]
+        rows = own.groupby(["prior", "excitation", "discrepancy"], sort=False)["difference"].mean().unstack()
+        rows = rows[sorted(rows.columns, reverse=True)]
+        image = axes.imshow(100.0 * rows.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
+        for (i, j), value in np.ndenumerate(100.0 * rows.to_numpy()):
+            if np.isfinite(value):
+                colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
+                axes.text(j, i, f"{value:.1f}", ha="center", va="center", color=colour)
+        axes.set_xticks(range(rows.shape[1]), labels=[f"{100 * level:g}" for level in rows.columns])
+        axes.set_yticks(range(len(rows)), labels=[f"{prior}, {_MOTIONS[motion]}" for prior, motion in rows.index])
+        axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
+        axes.grid(visible=False)
+    figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
+    if image is not None:
+        figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
+    return figure
+
+
+@_figure("study", "Where each method is better", draw_map)
+def study_map(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
+    discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
+    better. The CSV has each condition with its interval.
+    """
+    return analysis.maps(_outcomes(inputs))
+
+
+def draw_calibration(frame: pd.DataFrame) -> Figure:
+    """Distribution of the ranks minus a uniform one, a panel for each prior, a line for each method."""
+    figure = style.new_figure(style.PAGE, 3.6)
+    priors = list(dict.fromkeys(frame["prior"]))
+    panels = figure.subplots(2, len(priors), sharex=True, sharey=True, squeeze=False)
+    for column, prior in enumerate(priors):
+        for axes, what in zip(panels[:, column], ("each", "together"), strict=True):
+            chosen = frame[(frame["prior"] == prior) & (frame["of"] == what)]
+            half = 100.0 * float(chosen["band"].max())
+            axes.axhspan(-half, half, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
+            for method, own in chosen.groupby("method", sort=False):
+                level = 100.0 * own["level"].to_numpy()
+                stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
+                axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
+        panels[0, column].set_title(prior)
+    panels[0, 0].set_ylabel("Each parameter")
+    panels[1, 0].set_ylabel("Nine together")
+    figure.supxlabel("Probability below the truth (%)", fontsize=style.TEXT_SIZE)
+    figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
+    style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
+    return figure
+
+
+@_figure("study_calibration", "Are the claimed distributions right", draw_calibration, target="study_calibration")
+def study_calibration(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Simulation-based calibration: distribution of the probability that a claimed distribution gives to values below
+    the true parameter, and of the share of its draws that lie nearer to a random point than the truth does (TARP),
+    minus a uniform one. A right claim stays in the band with 95 %.
+    """
+    return analysis.calibration(_outcomes(inputs))

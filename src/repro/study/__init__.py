@@ -1,0 +1,1 @@
+"""Where a learned method pays: simulated experiments over motion, unmodelled torque, prior and friction."""

@@ -1,0 +1,199 @@
+"""Answers of the study: differences of methods with intervals over arms, claims of the paper, and calibration."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from repro.model.parameters import Array
+from repro.pipeline.monte_carlo import (
+    BETTER,
+    EQUIVALENT,
+    FAMILY_LEVEL,
+    OPEN,
+    SAME,
+    WORSE,
+    walsh_averages,
+    walsh_interval,
+)
+from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
+from repro.study.outcomes import FACTORS, KEYS, RANKS
+
+#: Pairs of methods that are compared in every cell, first minus second.
+PAIRS = (
+    (ALGORITHM1, "ordinary"), (ALGORITHM1, "consistent"), (TRACKED, "consistent"),
+    (POSTERIOR, "ordinary"), (POSTERIOR, "consistent"), ("generalised+prior", "consistent"),
+)  # fmt: skip
+#: Central interval whose coverage is stated.
+LEVEL = 0.95
+
+
+def check_outcomes(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Outcomes with one row for each method of each arm of each cell."""
+    if outcomes.duplicated(list(KEYS)).any():
+        raise ValueError("outcomes: a method has two rows for one arm of a cell.")
+    return outcomes
+
+
+def interval(differences: Array, family: int) -> tuple[float, float, float]:
+    """Centre of differences over arms and its interval, valid at once for a family of so many (Hodges and Lehmann)."""
+    low, high = walsh_interval(differences, 1.0 - FAMILY_LEVEL / family)
+    return float(np.median(walsh_averages(differences))), low, high
+
+
+def conclude(low: float, high: float) -> str:
+    """Word for an interval of a difference."""
+    if low > -EQUIVALENT and high < EQUIVALENT:
+        return SAME
+    return BETTER if low > 0 else WORSE if high < 0 else OPEN
+
+
+def difference(outcomes: pd.DataFrame, method: str, opponent: str, response: str = "validation") -> pd.Series:
+    """Response of a method minus that of another, by the factors and the arm; only where both were run."""
+    values = outcomes.set_index(list(KEYS))[response]
+    return (_level(values, "method", method) - _level(values, "method", opponent)).dropna()
+
+
+def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
+    """Values at one level of a factor, which is no longer in the index."""
+    return values[values.index.get_level_values(factor) == level].droplevel(factor)
+
+
+def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Every pair of methods in every cell: centre and interval over the arms, valid at once in all cells of a pair."""
+    rows = []
+    for method, opponent in PAIRS:
+        cells = difference(outcomes, method, opponent).groupby(list(FACTORS), sort=False)
+        for cell, values in cells:
+            centre, low, high = interval(values.to_numpy(), cells.ngroups)
+            own = {"method": method, "opponent": opponent, **dict(zip(FACTORS, cell, strict=True)), "arms": len(values)}
+            rows.append({**own, "difference": centre, "low": low, "high": high, "conclusion": conclude(low, high)})
+    return pd.DataFrame(rows)
+
+
+# --- Claims -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence, and the difference that is positive if it is true; one value for each arm and friction."""
+
+    name: str
+    sentence: str
+    values: Callable[[pd.DataFrame], pd.Series]
+    margin: float = 0.0  # by which the difference may be negative
+
+
+def _optimised(outcomes: pd.DataFrame) -> pd.Series:
+    """Algorithm 1 identified by Eq. 10 minus identified by the D-optimal motion."""
+    values = outcomes[outcomes["method"] == ALGORITHM1].set_index([*FACTORS, "arm"])["validation"]
+    by = values.groupby(["excitation", "prior", "arm"]).mean()
+    return (_level(by, "excitation", "eq10") - _level(by, "excitation", "optimal")).dropna()
+
+
+def _robust(outcomes: pd.DataFrame) -> pd.Series:
+    """What the largest discrepancy costs ordinary least squares minus what it costs Algorithm 1."""
+    better = difference(outcomes, ALGORITHM1, "ordinary").groupby(["discrepancy", "prior", "arm"]).mean()
+    levels = sorted(set(outcomes["discrepancy"]))
+    return (_level(better, "discrepancy", levels[0]) - _level(better, "discrepancy", levels[-1])).dropna()
+
+
+def _pair(method: str, opponent: str, **where: object) -> Callable[[pd.DataFrame], pd.Series]:
+    def values(outcomes: pd.DataFrame) -> pd.Series:
+        for factor, level in where.items():
+            outcomes = outcomes[outcomes[factor] == level]
+        return difference(outcomes, method, opponent)
+
+    return values
+
+
+#: Claims of the paper, and the question of the study; fixed before the first full run.
+CLAIMS = (
+    Claim("better", "Algorithm 1 is better than least squares", _pair(ALGORITHM1, "ordinary")),
+    Claim("unoptimised", "no trajectory optimisation is needed", _optimised, EQUIVALENT),
+    Claim(
+        "identical",
+        "it is not critical that the trajectory be identical to that of the training",
+        _pair(ALGORITHM1, TRACKED, excitation="eq10"),
+        EQUIVALENT,
+    ),
+    Claim("robust", "Algorithm 1 loses less than least squares where Eq. 1 does not hold", _robust),
+    Claim("posterior", "the amortised posterior is better than least squares", _pair(POSTERIOR, "ordinary")),
+    Claim(
+        "constrained",
+        "the amortised posterior is better than consistent least squares",
+        _pair(POSTERIOR, "consistent"),
+    ),
+    Claim(
+        "prior",
+        "generalised least squares with the prior is better than consistent least squares",
+        _pair("generalised+prior", "consistent"),
+    ),
+)
+HOLDS, FAILS = "holds", "fails"
+
+
+def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Each claim: centre and interval over arms, valid at once for all; and the conditions in which it is true.
+
+    A claim on levels that a smaller study leaves out has no row.
+    """
+    rows = []
+    for claim in CLAIMS:
+        values = claim.values(outcomes)
+        if values.empty:
+            continue
+        of_arms = values.groupby(["prior", "arm"]).mean()
+        centre, low, high = interval(of_arms.to_numpy(), len(CLAIMS))
+        verdict = HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
+        cells = values.groupby([name for name in values.index.names if name != "arm"])
+        better = sum(interval(own.to_numpy(), cells.ngroups)[1] > 0 for _, own in cells)
+        own = {"claim": claim.name, "sentence": claim.sentence, "arms": len(of_arms), "difference": centre}
+        own |= {"low": low, "high": high, "margin": claim.margin, "verdict": verdict}
+        rows.append({**own, "better": better, "conditions": cells.ngroups})
+    return pd.DataFrame(rows)
+
+
+# --- Means and calibration ----------------------------------------------------------------------------------------
+
+
+def means(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Mean outcomes of each method over the cells in which every method was run, by prior."""
+    counts = outcomes.groupby(list(FACTORS))["method"].transform("nunique")
+    common = outcomes[counts == outcomes["method"].nunique()].copy()
+    inside = (common[list(RANKS)] - 0.5).abs() < LEVEL / 2
+    common["covered"] = inside.mean(axis=1).where(common[RANKS[0]].notna())
+    names = ["id", "validation", "torque_error", "parameter_error", "position_error", "covered", "contraction"]
+    table: pd.DataFrame = common.groupby(["prior", "method"], sort=False)[names].mean().reset_index()
+    return table
+
+
+def calibration(outcomes: pd.DataFrame, points: int = 41) -> pd.DataFrame:
+    """Distribution of the probability below the truth and of the nearer share, by method and prior, with a band.
+
+    Both are uniform where a claimed distribution is right. The arms are the independent values: of each its cells are
+    averaged. The band holds the whole distribution function of that many uniform numbers with 95 %.
+    """
+    grid, rows = np.linspace(0.0, 1.0, points), []
+    claimed = outcomes[outcomes[RANKS[0]].notna()]
+    for (prior, method), own in claimed.groupby(["prior", "method"], sort=False):
+        half = band(own["arm"].nunique(), grid)
+        for what, columns in (("each", RANKS), ("together", ("nearer",))):
+            shares = (own[list(columns)].to_numpy()[..., np.newaxis] <= grid).mean(axis=(0, 1))
+            rows += [(prior, method, what, x, y, half) for x, y in zip(grid, shares, strict=True)]
+    return pd.DataFrame(rows, columns=["prior", "method", "of", "level", "share", "band"])
+
+
+def band(n: int, grid: Array, draws: int = 2000) -> float:
+    """Half width of a band about the diagonal that holds the distribution of n uniform numbers with 95 %."""
+    uniform = np.random.default_rng(0).uniform(size=(draws, n))
+    apart = np.abs((uniform[..., np.newaxis] <= grid).mean(axis=1) - grid).max(axis=1)
+    return float(np.quantile(apart, LEVEL))
+
+
+def best_condition(table: pd.DataFrame, method: str, opponent: str) -> pd.Series:
+    """Cell with the largest lower bound of a pair: where the method wins, or the bound within which it does not."""
+    own = table[(table["method"] == method) & (table["opponent"] == opponent)]
+    row: pd.Series = own.iloc[int(own["low"].to_numpy().argmax())]
+    return row

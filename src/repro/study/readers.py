@@ -1,0 +1,251 @@
+"""Readers of the study: what each method makes of a recording, and what it claims to know.
+
+Three kinds see the same simulations: Algorithm 1, whose network reads image and guess; an amortised posterior, whose
+network reads the torque alone; and least squares. A reader of an excitation and a prior is trained once.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from scipy import linalg
+from scipy.special import ndtr
+
+from repro.cnn.dataset import (
+    DataSettings,
+    SampledMotion,
+    UnmodelledColumns,
+    UnmodelledSettings,
+    draw_torques,
+    sample_motion,
+    stack_motions,
+)
+from repro.cnn.network import FactoredCNN, load_network, save_network
+from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, save_plain, train_plain
+from repro.cnn.priors import AroundPrior, Prior
+from repro.cnn.train import train
+from repro.files import read_tensors, write_tensors
+from repro.identification.algorithm1.preprocessing import PreparedSignals, derivatives, prepare
+from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search, select
+from repro.identification.least_squares import METHODS
+from repro.identification.regression import Regression, correlation_time, mean_variance
+from repro.model.parameters import Array
+from repro.pipeline.experiment import Recording
+from repro.pipeline.job import Config
+from repro.progress import Progress
+from repro.settings import data_settings, network_settings, search_settings, signal_settings, training_settings
+from repro.signals.dct import SignalSettings
+from repro.signals.trajectories import Motion
+from repro.streams import Stream, stream
+from repro.study.arms import Effects, around_stored_arm, draw_law, read_excitation, record
+from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED, excitation_config
+
+#: Least squares that do not need the simulations.
+LEAST_SQUARES = ("ordinary", "robust", "bounded", "consistent")
+#: Weight of a white part in the covariance of the torque errors, which few arms cannot determine.
+SHRINKAGE = 0.1
+#: Arms that give mean and covariance of a prior.
+PRIOR_DRAWS = 4000
+#: Draws from a normal distribution that is compared with the truth.
+DRAWS = 200
+#: Largest amplitude of the effects of training arms, in units of those of `Effects.drawn`.
+LARGEST_AMPLITUDE = 3.0
+
+
+# --- Training -----------------------------------------------------------------------------------------------------
+
+
+def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
+    """Distribution of training samples of a law, with the study's torque beyond Eq. 1 or without any."""
+    prior: Prior | AroundPrior = around_stored_arm(config) if law == "narrow" else "links"
+    effects = UnmodelledSettings(**config["study"]["unmodelled"]) if unmodelled else UnmodelledSettings()
+    return replace(data_settings(config), prior=prior, unmodelled=effects)
+
+
+def simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
+    """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
+    c, s = excitation_config(config, excitation), config["study"]
+    program = read_excitation(choice, config, excitation)
+    signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
+    rng = stream(s["seed"], Stream.STUDY_TRAINING_ARMS, int(law == "narrow"))
+    beta = draw_law(law, rng, n, config)
+    effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, LARGEST_AMPLITUDE, n))
+    recordings = record(c, beta, [program] * n, effects, "arms to train on")
+    tracks, errors = [], []
+    for one, arm in zip(recordings, beta, strict=True):
+        if np.abs(one.q - program.q)[:, proper].max() > config["data"]["tracked"]["largest_error_rad"]:
+            continue
+        tracks.append(sample_motion(_motion(one.q, signals), signals, proper, unmodelled=True))
+        prepared = _prepared(one, signals)
+        error = (prepared.alpha - prepared.y_sub @ (arm / prepared.torque_scale)).reshape(-1)
+        errors.append(error / np.sqrt(np.mean(error**2)))
+    sent = _motion(program.q, signals)
+    ideal = sample_motion(sent, signals, proper)
+    tracked = stack_motions(tracks, ideal.model)
+    draws = draw_torques(rng, PRIOR_DRAWS, tracked, _data(config, law, unmodelled=False))[1]
+    covariance = np.cov(np.array(errors).T)
+    white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
+    kept = {
+        "ideal/torque": ideal.torque,
+        "ideal/model": ideal.model,
+        "tracked/torque": tracked.torque,
+        "tracked/model": tracked.model,
+        **{f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()},
+        "error_covariance": (1.0 - SHRINKAGE) * covariance + SHRINKAGE * white,
+        "prior_mean": draws.mean(axis=0),
+        "prior_covariance": np.cov(draws.T),
+    }
+    write_tensors(out, kept)
+
+
+def _motion(q: Array, signals: SignalSettings) -> Motion:
+    return Motion(signals.h * np.arange(q.shape[-1], dtype=np.float64), *derivatives(q, signals))
+
+
+def train_reader(
+    network: str, excitation: str, law: str, training: Path, weights: Path, checkpoint: str, config: Config
+) -> None:
+    """Train one network: of the posterior, or of Algorithm 1 on the ideal motion or on motions as arms track them."""
+    kept, _ = read_tensors(training, "training motions of the study")
+    progress, s = Progress(f"training, {network} of {excitation}, {law}"), config["study"]
+    if network == ALGORITHM1:
+        motion = SampledMotion(kept["ideal/torque"], kept["ideal/model"])
+    else:
+        columns = UnmodelledColumns(*(kept[f"unmodelled/{name}"] for name in ("stribeck", "ripple", "rate")))
+        motion = SampledMotion(kept["tracked/torque"], kept["tracked/model"], columns)
+    data = _data(config, law, unmodelled=network != ALGORITHM1)
+    if network == POSTERIOR:
+        save_plain(weights, train_plain(motion, data, _posterior(config), s["seed"], progress))
+        return
+    steps = s["cnn_steps"]
+    settings = replace(training_settings(config), recipe="streamed", steps=steps, warmup=steps // 10)
+
+    def report(done: int, total: int, loss: float) -> None:
+        progress(done, total, f"loss {loss:.2e}")
+
+    trained = train(motion, data, network_settings(config), settings, Path(checkpoint), report)
+    save_network(weights, trained.network, {})
+    Path(checkpoint).unlink(missing_ok=True)
+
+
+def _posterior(config: Config) -> PlainSettings:
+    return PlainSettings(**config["study"]["posterior"])
+
+
+# --- Reading ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a method makes of one recording, and what it claims to know: a covariance, or samples, or nothing."""
+
+    method: str
+    beta: Array  # (9,), SI
+    covariance: Array | None = None  # (9, 9), of a normal distribution
+    samples: Array | None = None  # (n, 9)
+
+
+@dataclass(frozen=True)
+class Claimed:
+    """How a claimed distribution stands to the truth."""
+
+    below_truth: Array  # probability that it gives to values below each true parameter (9,)
+    #: Share of draws from it that lie nearer to a random point than the truth (TARP, Lemos and others 2023).
+    nearer: float
+    contraction: float  # share of the prior's variance that it removes, mean of the nine
+
+
+def _prepared(recording: Recording, signals: SignalSettings, image_motion: ImageMotion = "measured") -> PreparedSignals:
+    """Lines 1 to 12 of Algorithm 1; the level of line 5 cancels in line 32."""
+    r, shown = recording.regression(signals), None
+    if image_motion == "desired":
+        proper = slice(recording.program.n1, recording.program.n2)
+        q, dq, ddq = (x[:, proper] for x in derivatives(recording.program.q, signals))
+        shown = q, dq, ddq
+    return prepare(r, r.tau, signals, image_motion=shown)
+
+
+class Readers:
+    """All readers of one excitation and one prior."""
+
+    def __init__(self, training: Path, weights: dict[str, Path], config: Config, signals: SignalSettings) -> None:
+        kept, _ = read_tensors(training, "training motions of the study")
+        self._config, self._signals = config, signals
+        self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
+        self._prior = kept["prior_mean"], kept["prior_covariance"]
+        self._plain: PlainNetwork = load_plain(weights[POSTERIOR], signals.samples, _posterior(config))
+        self._cnn: dict[str, FactoredCNN] = {
+            name: load_network(weights[name], network_settings(config), precision=config["training"]["precision"])
+            for name in (ALGORITHM1, TRACKED)
+            if name in weights
+        }
+
+    def read(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[Reading]:
+        """Read one recording by every method; Algorithm 1 only where it is to be searched."""
+        prepared = _prepared(recording, self._signals)
+        yield from _least_squares(prepared.regression)
+        yield from self._generalised(prepared)
+        yield self._amortised(prepared)
+        if searched:
+            yield self._searched(ALGORITHM1, prepared, rng)
+            yield self._searched(TRACKED, _prepared(recording, self._signals, "desired"), rng)
+
+    def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> Claimed | None:
+        """Compare a claim with the truth; `unit` is the largest torque, in which the prior is."""
+        spread, samples = unit * np.sqrt(np.diag(self._prior[1])), found.samples
+        if found.covariance is not None:
+            deviation = np.sqrt(np.diag(found.covariance))
+            below = ndtr((true - found.beta) / deviation)
+            samples = rng.multivariate_normal(found.beta, found.covariance, DRAWS, method="cholesky")
+        elif samples is not None:
+            deviation, below = samples.std(axis=0), (samples < true).mean(axis=0)
+        else:
+            return None
+        point = unit * self._prior[0] + spread * rng.standard_normal(9)
+        far = np.linalg.norm((samples - point) / spread, axis=1)
+        nearer = float((far < np.linalg.norm((true - point) / spread)).mean())
+        return Claimed(below, nearer, float(np.mean(1.0 - (deviation / spread) ** 2)))
+
+    def _generalised(self, prepared: PreparedSignals) -> Iterator[Reading]:
+        """Least squares weighted by the covariance of the simulated torque errors, without and with the prior."""
+        y = linalg.solve_triangular(self._factor, prepared.y_sub.reshape(-1, 9), lower=True)
+        tau = linalg.solve_triangular(self._factor, prepared.alpha.reshape(-1), lower=True)
+        beta = linalg.lstsq(y, tau)[0]
+        variance = float(np.sum((tau - y @ beta) ** 2)) / (len(tau) - len(beta))
+        information, unit = y.T @ y / variance, prepared.torque_scale
+        yield Reading("generalised", unit * beta, unit**2 * linalg.inv(information))
+        mean, precision = self._prior[0], linalg.inv(self._prior[1])
+        covariance = linalg.inv(information + precision)
+        beta = covariance @ (y.T @ tau / variance + precision @ mean)
+        yield Reading("generalised+prior", unit * beta, unit**2 * covariance)
+
+    def _amortised(self, prepared: PreparedSignals) -> Reading:
+        """Normal posterior from the torque samples."""
+        alpha = torch.from_numpy(prepared.alpha.reshape(1, -1).astype(np.float32))
+        mean, factor = (x[0].numpy().astype(np.float64) for x in self._plain(alpha))
+        unit = prepared.torque_scale
+        return Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
+
+    def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> Reading:
+        """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
+        settings = replace(search_settings(self._config), threshold=self._config["experiment"]["threshold"])
+        reader = ResidualEstimator(self._cnn[name], data_settings(self._config).image, prepared)
+        guesses = rng.uniform(settings.low, settings.high, (settings.executions, 9))
+        spread = prepared.torque_scale * reader.estimate(guesses)
+        found = select(search(reader, prepared, settings, rng).beta, prepared, settings)
+        return Reading(name, found.beta, samples=spread)
+
+
+def _least_squares(regression: Regression) -> Iterator[Reading]:
+    """Methods without simulations; the plain one with the interval of correlated errors."""
+    for name in LEAST_SQUARES:
+        beta = METHODS[name].estimate(regression).beta
+        if name != "ordinary":
+            yield Reading(name, beta)
+            continue
+        y, error = regression.y.reshape(-1, 9), regression.tau - regression.y @ beta
+        rows = max(2.0 * correlation_time(error, regression.h) / regression.h - 1.0, 1.0)
+        covariance = linalg.pinv(y.T @ y) * (rows * mean_variance(regression, beta))
+        yield Reading(name, beta, np.asarray(covariance, dtype=np.float64))

@@ -1,0 +1,90 @@
+"""Differences, claims and calibration, on outcomes made by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from repro.study import analysis
+from repro.study.outcomes import RANKS
+
+
+def outcomes(gain, arms=12, seed=4):
+    """Outcomes in which the posterior's similarity is `gain` (by prior) above that of least squares."""
+    rng, rows = np.random.default_rng(seed), []
+    levels = 0.8 + 0.1 * rng.random(arms)
+    for excitation in ("eq10", "optimal"):
+        for discrepancy in (0.97, 0.9):
+            for prior in ("wide", "narrow"):
+                for arm in range(arms):
+                    own = {"ordinary": 0.0, "consistent": 0.01, "posterior": gain[prior], "algorithm1": -0.1}
+                    own |= {"algorithm1+tracked": -0.1, "generalised+prior": 0.02}
+                    for method, more in own.items():
+                        at_random = dict(zip(RANKS, rng.random(9), strict=True)) if method == "posterior" else {}
+                        rows.append(
+                            {
+                                "excitation": excitation, "discrepancy": discrepancy, "prior": prior, "friction": 1.0,
+                                "arm": arm, "method": method, "validation": levels[arm] + more + 0.002 * rng.random(),
+                                "id": levels[arm], "torque_error": 0.1, "parameter_error": 0.1, "position_error": 0.1,
+                                "contraction": 0.5, "nearer": rng.random(), **dict.fromkeys(RANKS, np.nan), **at_random,
+                            }
+                        )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_each_pair_is_compared_in_each_cell():
+    table = analysis.maps(outcomes({"wide": -0.03, "narrow": 0.05}))
+    assert len(table) == len(analysis.PAIRS) * 8
+    pair = table[(table["method"] == "posterior") & (table["opponent"] == "consistent")].set_index("prior")
+    assert pair.loc["narrow", "difference"].to_numpy() == pytest.approx([0.04] * 4, abs=0.002)
+    assert pair.loc["wide", "difference"].to_numpy() == pytest.approx([-0.04] * 4, abs=0.002)
+    assert set(pair.loc["narrow", "conclusion"]) == {"better"}
+    assert set(pair.loc["wide", "conclusion"]) == {"worse"}
+    best = analysis.best_condition(table, "posterior", "consistent")
+    assert best["prior"] == "narrow"
+
+
+def test_claims_have_the_sign_of_what_they_say():
+    table = analysis.claims(outcomes({"wide": 0.03, "narrow": 0.05})).set_index("claim")
+    assert table.loc["better", "verdict"] == "fails"
+    assert table.loc["better", "difference"] == pytest.approx(-0.1, abs=0.002)
+    assert table.loc["posterior", "verdict"] == "holds"
+    assert table.loc["posterior", "difference"] == pytest.approx(0.04, abs=0.002)
+    assert table.loc[["unoptimised", "identical"], "verdict"].tolist() == ["holds", "holds"]  # equal within the margin
+    assert table.loc["posterior", ["better", "conditions"]].tolist() == [8, 8]
+    assert table.loc["better", ["better", "conditions"]].tolist() == [0, 8]
+    assert table["arms"].tolist() == [24] * len(table)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"),
+    [(0.01, 0.02, "better"), (-0.02, -0.01, "worse"), (-0.004, 0.004, "equivalent"), (-0.01, 0.02, "open")],
+)
+def test_words(low, high, word):
+    assert analysis.conclude(low, high) == word
+
+
+def test_uniform_ranks_stay_in_the_band_and_narrow_claims_leave_it():
+    right = outcomes({"wide": 0.0, "narrow": 0.0}, arms=40)
+    table = analysis.calibration(right)
+    assert set(table["method"]) == {"posterior"}
+    apart = (table["share"] - table["level"]).abs()
+    assert (apart <= table["band"]).all()
+    narrow = right.copy()
+    narrow[list(RANKS)] = (narrow[list(RANKS)] > 0.5).astype(float)
+    each = analysis.calibration(narrow).query("of == 'each'")
+    assert ((each["share"] - each["level"]).abs() > each["band"]).any()
+
+
+@pytest.mark.parametrize("n", [10, 60])
+def test_the_band_holds_95_percent_of_uniform_samples(n):
+    grid, rng = np.linspace(0.0, 1.0, 41), np.random.default_rng(11)
+    half = analysis.band(n, grid)
+    samples = rng.uniform(size=(3000, n, 1))
+    inside = (np.abs((samples <= grid).mean(axis=1) - grid).max(axis=1) <= half).mean()
+    assert inside == pytest.approx(0.95, abs=0.025)
+
+
+def test_two_rows_for_one_arm_are_refused():
+    one = outcomes({"wide": 0.0, "narrow": 0.0}, arms=2)
+    with pytest.raises(ValueError, match="two rows"):
+        analysis.check_outcomes(pd.concat([one, one.iloc[:1]]))

@@ -1,0 +1,102 @@
+"""Cells, jobs, arms and their effects."""
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from repro.config import load_config
+from repro.fpga.controller import simulate
+from repro.fpga.plant import Plant, Unmodelled
+from repro.pipeline.experiment import control_constants, true_parameters
+from repro.study.arms import Effects, draw_law, with_friction
+from repro.study.design import cells, excitation_program, jobs
+
+FACTORS = ["excitation", "discrepancy", "prior", "friction"]
+
+
+@pytest.fixture
+def config():
+    return load_config(Path("config/config.yaml"))
+
+
+def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors(config):
+    table = pd.DataFrame(cells(config))
+    assert len(table) == 4 * 4 * 3 * 3
+    assert not table.duplicated(FACTORS).any()
+    searched = table[table["searched"]]
+    assert len(searched) == 36
+    for pair in combinations(FACTORS, 2):
+        counts = searched.groupby(list(pair)).size()
+        assert len(counts) == len(table.groupby(list(pair)))  # every pair of levels occurs
+        assert counts.max() <= 2 * counts.min() + 1
+
+
+@pytest.mark.parametrize("size", [1, 5, 12, 100])
+def test_each_cell_is_in_one_job_and_a_job_has_one_excitation_and_prior(config, size):
+    config["study"]["cells_per_job"] = size
+    split = jobs(config)
+    assert [cell for members in split.values() for cell in members] == cells_by_group(config)
+    for members in split.values():
+        assert len({(cell.excitation, cell.prior) for cell in members}) == 1
+        assert len(members) <= size
+
+
+def cells_by_group(config):
+    every = cells(config)
+    groups = list(dict.fromkeys((cell.excitation, cell.prior) for cell in every))
+    return sorted(every, key=lambda cell: groups.index((cell.excitation, cell.prior)))
+
+
+@pytest.mark.parametrize(("excitation", "seconds"), [("eq10", 9.42), ("slow", 18.85), ("random", 9.42)])
+def test_excitations_have_their_length(config, excitation, seconds):
+    program = excitation_program(config, excitation)
+    assert (program.n2 - program.n1) * program.h == pytest.approx(seconds, abs=0.01)
+    assert program.n1 >= config["experiment"]["margin_samples"]
+    assert np.abs(np.diff(program.q[:, :2])).max() < 1e-4  # begins at rest
+
+
+def test_a_narrow_prior_stays_within_its_factor(config):
+    arms = draw_law("narrow", np.random.default_rng(3), 500, config) / true_parameters(config)
+    assert arms.min() > 1 / 1.5
+    assert arms.max() < 1.5
+    assert np.abs(np.log(arms).mean(axis=0)).max() < 0.05
+
+
+def test_friction_alone_is_multiplied():
+    beta = np.arange(1.0, 19.0).reshape(2, 9)
+    changed = with_friction(beta, 0.5)
+    np.testing.assert_array_equal(changed[:, :5], beta[:, :5])
+    np.testing.assert_array_equal(changed[:, 5:], 0.5 * beta[:, 5:])
+
+
+def test_what_is_observed_of_an_arm():
+    """A delay of three samples, a deflection in proportion to the torque, and a torque constant that rises with it."""
+    h, t = 0.0025, np.arange(400)
+    q, tau = np.stack([np.sin(0.02 * t), np.cos(0.03 * t)]), np.stack([0.5 + 0.01 * t, 1.0 - 0.02 * t])
+    none, arm = np.zeros((2, 2)), 1
+
+    def second(first_joint, second_joint):
+        return np.array([[0.0, 0.0], [first_joint, second_joint]])
+
+    effects = Effects(none, none, second(0.01, 0.02), second(0.1, 0.2), none, none)
+    delayed = Effects(**{**vars(effects), "delay": second(3 * h, 3 * h)})
+    measured, scaled = effects.observed(arm, q, tau, h)
+    np.testing.assert_allclose(measured, q + [[0.01], [0.02]] * tau)
+    np.testing.assert_allclose(scaled, tau + [[0.1], [0.2]] * tau * np.abs(tau))
+    np.testing.assert_allclose(delayed.observed(arm, q, tau, h)[1][:, 3:], scaled[:, :-3])
+    twice = effects.times(np.array([1.0, 2.0]))
+    np.testing.assert_allclose(twice.observed(arm, q, tau, h)[0] - q, 2.0 * (measured - q))
+
+
+def test_an_arm_moves_the_same_in_any_batch(config):
+    arms = draw_law("wide", np.random.default_rng(5), 3, config)
+    q = excitation_program(config, "random").q[:, :300]
+    effects = [Unmodelled(stribeck=(0.3, 0.1 * k), ripple=(0.02, 0.01)) for k in range(3)]
+    phase = np.array([[0.1, 0.2], [1.0, 2.0], [3.0, 0.5]])
+    whole = simulate(Plant(arms, 0.0025, effects, phase, always_slow=True), control_constants(config), q)
+    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], always_slow=True), control_constants(config), q)
+    for together, apart in zip(whole, part, strict=True):
+        np.testing.assert_array_equal(together[1:], apart)

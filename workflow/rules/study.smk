@@ -1,0 +1,63 @@
+rule study_arms:
+    output:
+        out=f"{R}/study/arms.safetensors",
+    params:
+        *call("repro.study.arms:choose"),
+        config=sections(*ARM, "data", "study"),
+    message:
+        "Choosing motions and arms of the study"
+    script:
+        CALL
+
+
+rule study_motions:
+    input:
+        choice=rules.study_arms.output.out,
+    output:
+        out=f"{R}/study/{{excitation}}-{{law}}/training.safetensors",
+    priority: AWAITED
+    params:
+        *call("repro.study.readers:simulate_training"),
+        config={**sections(*ARM, *TRAINED), "study": STUDY_TRAINED},
+    message:
+        "Simulating arms to train on, {wildcards.excitation}, {wildcards.law}"
+    script:
+        CALL
+
+
+rule study_train:
+    input:
+        training=rules.study_motions.output.out,
+    output:
+        weights=f"{R}/study/{{excitation}}-{{law}}/{{network}}.safetensors",
+    priority: TRAINING
+    resources:
+        mem_mb=3000,
+        runtime=90,
+    params:
+        *call("repro.study.readers:train_reader"),
+        checkpoint=f"{R}/study/{{excitation}}-{{law}}/.{{network}}.checkpoint.safetensors",
+        config={**sections(*TRAINED, "arm", "board"), "study": STUDY_TRAINED},
+    message:
+        "Training {wildcards.network} of {wildcards.excitation}, {wildcards.law}"
+    script:
+        CALL
+
+
+rule study_cells:
+    input:
+        choice=rules.study_arms.output.out,
+        training=lambda wildcards: f"{study_folder(wildcards)}/training.safetensors",
+        weights=study_networks,
+    output:
+        f"{R}/study/cells/{{job}}.csv",
+    resources:
+        mem_mb=4000,
+        runtime=120,
+    params:
+        *call("repro.study.outcomes:run_job"),
+        config=sections(*ARM, *USED, "study"),
+    message:
+        "Identifying the arms of {wildcards.job}"
+    script:
+        CALL
