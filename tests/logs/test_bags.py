@@ -106,7 +106,7 @@ def test_of_two_topics_the_arm_file_says_which(tmp_path):
     assert_same(read_log(path, Arm(topic="/b")), GOOD)
 
 
-def test_bags_that_cannot_be_read(tmp_path):
+def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
     assert told(tmp_path / "none.mcap").endswith("none.mcap: found no such file, expected a ROS 2 bag")
     assert "topics of sensor_msgs/JointState: found none" in told(write(tmp_path / "empty", {}))
     assert "/joint_states: found no messages" in told(write(tmp_path / "silent", {"/joint_states": ()}))
@@ -114,6 +114,8 @@ def test_bags_that_cannot_be_read(tmp_path):
     for content in (b"", b"no bag", whole[: len(whole) // 2]):
         (tmp_path / "bad.mcap").write_bytes(content)
         assert "expected a whole ROS 2 bag" in told(tmp_path / "bad.mcap")
+    monkeypatch.setattr("repro.logs.table.MOST_MESSAGES", 599)
+    assert told(tmp_path / "arm").endswith("arm: /joint_states: found 600 messages, expected at most 599")
     (tmp_path / "metadata.yaml").write_text("- nothing\n")
     assert "expected a whole ROS 2 bag" in told(tmp_path)
 
