@@ -137,6 +137,7 @@ class FilterSettings:
     friction_steepness: float = LAMBDA  # lambda of Eq. 1, s/rad
     cut: float = 0.3  # length left out at each end, s
     samples_per_cycle: float = 8.0  # samples kept in a period of the cut-off: more would be redundant
+    even_odd: bool = True  # whether a method needs `Regression.even_odd`
 
 
 def motion_cutoff(settings: FilterSettings, h: float) -> float:
@@ -195,7 +196,7 @@ def _interpolated(x: Array, at: Array) -> Array:
 
 def prepare(log: Log, settings: FilterSettings, even_odd: bool = True) -> Regression:
     """Filter, cut and decimate each piece of a uniformly sampled log; ValueError if nothing remains."""
-    parts = [_piece(piece, settings, even_odd) for piece in log.pieces]
+    parts = [_piece(piece, settings, even_odd and settings.even_odd) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 
 

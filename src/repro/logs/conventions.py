@@ -134,13 +134,12 @@ def quiet_joints(log: Log) -> list[int]:
     return smoothed(log).noisy_joints()
 
 
-def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
+def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
     Least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong sign of the
     torque or a wrong zero comes out as negative inertia, gravity or friction.
     """
-    s = smoothed(log)
     size = np.linalg.norm(s.tau[:, s.chosen], axis=1)
     if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return
@@ -179,9 +178,8 @@ def better_convention(log: Log, second_joint_absolute: bool) -> Iterator[str]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative", log.dq is not None)
 
 
-def late_torque(log: Log) -> Iterator[str]:
+def late_torque(s: Smoothed) -> Iterator[str]:
     """Report a torque that fits the motion far better when it is shifted in time."""
-    s = smoothed(log)
     reach = round(_LARGEST_DELAY / s.h)
     inner = s.chosen[(s.chosen >= reach) & (s.chosen < s.q.shape[1] - reach)]
     if inner.size < 20 or s.noisy_joints():

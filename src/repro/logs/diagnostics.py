@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.logs.armfile import Arm
-from repro.logs.conventions import better_convention, late_torque
+from repro.logs.conventions import better_convention, late_torque, smoothed
 from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed
 from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
@@ -182,7 +182,9 @@ def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     warnings = [*still, *turns, *odd_speed(log), *jumps, *odd_torque(log)]
     # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
     if not still and (turns or not jumps):
-        warnings += [*velocity_disagrees(log), *better_convention(log, arm.second_joint_absolute), *late_torque(log)]
+        smooth = smoothed(log)
+        warnings += [*velocity_disagrees(log), *better_convention(log, smooth, arm.second_joint_absolute)]
+        warnings += late_torque(smooth)
     return tuple(warnings)
 
 

@@ -36,6 +36,7 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
+from repro.identification.least_squares import METHODS
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined
 from repro.identification.scores import unexplained
 from repro.identification.solve import solve
@@ -160,7 +161,8 @@ def _choose_settings(
     log: Log, arm: Arm, options: Options, common: _Common | None = None
 ) -> tuple[FilterSettings, Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
-    settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0)
+    even_odd = any(METHODS[name].needs_even_odd for name in options.methods if name in METHODS)
+    settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0, even_odd=even_odd)
     if arm.friction_steepness is not None:
         settings = replace(settings, friction_steepness=arm.friction_steepness)
     chosen = choose_cutoff(log, settings)
@@ -194,9 +196,14 @@ class _Corrected:
         return replace(self, settings=replace(self.settings, delay=delay), delay_error=error)
 
     @cached_property
+    def regression(self) -> Regression:
+        """The log through its filters."""
+        return prepare(self.loaded.log, self.settings)
+
+    @cached_property
     def moving(self) -> Regression:
         """The regression without standstill."""
-        return drop_standstill(prepare(self.loaded.log, self.settings))
+        return drop_standstill(self.regression)
 
 
 def _correct(
@@ -226,12 +233,13 @@ def _finish(
     corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
 ) -> PreparedLog:
     """Subtract the terms beyond Eq. 1 from a corrected log, and filter it."""
-    loaded, settings = corrected.loaded, corrected.settings
+    loaded, settings, regression = corrected.loaded, corrected.settings, corrected.regression
     hidden = calibration_limits(loaded.log, settings, corrected.faults, others)
     taken = [term for term in terms if term.taken]
     if taken:
         loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
-    regression = drop_idle_joints(prepare(loaded.log, settings))
+        regression = prepare(loaded.log, settings)
+    regression = drop_idle_joints(regression)
     return PreparedLog(
         loaded=loaded,
         recorded=corrected.recorded,
