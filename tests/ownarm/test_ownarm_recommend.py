@@ -55,7 +55,7 @@ PASSED = [
     ({}, {"whiteness": (0.51, 0.1)}, {}, ("far from white", "0.51")),
     ({}, {"whiteness": (0.1, -0.7)}, {}, ("far from white", "-0.70")),
     ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "fitted log 6 %")),
-    ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("one half", "12.1 %")),
+    ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("one half", "12 %")),
     ({}, {}, {"delay": 0.02}, ("delay", "20 ms")),
     ({}, {}, {"delay": -0.02}, ("delay", "-20 ms")),
     ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("not physically consistent: b2 = -1",)),
