@@ -14,6 +14,7 @@ from factorial_example import factorial_scores
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+from study_example import outcomes
 
 from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
@@ -25,6 +26,7 @@ from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
 from repro.pipeline.interpretations import VARIANTS, ablation_figure
 from repro.pipeline.stored_networks import architecture
+from repro.study import analysis
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "tables"
 #: Methods with a network of our training, of the paper's, and of the paper's ranges, too.
@@ -119,6 +121,8 @@ SIMULATED = (
     "coverage",
     "factorial",
     "ablation",
+    "study",
+    "study_calibration",
 )
 
 #: Tables that go on over pages.
@@ -267,6 +271,8 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "metric_search": candidates_frame,
     "factorial": effects_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
+    "study": lambda: analysis.maps(outcomes({"wide": -0.07, "narrow": 0.03})),
+    "study_calibration": lambda: analysis.calibration(outcomes({"wide": -0.07, "narrow": 0.03})),
 }
 
 
@@ -289,6 +295,8 @@ def kept(name: str) -> Callable[[], pd.DataFrame]:
 #: An optional table is not in the reference run.
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "ablation": readings_frame,
+    "study": lambda: analysis.means(outcomes({"wide": -0.07, "narrow": 0.03})),
+    "study_claims": lambda: analysis.claims(outcomes({"wide": -0.07, "narrow": 0.03})),
 }
 TABLES |= {name: kept(name) for name in LAYOUTS if name not in TABLES}
 

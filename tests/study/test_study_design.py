@@ -12,7 +12,8 @@ from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.pipeline.experiment import control_constants, true_parameters
 from repro.study.arms import Effects, draw_law, with_friction
-from repro.study.design import cells, excitation_program, jobs
+from repro.study.design import cells, jobs
+from repro.study.motions import excitation_program
 
 FACTORS = ["excitation", "discrepancy", "prior", "friction"]
 

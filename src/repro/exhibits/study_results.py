@@ -13,8 +13,7 @@ from repro.files import read_csv
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
-from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
-from repro.study.outcomes import KEYS, RANKS
+from repro.study.design import ALGORITHM1, KEYS, POSTERIOR, RANKS, TRACKED
 
 _table, _figure = (
     partial(kind, category=ABLATION, inputs=("study",), trained="all", optional=True) for kind in (table, figure)
@@ -155,10 +154,9 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
                 stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
                 axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
         panels[0, column].set_title(prior)
-    panels[0, 0].set_ylabel("Each parameter")
-    panels[1, 0].set_ylabel("Nine together")
-    figure.supxlabel("Probability below the truth (%)", fontsize=style.TEXT_SIZE)
-    figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
+    panels[0, 0].set_ylabel("Each, minus level (points)")
+    panels[1, 0].set_ylabel("Together, minus level (points)")
+    figure.supxlabel("Level (%)", fontsize=style.TEXT_SIZE)
     style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
     return figure
 

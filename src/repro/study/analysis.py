@@ -17,8 +17,7 @@ from repro.pipeline.monte_carlo import (
     walsh_averages,
     walsh_interval,
 )
-from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
-from repro.study.outcomes import FACTORS, KEYS, RANKS
+from repro.study.design import ALGORITHM1, FACTORS, KEYS, POSTERIOR, RANKS, TRACKED
 
 #: Pairs of methods that are compared in every cell, first minus second.
 PAIRS = (

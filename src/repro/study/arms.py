@@ -23,7 +23,8 @@ from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory, peaks
 from repro.streams import Stream, stream
-from repro.study.design import Cell, excitation_config, excitation_program
+from repro.study.design import Cell
+from repro.study.motions import excitation_config, excitation_program
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5

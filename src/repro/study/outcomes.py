@@ -18,14 +18,10 @@ from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.streams import Stream, stream
 from repro.study.arms import Specimen, read_arms, read_excitation, specimens
-from repro.study.design import NETWORKS, excitation_config, jobs
+from repro.study.design import FACTORS, NETWORKS, RANKS, jobs
+from repro.study.motions import excitation_config
 from repro.study.readers import Readers, Reading
 
-#: Factors, and what identifies a row of the outcomes.
-FACTORS = ("excitation", "discrepancy", "prior", "friction")
-KEYS = (*FACTORS, "arm", "method")
-#: Probability that a claimed distribution gives to values below the truth, for each parameter.
-RANKS = tuple(f"u_{name}" for name in NAMES)
 #: Digits that are kept.
 DIGITS = 5
 

@@ -40,7 +40,8 @@ from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import Motion
 from repro.streams import Stream, stream
 from repro.study.arms import Effects, around_stored_arm, draw_law, read_excitation, record
-from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED, excitation_config
+from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
+from repro.study.motions import excitation_config
 
 #: Least squares that do not need the simulations.
 LEAST_SQUARES = ("ordinary", "robust", "bounded", "consistent")
