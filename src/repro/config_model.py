@@ -372,7 +372,10 @@ class Study(Section):
         "optimiser steps of the networks of Algorithm 1; the rate rises over a tenth of them", "steps"
     )
     training_arms: Annotated[int, Field(ge=20, le=10_000)] = key("arms whose motions are trained on", "arms")
-    posterior: PosteriorNetwork
+    networks: Annotated[
+        list[Literal["posterior", "flow", "algorithm1", "algorithm1+tracked"]], Field(min_length=1), Unique
+    ] = key("networks, besides least squares; flow needs the extra of that name")
+    posterior: PosteriorNetwork = key("size and budget of the posteriors, normal and flow")
     unmodelled: Unmodelled
 
 

@@ -37,6 +37,7 @@ class Stream(IntEnum):
     STUDY_EFFECTS = 28
     STUDY_TRAINING_ARMS = 29
     STUDY_SEARCH = 30
+    STUDY_FLOW = 31
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -97,7 +97,7 @@ def test_an_arm_moves_the_same_in_any_batch(config):
     q = excitation_program(config, "random").q[:, :300]
     effects = [Unmodelled(stribeck=(0.3, 0.1 * k), ripple=(0.02, 0.01)) for k in range(3)]
     phase = np.array([[0.1, 0.2], [1.0, 2.0], [3.0, 0.5]])
-    whole = simulate(Plant(arms, 0.0025, effects, phase, always_slow=True), control_constants(config), q)
-    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], always_slow=True), control_constants(config), q)
+    whole = simulate(Plant(arms, 0.0025, effects, phase, quick=True), control_constants(config), q)
+    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], quick=True), control_constants(config), q)
     for together, apart in zip(whole, part, strict=True):
         np.testing.assert_array_equal(together[1:], apart)

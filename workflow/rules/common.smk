@@ -71,9 +71,8 @@ def study_folder(wildcards):
 
 
 def study_networks(wildcards):
-    """Networks of a job: without cells that Algorithm 1 is run in, the first alone."""
-    searched = any(cell.searched for cell in STUDY_JOBS[wildcards.job])
-    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in NETWORKS[: None if searched else 1]]
+    """Weights of the networks of a job."""
+    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in networks(config, wildcards.job)]
 
 
 # What a search of the factorial depends on: not how many there are.

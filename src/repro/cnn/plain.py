@@ -5,9 +5,10 @@ torque samples, by the likelihood of a normal distribution (amortised Gaussian p
 """
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -54,12 +55,26 @@ class PlainNetwork(nn.Module):
         diagonal = torch.diagonal(factor, dim1=1, dim2=2)
         return self.mean(hidden), factor - torch.diag_embed(diagonal) + torch.diag_embed(torch.exp(diagonal))
 
+    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
+        """Negative log-likelihood of parameters (n, 9), without its constant."""
+        return negative_log_likelihood(*self(alpha), beta)
+
 
 def negative_log_likelihood(mean: Tensor, factor: Tensor, beta: Tensor) -> Tensor:
     """-log N(beta; mean, (L L')^-1), averaged over the samples, without its constant."""
     scaled = (factor.transpose(1, 2) @ (beta - mean)[..., None])[..., 0]
     log_determinant = torch.log(torch.diagonal(factor, dim1=1, dim2=2)).sum(-1)
     return (0.5 * scaled.square().sum(-1) - log_determinant).mean()
+
+
+class Posterior(Protocol):
+    """A network that claims a distribution of the parameters behind a torque."""
+
+    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
+        """Negative log-likelihood of parameters (n, 9)."""
+
+    def parameters(self) -> Iterator[nn.Parameter]:
+        """Weights that are trained."""
 
 
 def train_plain(
@@ -69,9 +84,22 @@ def train_plain(
     seed: int,
     report: Callable[[int, int], None] = lambda *_: None,
 ) -> PlainNetwork:
-    """Train on fresh torques at every step, in float32."""
+    """Train a new network by `train_posterior`."""
     torch.manual_seed(seed)
     network = PlainNetwork(motion.torque.shape[-2], settings.width)
+    train_posterior(network, motion, data, settings, seed, report)
+    return network.requires_grad_(False)
+
+
+def train_posterior(
+    network: Posterior,
+    motion: SampledMotion,
+    data: DataSettings,
+    settings: PlainSettings,
+    seed: int,
+    report: Callable[[int, int], None],
+) -> None:
+    """Train on fresh torques at every step, in float32."""
     optimiser = torch.optim.Adam(network.parameters(), settings.learning_rate)
     for step in range(settings.steps):
         for group in optimiser.param_groups:
@@ -79,14 +107,12 @@ def train_plain(
         alpha, beta_bar, _ = draw_torques(stream(seed, Stream.PLAIN_STEP, step), settings.batch, motion, data)
         optimiser.zero_grad()
         inputs = torch.from_numpy(alpha.reshape(len(alpha), -1).astype(np.float32))
-        mean, factor = network(inputs)
-        loss = negative_log_likelihood(mean, factor, torch.from_numpy(beta_bar.astype(np.float32)))
+        loss = network.loss(inputs, torch.from_numpy(beta_bar.astype(np.float32)))
         loss.backward()  # type: ignore[no-untyped-call]
         nn.utils.clip_grad_norm_(network.parameters(), 10.0)
         optimiser.step()
         if (step + 1) % 50 == 0:
             report(step + 1, settings.steps)
-    return network.requires_grad_(False)
 
 
 def read_torque(network: PlainNetwork, alpha: Array) -> Array:

@@ -13,7 +13,7 @@ from repro.files import read_csv
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
-from repro.study.design import ALGORITHM1, KEYS, POSTERIOR, RANKS, TRACKED
+from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED
 
 _table, _figure = (
     partial(kind, category=ABLATION, inputs=("study",), trained="all", optional=True) for kind in (table, figure)
@@ -24,6 +24,7 @@ TITLES = {
     ALGORITHM1: "Algorithm 1",
     TRACKED: "Algorithm 1, closed-loop training",
     POSTERIOR: "Amortised posterior",
+    FLOW: "Amortised posterior, flow",
     "ordinary": "Least squares",
     "robust": "Least squares, robust",
     "bounded": "Least squares, bounded",
@@ -37,6 +38,7 @@ _LOOKS = {
     ALGORITHM1: "algorithm1",
     TRACKED: "algorithm1+tracked",
     POSTERIOR: "algorithm1+refinement",
+    FLOW: "differential-evolution",
     "ordinary": "least-squares",
     "generalised": "bounded",
     "generalised+prior": "consistent",

@@ -26,6 +26,8 @@ class Unmodelled:
     dead_band: int = 0  # PWM counts that do not move the motor
 
 
+#: Coefficients of the classic method of order 4.
+_A4, _B4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 #: Fields of `Unmodelled` that may differ between the arms of a batch.
 LEVELS = ("stribeck", "ripple")
 #: No such effects: Eq. 1 alone.
@@ -43,8 +45,10 @@ class Plant:
 
     Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
     them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
-    loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect; with
-    `always_slow` they are the same at all times, so that an arm's counts do not depend on the others of its batch.
+    loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
+
+    For many arms there is a quick way: the classic method of order 4, always with the substeps of slow joints. An arm's
+    counts do not depend on the others of its batch then.
     """
 
     def __init__(
@@ -53,7 +57,7 @@ class Plant:
         h: float,
         unmodelled: Unmodelled | Sequence[Unmodelled] = NOTHING,
         ripple_phase: ArrayLike = (0.0, 0.0),
-        always_slow: bool = False,
+        quick: bool = False,
     ) -> None:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
         if not FEASIBILITY["positive-definite"](arms).all():
@@ -90,15 +94,16 @@ class Plant:
         # Both rows of Eq. 1 are divided by I3.
         self._weight, self._per_i3 = -weight / i3, 1.0 / i3
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0
-        self._always_slow = always_slow
-        self._tableau = {steps: _tableau(h / steps) for steps in (STEPS, SLOW_STEPS)}
+        self._quick = quick
+        a, b = (_A4, _B4) if quick else (DOP853.A, DOP853.B)
+        self._tableau = {steps: _tableau(a, b, h / steps) for steps in (STEPS, SLOW_STEPS)}
         # Work space with its views, made once: a recording takes some 100,000 derivatives.
         f, r = np.empty((13, batch)), np.empty((2, batch))
         self._features = (f, f[:5], f[5:9], f[:11], f[4], f[11:8:-2], f[10:13:2])
         self._torque = (r, r[0], r[1])
-        self._stages = np.empty((DOP853.n_stages + 1, 4, batch))  # the state, then the slope of each stage
-        flat = self._stages.reshape(DOP853.n_stages + 1, -1)
-        self._known = [flat[: i + 1] for i in range(DOP853.n_stages + 1)]
+        self._stages = np.empty((len(b) + 1, 4, batch))  # the state, then the slope of each stage
+        flat = self._stages.reshape(len(b) + 1, -1)
+        self._known = [flat[: i + 1] for i in range(len(b) + 1)]
         self._point = np.empty((4, batch))
         # One arm takes BLAS, which is quick on so little; a batch takes sums that no processor changes.
         self._product = np.dot if batch == 1 else _einsum
@@ -132,7 +137,7 @@ class Plant:
         if band := self._effects.dead_band:
             pwm = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0)
         tau = pwm * torque_per_count[:, np.newaxis] * self._per_i3
-        steps = SLOW_STEPS if self._always_slow or np.abs(self.state[2:]).min() < SLOW else STEPS
+        steps = SLOW_STEPS if self._quick or np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point
         flat_point = point.reshape(-1)
@@ -152,7 +157,7 @@ def _einsum(a: Array, b: Array, out: Array) -> None:
     np.einsum("...s,sb->...b", a, b, out=out)
 
 
-def _tableau(h: float) -> list[Array]:
+def _tableau(a: Array, b: Array, h: float) -> list[Array]:
     """Weights of (state, slopes so far) that give each stage's point, and last the end of the step."""
-    inner = [np.concatenate([[1.0], h * DOP853.A[i, :i]]) for i in range(1, DOP853.n_stages)]
-    return [*inner, np.concatenate([[1.0], h * DOP853.B])]
+    inner = [np.concatenate([[1.0], h * a[i, :i]]) for i in range(1, len(b))]
+    return [*inner, np.concatenate([[1.0], h * b])]

@@ -17,12 +17,12 @@ from repro.pipeline.monte_carlo import (
     walsh_averages,
     walsh_interval,
 )
-from repro.study.design import ALGORITHM1, FACTORS, KEYS, POSTERIOR, RANKS, TRACKED
+from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, POSTERIOR, RANKS, TRACKED
 
 #: Pairs of methods that are compared in every cell, first minus second.
 PAIRS = (
     (ALGORITHM1, "ordinary"), (ALGORITHM1, "consistent"), (TRACKED, "consistent"),
-    (POSTERIOR, "ordinary"), (POSTERIOR, "consistent"), ("generalised+prior", "consistent"),
+    (POSTERIOR, "ordinary"), (POSTERIOR, "consistent"), (FLOW, POSTERIOR), ("generalised+prior", "consistent"),
 )  # fmt: skip
 #: Central interval whose coverage is stated.
 LEVEL = 0.95

@@ -99,7 +99,7 @@ def _counts(
             Unmodelled(stribeck=(s[0], s[1]), ripple=(r[0], r[1]))
             for s, r in zip(effects.stribeck.tolist(), effects.ripple.tolist(), strict=True)
         ]
-    plant = Plant(beta, config["signals"]["sampling_period_s"], unmodelled, phase, always_slow=True)
+    plant = Plant(beta, config["signals"]["sampling_period_s"], unmodelled, phase, quick=True)
     with np.errstate(over="ignore", invalid="ignore"):
         return simulate(plant, control_constants(config), q, Progress(f"simulating {len(beta)} {what}"))
 

@@ -10,8 +10,9 @@ from itertools import product
 from repro.model.parameters import NAMES
 from repro.pipeline.job import Config
 
-#: Networks: of the amortised posterior, and of Algorithm 1 trained on the ideal motion and on motions as arms track it.
-POSTERIOR, ALGORITHM1, TRACKED = NETWORKS = ("posterior", "algorithm1", "algorithm1+tracked")
+#: Networks: of the amortised posterior, normal or a flow, and of Algorithm 1 trained on the ideal motion and on motions
+#: as arms track it.
+POSTERIOR, FLOW, ALGORITHM1, TRACKED = ("posterior", "flow", "algorithm1", "algorithm1+tracked")
 #: Law of the training arms for each prior; tested arms are of that law, but of another one if it is mismatched.
 TRAINED_ON = {"wide": "wide", "narrow": "narrow", "mismatched": "wide"}
 
@@ -53,3 +54,9 @@ def jobs(config: Config) -> dict[str, list[Cell]]:
     for name, members in groups.items():
         found |= {f"{name}-{k // size}": members[k : k + size] for k in range(0, len(members), size)}
     return found
+
+
+def networks(config: Config, job: str) -> list[str]:
+    """Networks that a job needs: those of Algorithm 1 only with a cell that it is run in."""
+    searched = any(cell.searched for cell in jobs(config)[job])
+    return [name for name in config["study"]["networks"] if searched or name not in (ALGORITHM1, TRACKED)]

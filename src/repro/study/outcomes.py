@@ -18,7 +18,7 @@ from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.streams import Stream, stream
 from repro.study.arms import Specimen, read_arms, read_excitation, specimens
-from repro.study.design import FACTORS, NETWORKS, RANKS, jobs
+from repro.study.design import FACTORS, RANKS, jobs
 from repro.study.motions import excitation_config
 from repro.study.readers import Readers, Reading
 
@@ -32,7 +32,7 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
     excitation, prior = own[0].excitation, own[0].prior
     c = excitation_config(config, excitation)
     program, arms = read_excitation(choice, config, excitation), read_arms(choice, prior)
-    readers = Readers(training, dict(zip(NETWORKS, weights, strict=False)), config, signal_settings(c))
+    readers = Readers(training, {path.stem: path for path in weights}, config, signal_settings(c))
     recorded, rows, estimates = specimens(config, own, program, arms), [], list[tuple[Specimen, Array]]()
     progress = Progress(f"identifying {len(recorded)} runs")
     for k, one in enumerate(recorded):
@@ -74,16 +74,21 @@ class _Scorer:
 
 
 def _position_errors(estimates: Sequence[tuple[Specimen, Array]], config: Config) -> Array:
-    """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot."""
+    """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot.
+
+    Only of cells that every method is run in, for time.
+    """
     beta = np.stack([beta for _, beta in estimates])
-    able = FEASIBILITY["positive-definite"](beta)
+    able = FEASIBILITY["positive-definite"](beta) & np.array([one.cell.searched for one, _ in estimates])
+    errors = np.full(len(beta), np.nan)
+    if not able.any():
+        return errors
     motions = [one.recordings[1] for (one, _), possible in zip(estimates, able, strict=True) if possible]
-    plant = Plant(beta[able], config["signals"]["sampling_period_s"], always_slow=True)
+    plant = Plant(beta[able], config["signals"]["sampling_period_s"], quick=True)
     progress = Progress(f"simulating {len(motions)} estimates")
     with np.errstate(over="ignore", invalid="ignore"):
         desired = np.stack([motion.program.q for motion in motions])
         position, _ = simulate(plant, control_constants(config), desired, progress)
-    errors = np.full(len(beta), np.nan)
     apart = position * RADIANS_PER_COUNT - np.stack([motion.q for motion in motions])
     errors[able] = np.sqrt(np.mean(apart**2, axis=(1, 2)))
     return errors

@@ -22,6 +22,7 @@ from repro.cnn.dataset import (
     sample_motion,
     stack_motions,
 )
+from repro.cnn.flow import Flow, load_flow, save_flow, train_flow
 from repro.cnn.network import FactoredCNN, load_network, save_network
 from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, save_plain, train_plain
 from repro.cnn.priors import AroundPrior, Prior
@@ -40,17 +41,19 @@ from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import Motion
 from repro.streams import Stream, stream
 from repro.study.arms import Effects, around_stored_arm, draw_law, read_excitation, record
-from repro.study.design import ALGORITHM1, POSTERIOR, TRACKED
+from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, TRACKED
 from repro.study.motions import excitation_config
 
 #: Least squares that do not need the simulations.
 LEAST_SQUARES = ("ordinary", "robust", "bounded", "consistent")
+#: Networks that are searched with, and the motion of line 18: the measured one as listed, or the one that was sent.
+SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
 #: Weight of a white part in the covariance of the torque errors, which few arms cannot determine.
 SHRINKAGE = 0.1
 #: Arms that give mean and covariance of a prior.
 PRIOR_DRAWS = 4000
-#: Draws from a normal distribution that is compared with the truth.
-DRAWS = 200
+#: Draws from a normal distribution that is compared with the truth, and from a flow.
+DRAWS, FLOW_DRAWS = 200, 1000
 #: Largest amplitude of the effects of training arms, in units of those of `Effects.drawn`.
 LARGEST_AMPLITUDE = 3.0
 
@@ -117,6 +120,10 @@ def train_reader(
         columns = UnmodelledColumns(*(kept[f"unmodelled/{name}"] for name in ("stribeck", "ripple", "rate")))
         motion = SampledMotion(kept["tracked/torque"], kept["tracked/model"], columns)
     data = _data(config, law, unmodelled=network != ALGORITHM1)
+    if network == FLOW:
+        prior = kept["prior_mean"], kept["prior_covariance"]
+        save_flow(weights, train_flow(motion, data, _posterior(config), prior, s["seed"], progress))
+        return
     if network == POSTERIOR:
         save_plain(weights, train_plain(motion, data, _posterior(config), s["seed"], progress))
         return
@@ -176,10 +183,15 @@ class Readers:
         self._config, self._signals = config, signals
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
-        self._plain: PlainNetwork = load_plain(weights[POSTERIOR], signals.samples, _posterior(config))
+        self._plain: PlainNetwork | None = None
+        self._flow: Flow | None = None
+        if POSTERIOR in weights:
+            self._plain = load_plain(weights[POSTERIOR], signals.samples, _posterior(config))
+        if FLOW in weights:
+            self._flow = load_flow(weights[FLOW], signals.samples, _posterior(config))
         self._cnn: dict[str, FactoredCNN] = {
             name: load_network(weights[name], network_settings(config), precision=config["training"]["precision"])
-            for name in (ALGORITHM1, TRACKED)
+            for name in SEARCHED
             if name in weights
         }
 
@@ -188,10 +200,16 @@ class Readers:
         prepared = _prepared(recording, self._signals)
         yield from _least_squares(prepared.regression)
         yield from self._generalised(prepared)
-        yield self._amortised(prepared)
+        if self._plain is not None:
+            yield self._amortised(self._plain, prepared)
         if searched:
-            yield self._searched(ALGORITHM1, prepared, rng)
-            yield self._searched(TRACKED, _prepared(recording, self._signals, "desired"), rng)
+            for name, image_motion in SEARCHED.items():
+                if name in self._cnn:
+                    yield self._searched(name, _prepared(recording, self._signals, image_motion), rng)
+        if self._flow is not None:
+            normal = stream(self._config["study"]["seed"], Stream.STUDY_FLOW).standard_normal((FLOW_DRAWS, 9))
+            samples = prepared.torque_scale * self._flow.sample(prepared.alpha, normal)
+            yield Reading(FLOW, samples.mean(axis=0), samples=samples)
 
     def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> Claimed | None:
         """Compare a claim with the truth; `unit` is the largest torque, in which the prior is."""
@@ -222,10 +240,11 @@ class Readers:
         beta = covariance @ (y.T @ tau / variance + precision @ mean)
         yield Reading("generalised+prior", unit * beta, unit**2 * covariance)
 
-    def _amortised(self, prepared: PreparedSignals) -> Reading:
+    @staticmethod
+    def _amortised(network: PlainNetwork, prepared: PreparedSignals) -> Reading:
         """Normal posterior from the torque samples."""
         alpha = torch.from_numpy(prepared.alpha.reshape(1, -1).astype(np.float32))
-        mean, factor = (x[0].numpy().astype(np.float64) for x in self._plain(alpha))
+        mean, factor = (x[0].numpy().astype(np.float64) for x in network(alpha))
         unit = prepared.torque_scale
         return Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
 

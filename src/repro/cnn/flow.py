@@ -1,0 +1,79 @@
+"""A normalizing flow from torque to parameters: a posterior of any shape, where that of `repro.cnn.plain` is normal.
+
+A neural spline flow (Durkan and others 2019) of the package zuko, the extra `flow`, on features of the torque samples.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from repro.cnn.dataset import DataSettings, SampledMotion
+from repro.cnn.plain import PlainSettings, train_posterior
+from repro.errors import require
+from repro.files import read_tensors, write_tensors
+from repro.model.parameters import NAMES, Array
+
+#: Features of the torque, transforms of the flow, and the width of the two hidden layers of each.
+FEATURES, TRANSFORMS, HIDDEN = 64, 3, 128
+
+
+class Flow(nn.Module):
+    """Distribution of the parameters, in units of the largest torque, given the torque samples of both joints."""
+
+    def __init__(self, samples: int, width: int, mean: Array, covariance: Array) -> None:
+        """Mean (9,) and covariance (9, 9) of the training arms give the range of the splines."""
+        super().__init__()
+        require("zuko", "flow", "study.networks: flow")
+        from zuko.flows import NSF  # noqa: PLC0415  (an extra)
+
+        self.body = nn.Sequential(
+            nn.Linear(2 * samples, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU(), nn.Linear(width, FEATURES)
+        )
+        self.flow = NSF(len(NAMES), FEATURES, transforms=TRANSFORMS, hidden_features=(HIDDEN, HIDDEN))
+        self.centre: Tensor
+        self.spread: Tensor
+        self.register_buffer("centre", torch.from_numpy(mean.astype(np.float32)))
+        self.register_buffer("spread", torch.from_numpy(np.sqrt(np.diag(covariance)).astype(np.float32)))
+
+    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
+        """Negative log-likelihood of parameters (n, 9), without the constant of their units."""
+        scaled = (beta - self.centre) / self.spread
+        log_probability: Tensor = self.flow(self.body(alpha)).log_prob(scaled)
+        return -log_probability.mean()
+
+    def sample(self, alpha: Array, normal: Array) -> Array:
+        """Draw parameters (n, 9) behind a torque (2, M) over its largest magnitude from normal numbers (n, 9)."""
+        features = self.body(torch.from_numpy(alpha.reshape(-1).astype(np.float32)))
+        scaled = self.flow(features).transform.inv(torch.from_numpy(normal.astype(np.float32)))
+        return np.asarray((self.centre + self.spread * scaled).numpy(), dtype=np.float64)
+
+
+def train_flow(
+    motion: SampledMotion,
+    data: DataSettings,
+    settings: PlainSettings,
+    prior: tuple[Array, Array],
+    seed: int,
+    report: Callable[[int, int], None],
+) -> Flow:
+    """Train a new flow by `train_posterior`; mean and covariance are those of the prior."""
+    torch.manual_seed(seed)
+    network = Flow(motion.torque.shape[-2], settings.width, *prior)
+    train_posterior(network, motion, data, settings, seed, report)
+    return network.requires_grad_(False)
+
+
+def save_flow(path: Path, network: Flow) -> None:
+    """Write the weights."""
+    write_tensors(path, {name: weight.numpy() for name, weight in network.state_dict().items()})
+
+
+def load_flow(path: Path, samples: int, settings: PlainSettings) -> Flow:
+    """Read the weights that `save_flow` wrote."""
+    network = Flow(samples, settings.width, np.zeros(len(NAMES)), np.eye(len(NAMES)))
+    weights, _ = read_tensors(path, "weights of `save_flow`")
+    network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
+    return network.requires_grad_(False)
