@@ -15,7 +15,7 @@ def outcomes(gain, arms=12, seed=4):
             for prior in ("wide", "narrow"):
                 for arm in range(arms):
                     own = {"ordinary": 0.0, "consistent": 0.01, "posterior": gain[prior], "algorithm1": -0.1}
-                    own |= {"algorithm1+tracked": -0.1, "generalised+prior": 0.02}
+                    own |= {"algorithm1+tracked": -0.1, "generalised+prior": 0.02, "flow": gain[prior] - 0.03}
                     for method, more in own.items():
                         at_random = dict(zip(RANKS, rng.random(9), strict=True)) if method == "posterior" else {}
                         rows.append(
