@@ -1,4 +1,4 @@
-"""The flow that reads the torque: its density and its draws belong together, what it learns, and its weights on disk."""
+"""The flow that reads the torque: density and draws belong together, what it learns, its weights on disk."""
 
 import numpy as np
 import pytest
