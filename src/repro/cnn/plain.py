@@ -57,7 +57,8 @@ class PlainNetwork(nn.Module):
 
     def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
         """Negative log-likelihood of parameters (n, 9), without its constant."""
-        return negative_log_likelihood(*self(alpha), beta)
+        mean, factor = self(alpha)
+        return negative_log_likelihood(mean, factor, beta)
 
 
 def negative_log_likelihood(mean: Tensor, factor: Tensor, beta: Tensor) -> Tensor:
