@@ -1,6 +1,7 @@
 """The ``repro`` command."""
 
 import argparse
+import atexit
 import gc
 import io
 import logging
@@ -74,7 +75,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     contract.hold(os.environ)
-    gc.set_threshold(100_000)  # modules and figures are many objects that live to the end
+    gc.set_threshold(500_000)  # modules and figures are many objects that live to the end
+    atexit.register(gc.freeze)  # and need not be searched for cycles there
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
     logging.getLogger("matplotlib").setLevel(logging.WARNING)  # its first run on a machine reports its font cache
     try:

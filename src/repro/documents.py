@@ -5,13 +5,16 @@ import math
 import re
 import stat
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jsonschema
 import yaml
 
 from repro.errors import InputError
+
+if TYPE_CHECKING:
+    from jsonschema import ValidationError
 
 #: Largest YAML and JSON file, bytes. YAML is read at about 50 kB/s.
 LARGEST_YAML, LARGEST_JSON = 256 << 10, 512 << 10
@@ -197,11 +200,16 @@ def _depth(node: object) -> int:
 #: Keys and list positions that lead to a value.
 Place = tuple[str | int, ...]
 
-# JSON takes 60.0 for an integer; a budget written so would fail later, far from here.
-_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
-    "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
-)
-_Validator = jsonschema.validators.extend(jsonschema.Draft202012Validator, type_checker=_TYPES)  # type: ignore[no-untyped-call]
+
+@cache
+def _validator() -> Any:  # noqa: ANN401
+    """Load the library, which most commands do not need, and refuse 60.0 as an integer, which JSON does not."""
+    from jsonschema import Draft202012Validator, validators  # noqa: PLC0415
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine(
+        "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
+    )
+    return validators.extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
 
 
 def spelled(place: Place) -> str:
@@ -218,13 +226,13 @@ def violation(content: object, schema: Mapping[str, Any]) -> tuple[Place, object
 
     What is expected is the schema's own description of the value, where it has one.
     """
-    errors = _Validator(schema).iter_errors(content)  # one at a time: there may be millions
+    errors = _validator()(schema).iter_errors(content)  # one at a time: there may be millions
     if first := min(errors, key=lambda error: [str(key) for key in error.absolute_path], default=None):
         return _words(first, schema)
     return next(((place, value, "a finite number") for place, value in _infinite(content)), None)
 
 
-def _words(error: jsonschema.ValidationError, schema: Mapping[str, Any]) -> tuple[Place, str, str]:
+def _words(error: "ValidationError", schema: Mapping[str, Any]) -> tuple[Place, str, str]:
     place, instance = tuple(error.absolute_path), error.instance
     rule, limit, own = str(error.validator), error.validator_value, error.schema
     if rule == "additionalProperties":

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
-from repro.fpga.plant import Plant
 from repro.model.parameters import Array
+
+if TYPE_CHECKING:
+    from repro.fpga.plant import Plant
 
 Single = NDArray[np.float32]
 Counts = NDArray[np.int32]
@@ -69,7 +72,7 @@ class PDController:
 class ControlLoop:
     """A plant behind its encoders, its PD controller and its PWM."""
 
-    def __init__(self, plant: Plant, controller: PDController, torque_per_count: ArrayLike) -> None:
+    def __init__(self, plant: "Plant", controller: PDController, torque_per_count: ArrayLike) -> None:
         self._plant, self._controller = plant, controller
         self._torque = np.asarray(torque_per_count, dtype=np.float64)
 
@@ -82,7 +85,7 @@ class ControlLoop:
 
 
 def simulate(
-    plant: Plant,
+    plant: "Plant",
     constants: ControlConstants,
     desired: Array,
     progress: Callable[[int, int], None] | None = None,

@@ -31,7 +31,7 @@ from repro.identification.extra_terms import (
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
 from repro.identification.regression import Regression, drop_standstill
 from repro.identification.solve import solve
-from repro.logs.log import Log
+from repro.logs.log import Log, kept
 from repro.model.parameters import Array
 
 #: Most iterations of Gauss-Newton, and step in standard errors at which they end.
@@ -86,6 +86,7 @@ def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
     return [k for k in range(columns.shape[-1]) if np.any(columns[..., k] * mask)]
 
 
+@kept
 def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     """Regression of a log without standstill, and the columns of all calibration errors."""
     r = drop_standstill(prepare(log, settings, even_odd=False))

@@ -23,7 +23,7 @@ from scipy.ndimage import spline_filter1d
 
 from repro.identification.regression import Regression, correlation_time, joined, masked
 from repro.identification.solve import solve
-from repro.logs.log import Log, period
+from repro.logs.log import Log, kept, period
 from repro.logs.torque_limits import MOST_CONTAMINATED
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
@@ -204,23 +204,36 @@ def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     """Prepare a log in one piece."""
     h = period(log)
     n, keep = retained_samples(log, settings)
-    time, recorded, torque = log.t[:n], log.q[:, :n], log.tau[:, :n]
-    moved = smooth_motion(recorded, h, settings)
-    y = filtered_regressor(moved, h, settings)
-    halves = []
-    for first in (0, 1) if even_odd else ():
-        every_other = slice(first, None, 2)
-        half = filtered_regressor(smooth_motion(recorded[:, every_other], 2 * h, settings), 2 * h, settings)
-        halves.append(_interpolated(half, (keep - first) / 2))
-    tau = filtered_torque(torque, h, settings)
-    q, dq, ddq = (x[:, keep] for x in moved)
-    mask = np.ones(q.shape, dtype=np.bool_)
-    both = np.stack(halves) if even_odd else None
-    whole = Regression(time[keep], y[:, keep], tau[:, keep], q, dq, ddq, mask, (keep[1] - keep[0]) * h, both)
+    moved, y = _filtered_motion(log, replace(settings, delay=0.0))
+    both = _filtered_halves(log, replace(settings, delay=0.0)) if even_odd else None
+    tau = filtered_torque(log.tau[:, :n], h, settings)[:, keep]
+    mask = np.ones(tau.shape, dtype=np.bool_)
+    whole = Regression(log.t[:n][keep], y, tau, *moved, mask, (keep[1] - keep[0]) * h, both)
     if log.left_out is None:
         return whole
     contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
     return masked(whole, np.abs(contamination) <= MOST_CONTAMINATED)
+
+
+@kept
+def _filtered_motion(log: Log, settings: FilterSettings) -> tuple[Moved, Array]:
+    """Motion and regressor of a log in one piece at the samples that are kept."""
+    n, keep = retained_samples(log, settings)
+    moved = smooth_motion(log.q[:, :n], period(log), settings)
+    q, dq, ddq = (x[:, keep] for x in moved)
+    return (q, dq, ddq), filtered_regressor(moved, period(log), settings)[:, keep]
+
+
+@kept
+def _filtered_halves(log: Log, settings: FilterSettings) -> Array:
+    """`Regression.even_odd` of a log in one piece."""
+    h, halves = period(log), []
+    n, keep = retained_samples(log, settings)
+    for first in (0, 1):
+        every_other = log.q[:, first:n:2]
+        half = filtered_regressor(smooth_motion(every_other, 2 * h, settings), 2 * h, settings)
+        halves.append(_interpolated(half, (keep - first) / 2))
+    return np.stack(halves)
 
 
 # Choice of the cut-off.

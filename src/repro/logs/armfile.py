@@ -63,12 +63,21 @@ class Arm:
     delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
     file: str = "arm file"  # where this was read, for messages
 
+    def __new__(cls, *_: object, **given: object) -> "Arm":
+        """Refuse an unknown keyword as a file's unknown key."""
+        known = [each.name for each in fields(cls)]
+        if unknown := [key for key in given if key not in known]:
+            raise InputError.at(f"{cls.file}: {unknown[0]}", "an unknown key", f"one of {', '.join(known[:-1])}")
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         """Check the values as those of a file, and store lists and arrays as tuples."""
-        optional = {each.name for each in fields(self) if "None" in str(each.type)}
-        given = {
-            key: value for key, value in vars(self).items() if key != "file" and not (value is None and key in optional)
-        }
+        given = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            empty = (value is None and "None" in str(each.type)) or (isinstance(value, dict) and not value)
+            if not (empty or value is each.default or each.name == "file"):
+                given[each.name] = value
         try:
             content = json.loads(json.dumps(given, default=_plain))
         except (TypeError, ValueError) as error:
@@ -132,7 +141,7 @@ def read_arm(path: str | Path | None) -> Arm:
 
 def _check(content: Mapping[str, Any], file: str) -> None:
     """Refuse what the schema or the meaning of a key forbids."""
-    if wrong := violation(content, _SCHEMA):
+    if content != {} and (wrong := violation(content, _SCHEMA)):
         place, found, expected = wrong
         raise InputError.at(f"{file}: {spelled(place)}", found, expected)
     for key, value in content.items():

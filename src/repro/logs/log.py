@@ -1,7 +1,11 @@
 """A recording in SI units, and the same at evenly spaced instants: short gaps are bridged, long ones split it."""
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
+from functools import cached_property, wraps
 from itertools import pairwise
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +15,7 @@ from repro.errors import InputError
 from repro.model.parameters import Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)  # identity hash, so that results can be kept per instance
 class Log:
     """A recording of both joints in SI units.
 
@@ -96,7 +100,7 @@ class Log:
         left_out = None if self.left_out is None else self.left_out[:, cut]
         return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=(), left_out=left_out)
 
-    @property
+    @cached_property
     def pieces(self) -> tuple["Log", ...]:
         """The log cut at its breaks."""
         if not self.breaks:
@@ -107,6 +111,24 @@ class Log:
     def longest(self) -> "Log":
         """The piece with the most samples."""
         return max(self.pieces, key=lambda piece: piece.t.size)
+
+
+Settings = TypeVar("Settings", bound=Hashable)
+Kept = TypeVar("Kept")
+
+
+def kept(function: Callable[[Log, Settings], Kept]) -> Callable[[Log, Settings], Kept]:
+    """Compute a function of a log and settings once for as long as the log lives."""
+    results: WeakKeyDictionary[Log, dict[Settings, Kept]] = WeakKeyDictionary()
+
+    @wraps(function)
+    def remembered(log: Log, settings: Settings) -> Kept:
+        of_log = results.setdefault(log, {})
+        if settings not in of_log:
+            of_log[settings] = function(log, settings)
+        return of_log[settings]
+
+    return remembered
 
 
 def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
