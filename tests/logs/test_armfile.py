@@ -128,3 +128,9 @@ def test_an_arm_built_by_hand_is_checked_as_a_file_is(values, place):
 def test_an_arm_built_by_hand_accepts_lists_and_arrays():
     arm = Arm(zero=[1, 0], torque_limit=np.array([1, 2]), delay="auto")
     assert (arm.zero, arm.torque_limit, arm.delay) == ((1.0, 0.0), (1.0, 2.0), None)
+
+
+def test_an_unknown_keyword_is_named_with_the_known_ones():
+    expected = r"^arm file: sgin: found an unknown key, expected one of name, columns, .*, delay$"
+    with pytest.raises(InputError, match=expected):
+        Arm(sgin=(1, -1))

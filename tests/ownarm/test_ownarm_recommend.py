@@ -11,7 +11,7 @@ from regression_example import exciting
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES
 from repro.ownarm.prior import read_prior
-from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, warnings, wrong_length
+from repro.ownarm.recommend import compare_networks, odd_delay, recommend, undriven, unusable, warnings, wrong_length
 from repro.ownarm.result import Excitation
 
 
@@ -30,6 +30,14 @@ def test_validation_logs_count_before_halves():
     name, reason = recommend([replace(m, validation=()) for m in (a, b)])
     assert name == "b"
     assert reason == "smallest mean torque error on each half from the other among the physically consistent methods"
+
+
+def test_halves_make_parameters_unusable_only_without_validation_logs():
+    a = method("a", "A", 1.0, validation=(score("x", 0.1, 0.2),), halves=(score("second half", 0.1, 0.6),))
+    assert not unusable(a)
+    assert unusable(replace(a, validation=())) == "Eq. 1 leaves up to 60 % of a torque unexplained (second half)"
+    bad = replace(a, validation=(score("x", 0.51, 0.2),))
+    assert unusable(bad) == "Eq. 1 leaves up to 51 % of a torque unexplained (x)"
 
 
 GOOD = method(

@@ -14,7 +14,16 @@ from repro.identification.calibration import CalibrationError, correct_calibrati
 from repro.logs.armfile import Arm, read_arm
 from repro.logs.load import to_eq1
 from repro.logs.log import Log
-from repro.ownarm.text import COMBINED, DIFFERENT_ERRORS, NOT_EXCITED, arm_lines, calibration_warnings, verdict
+from repro.ownarm.text import (
+    COMBINED,
+    DIFFERENT_ERRORS,
+    NOT_EXCITED,
+    arm_lines,
+    calibration_lines,
+    calibration_warnings,
+    detection_limits,
+    verdict,
+)
 
 ERRORS = (
     CalibrationError("zero1", 0.05, 0.002, 0.09, 0.05),
@@ -85,6 +94,23 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
 def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apart):
     def log(zero):
         faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
-        return SimpleNamespace(loaded=SimpleNamespace(name="a.csv"), faults=faults, terms=())
+        loaded = SimpleNamespace(name="a.csv", description=SimpleNamespace(warnings=()))
+        return SimpleNamespace(loaded=loaded, faults=faults, terms=())
 
     assert (DIFFERENT_ERRORS in calibration_warnings([log(0.05), log(second)], Arm(), False)) == apart
+
+
+def test_a_log_that_reads_better_otherwise_gets_no_lines_for_the_arm_file():
+    assert "write into the arm file" in calibration_lines(ERRORS, Arm(), True)[-2]
+    lines = calibration_lines(ERRORS, Arm(), True, misread=True)
+    assert len(lines) == len(ERRORS) + 1
+    assert "try the other convention first" in lines[-1]
+
+
+@pytest.mark.parametrize(("degrees", "words"), [(1.0, "1 degree"), (1.1, "1.1 degrees"), (0.055, "0.055 degrees")])
+def test_one_degree_is_singular(degrees, words):
+    result = SimpleNamespace(
+        fitted_logs=(SimpleNamespace(name="a.csv"),), hidden=({"zero1": np.radians(degrees)},), more_logs=()
+    )
+    (line,) = detection_limits(result)
+    assert line.endswith(f"zero of joint 1 up to {words}")

@@ -40,6 +40,10 @@ _RESIDUAL_RATIO = 0.5
 _SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3
 
 
+#: Beginning of the warning of another convention.
+READS_BETTER = "the log reads better with"
+
+
 @dataclass(frozen=True)
 class Convention:
     """Another meaning of the columns: ``q' = position @ q + offset`` and ``tau' = torque @ tau``."""
@@ -209,7 +213,7 @@ def _advice(convention: Convention, reason: str, has_velocity: bool) -> str:
     elif remedy.startswith(("sign", "torque_sign", "zero")):
         remedy += " (on top of what is there)"
     step = f"{remedy} in the arm file" if remedy.startswith("multiply") else f"write into the arm file: {remedy}"
-    return f"the log reads better with {convention.name} ({reason}): if so, first of all {step}"
+    return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {step}"
 
 
 def low_pass(signals: Array, h: float) -> Array:

@@ -106,10 +106,11 @@ def warnings(
 
 
 def unusable(method: MethodResult) -> str:
-    """Give the reason not to use the parameters; empty if they can be used."""
+    """Give the reason not to use the parameters; empty if they can be used. Validation logs count before halves."""
     if not method.consistent:
         return f"the parameters are not physically consistent: {method.why_not_consistent}"
-    worst, where = max((max(score.relative_rms), score.log) for _, score in method.scores)
+    judged = [score for kind, score in method.scores if kind != "half" or not method.validation]
+    worst, where = max((max(score.relative_rms), score.log) for score in judged)
     return f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})" if worst > USELESS else ""
 
 

@@ -11,6 +11,7 @@ from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm
 from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
+from repro.logs.conventions import READS_BETTER
 from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
 from repro.ownarm.result import Result, Score, SelfTest
@@ -93,7 +94,8 @@ def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm, scale_open: bool
     lines = []
     for log in logs:
         where = f"in {log.loaded.name} " if len(logs) > 1 else ""
-        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm, scale_open)]
+        misread = any(line.startswith(READS_BETTER) for line in log.loaded.description.warnings)
+        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm, scale_open, misread)]
     if not all(_same_errors(log.faults, logs[0].faults) for log in logs):
         lines.append(DIFFERENT_ERRORS)
     return (*lines, *(term_line(term) for term in logs[0].terms if not term.taken))
@@ -106,10 +108,13 @@ def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationE
     return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
-def calibration_lines(faults: Sequence[CalibrationError], arm: Arm, scale_open: bool) -> tuple[str, ...]:
+def calibration_lines(
+    faults: Sequence[CalibrationError], arm: Arm, scale_open: bool, misread: bool = False
+) -> tuple[str, ...]:
     """Report each calibration error of a log, then the lines to write into the arm file.
 
-    If the scale is open, the torque constant of joint 1 may be wrong instead of that of joint 2.
+    If the scale is open, the torque constant of joint 1 may be wrong instead of that of joint 2. The errors of a log
+    that reads better with another convention are not to be corrected before it is tried.
     """
     lines = []
     for fault in faults:
@@ -124,13 +129,18 @@ def calibration_lines(faults: Sequence[CalibrationError], arm: Arm, scale_open: 
             problem += f" (this log can hardly distinguish it from {', or '.join(others)})"
         before, after = 100.0 * fault.before, 100.0 * fault.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
+    if lines and misread:
+        lines.append(
+            "this fit corrects it as the log is read now; try the other convention first: it may leave no error"
+        )
+        return tuple(lines)
     if lines:
         lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
     if scale_open and any(fault.name == SCALE for fault in faults):
         instead = arm_lines([fault for fault in blame_joint_1(faults) if fault.name == OTHER_SCALE], arm)
         lines.append(
             "a log cannot determine which torque constant is wrong: the estimates are right if it is that of joint 2; "
-            f"if it is that of joint 1, write {instead} instead; a known parameter decides ({option('prior', 'FILE')})"
+            f"if it is that of joint 1, write {instead} instead; a known parameter decides: {option('prior', 'FILE')}"
         )
     return tuple(lines)
 
@@ -163,7 +173,12 @@ def _size(name: str, value: float, error: float | None = None) -> str:
         "scale": ("times", 1.0, 3),
     }[name[:-1]]
     interval = "" if error is None else f" +- {2 * error * abs(turn):.2g}"
-    return f"{value * turn:.{digits}g}{interval} {unit}"
+    return _with_unit(f"{value * turn:.{digits}g}{interval}", unit)
+
+
+def _with_unit(size: str, unit: str) -> str:
+    """Append a unit, degrees in the singular after 1."""
+    return f"{size} {unit.removesuffix('s') if size in ('1', '-1') else unit}"
 
 
 def term_line(term: ExtraTerm) -> str:
@@ -194,8 +209,8 @@ def detection_limits(result: Result) -> tuple[str, ...]:
 def _limit(kind: str, size: float | None) -> str:
     if size is None:
         return "of any size"
-    units = {"zero": f"{np.degrees(size):.2g} degrees", "offset": f"{size:.2g} N m", "scale": f"{100.0 * size:.2g} %"}
-    return f"up to {units[kind]}"
+    factor, unit = {"zero": (float(np.degrees(1.0)), "degrees"), "offset": (1.0, "N m"), "scale": (100.0, "%")}[kind]
+    return f"up to {_with_unit(f'{factor * size:.2g}', unit)}"
 
 
 def spread_rows(result: Result) -> list[tuple[str, ...]]:

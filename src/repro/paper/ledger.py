@@ -267,11 +267,16 @@ def _page(text: str, numbers: Published) -> str:
     return markdown(claims, specificity(claims, numbers))
 
 
+#: What makes the ledger of a results folder, by its name; of another one it is the target ``claims`` of the workflow.
+_MADE_BY = {"results": "make reproduce", "quick": "make quick", "smoke": "make smoke", "golden": "make golden"}
+
+
 def _text(path: Path) -> str:
+    expected = f"a ledger ({_MADE_BY.get(path.absolute().parent.name, 'target claims')})"
     try:
-        return read_bytes(path, LARGEST_TABLE, "a ledger (target claims)").decode()  # line ends as they are
+        return read_bytes(path, LARGEST_TABLE, expected).decode()  # line ends as they are
     except UnicodeDecodeError as error:
-        raise InputError.at(str(path), "bytes that are not UTF-8", "a ledger (target claims)") from error
+        raise InputError.at(str(path), "bytes that are not UTF-8", expected) from error
 
 
 def verified(results: Path, config: Mapping[str, Any]) -> str:
