@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,21 @@ _FLOAT = "tag:yaml.org,2002:float"
 _SCHEMA: dict[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
 
 
+def _names_unknown_keys(cls: type[Any]) -> type[Any]:
+    """Let a dataclass refuse an unknown keyword as a file's unknown key."""
+    init, known = cls.__init__, [each.name for each in fields(cls)]
+
+    @wraps(init)
+    def checked(self: Any, *values: object, **given: object) -> None:  # noqa: ANN401
+        if unknown := [key for key in given if key not in known]:
+            raise InputError.at(f"{cls.file}: {unknown[0]}", "an unknown key", f"one of {', '.join(known[:-1])}")
+        init(self, *values, **given)
+
+    cls.__init__ = checked
+    return cls
+
+
+@_names_unknown_keys
 @dataclass(frozen=True)
 class Arm:
     """How to read an arm's recordings, and what is known of the arm.
@@ -62,13 +78,6 @@ class Arm:
     friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: estimated from the data
     delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
     file: str = "arm file"  # where this was read, for messages
-
-    def __new__(cls, *_: object, **given: object) -> "Arm":
-        """Refuse an unknown keyword as a file's unknown key."""
-        known = [each.name for each in fields(cls)]
-        if unknown := [key for key in given if key not in known]:
-            raise InputError.at(f"{cls.file}: {unknown[0]}", "an unknown key", f"one of {', '.join(known[:-1])}")
-        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         """Check the values as those of a file, and store lists and arrays as tuples."""
