@@ -8,10 +8,11 @@ import pandas as pd
 import pytest
 
 from repro.config import load_config
+from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.pipeline.experiment import control_constants, true_parameters
-from repro.study.arms import Effects, draw_law, with_friction
+from repro.study.arms import Effects, choose, draw_law, with_friction
 from repro.study.design import cells, jobs
 from repro.study.motions import excitation_program
 
@@ -101,3 +102,11 @@ def test_an_arm_moves_the_same_in_any_batch(config):
     part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], quick=True), control_constants(config), q)
     for together, apart in zip(whole, part, strict=True):
         np.testing.assert_array_equal(together[1:], apart)
+
+
+def test_motions_that_no_arm_can_do_end_with_one_line(config, tmp_path):
+    """The random motion of 4 s asks too much torque of every drawn arm."""
+    config["signals"]["duration_s"] = 4.0
+    config["study"] |= {"excitations": ["random"], "priors": ["narrow"], "arms": 2}
+    with pytest.raises(InputError, match=r"study\.arms: found 2, expected at most 0, of 48 drawn"):
+        choose(config, tmp_path / "arms.safetensors")

@@ -156,6 +156,8 @@ def _is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory)
 
 def _tracks(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
     """Whether each arm (n, 9) tracks a motion."""
+    if not len(beta):
+        return np.zeros(0, dtype=np.bool_)
     position, _ = _counts(config, beta, program.q)
     return np.asarray(tracking_error(position, program) <= config["data"]["tracked"]["largest_error_rad"])
 
