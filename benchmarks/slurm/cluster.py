@@ -15,7 +15,9 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
 PROGRAMS = {"slurmctld": "slurmctld", "slurmd": "slurmd", "sbatch": "slurm-client", "munged": "munge"}
 CONFIGURATION = """\
@@ -94,9 +96,34 @@ def take_down(conf: Path, seconds: float = 5.0) -> None:
         time.sleep(0.5)
 
 
+@dataclass
+class Cluster:
+    """A running Slurm: what its commands need of the environment, and its daemons by their names."""
+
+    variables: dict[str, str]
+    log: IO[str]
+    commands: dict[str, list[str]]
+    daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """Whole environment of a command."""
+        return {**os.environ, **self.variables}
+
+    def start(self, name: str) -> None:
+        """Start a daemon."""
+        command = self.commands[name]
+        self.daemons[name] = subprocess.Popen(command, env=self.environment, stdout=self.log, stderr=self.log)
+
+    def kill(self, name: str) -> None:
+        """Kill a daemon; jobs run on."""
+        self.daemons[name].kill()
+        self.daemons[name].wait()
+
+
 @contextmanager
-def cluster(cpus: int) -> Iterator[dict[str, str]]:
-    """Slurm of one node with this many processors; gives the environment that its commands need."""
+def cluster(cpus: int) -> Iterator[Cluster]:
+    """Slurm of one node with this many processors."""
     install()
     with tempfile.TemporaryDirectory(prefix="slurm-") as name:
         folder, conf = Path(name), Path(name) / "slurm.conf"
@@ -115,27 +142,31 @@ def cluster(cpus: int) -> Iterator[dict[str, str]]:
         srun.write_text(f'#!/bin/sh\nSLURM_CONF={conf} exec {shutil.which("srun")} "$@"\n', encoding="utf-8")
         srun.chmod(0o755)
         path = os.pathsep.join([name, os.environ["PATH"], "/usr/sbin"])
-        environment = {**os.environ, "PATH": path, "SLURM_CONF": str(conf)}
         munge = {"key-file": key, "socket": folder / "munge.socket", "pid-file": folder / "munge.pid"}
         munge |= {"log-file": folder / "munge.log", "seed-file": folder / "munge.seed"}
-        daemons = [
-            ["munged", "--foreground", "--force", *(f"--{option}={value}" for option, value in munge.items())],
-            ["slurmctld", "-D", "-i", "-f", str(conf)],
-            ["slurmd", "-D", "-N", "node", "-f", str(conf)],
-        ]
+        commands = {
+            "munged": [
+                "munged",
+                "--foreground",
+                "--force",
+                *(f"--{option}={value}" for option, value in munge.items()),
+            ],
+            "slurmctld": ["slurmctld", "-D", "-i", "-f", str(conf)],
+            "slurmd": ["slurmd", "-D", "-N", "node", "-f", str(conf)],
+        }
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(1))
-        started = []
-        try:
-            with (folder / "daemons.log").open("w") as log:
-                for daemon in daemons:
-                    started.append(subprocess.Popen(daemon, env=environment, stdout=log, stderr=log))
-            wait_until_idle(environment, folder)
-            yield environment
-        finally:
-            take_down(conf)
-            for process in started:
-                process.wait()
+        with (folder / "daemons.log").open("w") as log:
+            slurm = Cluster({"PATH": path, "SLURM_CONF": str(conf)}, log, commands)
+            try:
+                for daemon in commands:
+                    slurm.start(daemon)
+                wait_until_idle(slurm.environment, folder)
+                yield slurm
+            finally:
+                take_down(conf)
+                for process in slurm.daemons.values():
+                    process.wait()
 
 
 def wait_until_idle(environment: dict[str, str], folder: Path, seconds: float = 60.0) -> None:
@@ -154,5 +185,5 @@ def wait_until_idle(environment: dict[str, str], folder: Path, seconds: float = 
 
 if __name__ == "__main__":
     with cluster(cpus=os.cpu_count() or 1) as with_slurm:
-        status = subprocess.run(sys.argv[1:], env=with_slurm, check=False).returncode
+        status = subprocess.run(sys.argv[1:], env=with_slurm.environment, check=False).returncode
     sys.exit(status)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -19,17 +20,32 @@ from cluster import cluster
 
 ROOT = Path(__file__).resolve().parents[2]
 CPUS = 2
-SMOKE = ["--snakefile", str(ROOT / "Snakefile"), "--configfile", str(ROOT / "config" / "smoke.yaml")]
-SNAKEMAKE = [sys.executable, "-m", "snakemake", *SMOKE]
-LOCAL = [*SNAKEMAKE, "--cores", str(CPUS), "--", *sys.argv[1:]]
-ON_SLURM = [*SNAKEMAKE, "--workflow-profile", str(ROOT / "workflow" / "profiles" / "slurm"), "--", *sys.argv[1:]]
+SNAKEMAKE = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
+SMOKE = ROOT / "config" / "smoke.yaml"
 KINDS = {".bin", ".program", ".csv", ".json", ".safetensors", ".pdf", ".png", ".tex", ".md"}
 SECONDS = 600
 
 
+def commands(configs: Sequence[Path], targets: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Run these targets on this machine; run them on Slurm."""
+    run_all = [*SNAKEMAKE, "--configfile", *map(str, configs)]
+    profile = str(ROOT / "workflow" / "profiles" / "slurm")
+    return (
+        [*run_all, "--cores", str(CPUS), "--", *targets],
+        [*run_all, "--workflow-profile", profile, "--", *targets],
+    )
+
+
+def with_plugin() -> dict[str, str]:
+    """Environment of a run; ends with one line if Snakemake's plugin is missing."""
+    if find_spec("snakemake_executor_plugin_slurm") is None:
+        sys.exit("error: snakemake-executor-plugin-slurm: found none, expected it: pip install --editable '.[slurm]'")
+    return {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+
+
 def working_folder(folder: Path) -> Path:
     """A new folder that the workflow runs in."""
-    folder.mkdir()
+    folder.mkdir(exist_ok=True)
     for name in ("config", "data"):
         (folder / name).symlink_to(ROOT / name)
     return folder
@@ -53,11 +69,15 @@ def results(folder: Path) -> dict[str, bytes]:
     return {str(f.relative_to(folder)): f.read_bytes() for f in kept}
 
 
+def differences(found: dict[str, bytes], expected: dict[str, bytes]) -> list[str]:
+    """Names of the results that differ or that only one run has."""
+    return sorted(k for k in expected.keys() | found.keys() if expected.get(k) != found.get(k))
+
+
 def compare(folder: Path, expected: dict[str, bytes]) -> None:
     """End with the names of the files that differ, if any does."""
     found = results(folder)
-    different = sorted(k for k in expected.keys() | found.keys() if expected.get(k) != found.get(k))
-    if different:
+    if different := differences(found, expected):
         sys.exit(f"error: {folder.name}: found {len(different)} files that differ: {', '.join(different)}")
     print(f"{folder.name}: all {len(found)} results have the bytes of the local run", flush=True)
 
@@ -86,10 +106,10 @@ def next_job(environment: dict[str, str], besides: set[str]) -> str:
     return min(new)
 
 
-def disturb(folder: Path, environment: dict[str, str]) -> None:
+def disturb(command: list[str], folder: Path, environment: dict[str, str]) -> None:
     """Cancel a job, wait until it runs again, kill the run, see its jobs keep the folder, and cancel them, too."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = subprocess.Popen(ON_SLURM, cwd=folder, env=environment, **quiet)
+    process = subprocess.Popen(command, cwd=folder, env=environment, **quiet)
     first = next_job(environment, set())
     time.sleep(5)
     seen = jobs_in("RUNNING", environment) | {first}
@@ -98,7 +118,7 @@ def disturb(folder: Path, environment: dict[str, str]) -> None:
     time.sleep(5)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    again = subprocess.run(ON_SLURM, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if "LockException" not in again.stdout + again.stderr:
         sys.exit(f"{again.stderr[-2000:]}\nerror: second run: found no lock, expected one beside the first run's jobs")
     subprocess.run(["scancel", "--user", str(os.geteuid())], env=environment, check=True)
@@ -109,20 +129,19 @@ def disturb(folder: Path, environment: dict[str, str]) -> None:
 
 def main() -> None:
     """Run three times and compare; exit code 1 if a byte differs."""
-    if find_spec("snakemake_executor_plugin_slurm") is None:
-        sys.exit("error: snakemake-executor-plugin-slurm: found none, expected it: pip install --editable '.[slurm]'")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    environment = with_plugin()
+    local, on_slurm = commands([SMOKE], sys.argv[1:])
     with cluster(CPUS) as slurm, tempfile.TemporaryDirectory() as name:
-        environment |= {key: slurm[key] for key in ("PATH", "SLURM_CONF")}
+        environment |= slurm.variables
         folders = [working_folder(Path(name) / kind) for kind in ("local", "slurm", "disturbed")]
-        local = run(LOCAL, folders[0], environment)
+        seconds = run(local, folders[0], environment)
         expected = results(folders[0])
-        tell(folders[0], local)
-        on_slurm = run(ON_SLURM, folders[1], environment)
+        tell(folders[0], seconds)
+        seconds = run(on_slurm, folders[1], environment)
         compare(folders[1], expected)
-        tell(folders[1], on_slurm)
-        disturb(folders[2], environment)
-        run(ON_SLURM, folders[2], environment)
+        tell(folders[1], seconds)
+        disturb(on_slurm, folders[2], environment)
+        run(on_slurm, folders[2], environment)
         compare(folders[2], expected)
 
 
