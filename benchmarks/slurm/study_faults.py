@@ -112,12 +112,13 @@ class Study:
         self._restart("slurmd")
 
     def kill_snakemake(self) -> None:
-        """Kill the command; its jobs run on, and every second time they are cancelled."""
+        """Kill the command, and cancel its waiting jobs; those that run are cancelled every second time."""
         self.process.kill()
         self.process.wait()
         self.kills += 1
-        if self.kills % 2 == 0:
-            self.slurm_command("scancel", "--user", str(os.geteuid()))
+        states = ("PENDING", "RUNNING") if self.kills % 2 == 0 else ("PENDING",)
+        for state in states:
+            self.slurm_command("scancel", "--user", str(os.geteuid()), "--state", state)
 
     def terminate_snakemake(self) -> None:
         """Interrupt the command."""
