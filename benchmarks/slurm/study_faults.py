@@ -62,7 +62,8 @@ class Study:
             time.sleep(1)
         if self.log.is_file() and "LockException" in self.log.read_text(encoding="utf-8"):
             self.unlocked += 1
-            subprocess.run([*self.command, "--unlock"], cwd=self.folder, env=self.environment, check=True)
+            unlock = [*self.command[:3], "--unlock", *self.command[3:]]  # after `python -m snakemake`
+            subprocess.run(unlock, cwd=self.folder, env=self.environment, check=True)
         self.runs += 1
         if self.runs > MOST_RUNS:
             sys.exit(f"error: the study: found it incomplete after {MOST_RUNS} runs, expected it complete")
