@@ -2,8 +2,10 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
+T = TypeVar("T")
 _LOG = logging.getLogger(__name__)
 
 
@@ -17,8 +19,8 @@ class Progress:
         self._began = self._last = clock()
         self._first: int | None = None
 
-    def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Log if the last line is old enough."""
+    def __call__(self, done: int, total: int, note: str | float = "") -> None:
+        """Log if the last line is old enough, with a note, which is text or a loss."""
         now = self._clock()
         if self._first is None:  # work done before this run (a checkpoint) says nothing about its speed
             self._first = done
@@ -30,4 +32,13 @@ class Progress:
         left = (
             f", about {(now - self._began) / fresh * (total - done):.0f} s left" if fresh > 0 and done < total else ""
         )
-        _LOG.info("%s: %d of %d (%.0f %%)%s%s", self._what, done, total, 100 * done / total, left, note and f", {note}")
+        noted = f", loss {note:.2e}" if isinstance(note, float) else note and f", {note}"
+        _LOG.info("%s: %d of %d (%.0f %%)%s%s", self._what, done, total, 100 * done / total, left, noted)
+
+
+def over(items: Sequence[T], what: str) -> Iterator[T]:
+    """Iterate over items, and log how many are done."""
+    progress = Progress(what)
+    for k, item in enumerate(items, start=1):
+        yield item
+        progress(k, len(items))

@@ -144,21 +144,26 @@ def mean_torque_file(tmp_path_factory):
 
 
 def test_blocks_take_both_arms_in_turn_and_both_back_emfs(blocks):
-    assert [(block.block, block.back_emf) for block in blocks] == BLOCKS
-    assert [block.arm for block in blocks] == [*["first"] * 2, *["second"] * 2, *["first"] * 2, *[CONFIRMATION] * 2]
+    assert [(block.labels["block"], block.labels["back_emf"]) for block in blocks] == BLOCKS
+    assert [block.labels["arm"] for block in blocks] == [
+        *["first"] * 2,
+        *["second"] * 2,
+        *["first"] * 2,
+        *[CONFIRMATION] * 2,
+    ]
     f = CONFIG["factorial"]
     arms = {"first": CONFIG["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
     for block in blocks:
-        back_emf = block.back_emf * np.array([0, 0, 0, 0, 0, 1, 1, 0, 0])
-        np.testing.assert_allclose(block.true, arms[block.arm] + back_emf, rtol=1e-12)
+        back_emf = block.labels["back_emf"] * np.array([0, 0, 0, 0, 0, 1, 1, 0, 0])
+        np.testing.assert_allclose(block.true, arms[block.labels["arm"]] + back_emf, rtol=1e-12)
 
 
 def test_a_block_is_its_specimen_simulated_alone(blocks):
     """Arms of a batch share their substeps, so now and then a position falls on the other side of a count."""
     control, block = control_constants(CONFIG), blocks[3]
     levels, phase = disturbance(CONFIG, 9)
-    for name, recording in block.recordings.items():
-        program = program_from_config(CONFIG, name, 9)
+    for recording in block.recordings:
+        program = program_from_config(CONFIG, recording.program.name, 9)
         np.testing.assert_array_equal(recording.program.q, program.q.astype(np.float32))
         position, pwm = simulate(Plant(block.true, program.h, levels, phase), control, program.q)
         apart = np.abs(recording.q / RADIANS_PER_COUNT - position[0])
@@ -173,7 +178,7 @@ def test_a_block_is_its_specimen_simulated_alone(blocks):
 def similarities(block, beta, formula, config):
     """Mean total of both joints on ID, and over T1 to T4, by metr2ev on the rebuilt torques."""
     totals = []
-    for recording in block.recordings.values():
+    for recording in block.recordings:
         r = recording.regression(signal_settings(config))
         totals.append(metr2ev(r.tau, rebuild_torque(r.y, beta), MetricSettings(formula)).total.mean())
     return totals[0], np.mean(totals[1:])
@@ -190,7 +195,7 @@ def test_references_are_scored_on_every_block_under_both_metrics(recorded, block
     block = blocks[3]
     for omega, formula in itertools.product(("rad_per_s", "index"), TIME_FORMULAS):
         c = configured(CONFIG, CELLS[f"plain-ideal-{omega}"], 1)
-        regression = block.recordings["ID"].regression(signal_settings(c))
+        regression = block.recordings[0].regression(signal_settings(c))
         own = solve(regression.y, regression.tau)
         for reader, beta in (("true", block.true), ("ordinary", own)):
             levels = {"omega": omega, "metric": formula, "block": "9", "back_emf": HIGH, "reader": reader}
@@ -216,10 +221,10 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, mean_torque_
     tau_mean = mean_training_torque(signals, data_settings(c), 1)
     settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"])
     for k, motion, formula in itertools.product((0, 5), cell.image_motions or ("",), TIME_FORMULAS):
-        prepared = prepare_recording(blocks[k].recordings["ID"], tau_mean, signals, motion or "measured")
+        prepared = prepare_recording(blocks[k].recordings[0], tau_mean, signals, motion or "measured")
         if cell.reader == "plain":
             network = load_plain(weights, signals.samples, PlainSettings(p["width"], p["steps"], p["batch"]))
-            first = read_torque(network, prepared.alpha)
+            first = read_torque(network, prepared.alpha)[0]
             estimate = prepared.torque_scale * first
         else:
             network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
@@ -227,7 +232,7 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, mean_torque_
             candidates = search(reader, prepared, replace(settings, metric=own), guesses_of(seed, k))
             estimate = select(candidates.beta, prepared, replace(settings, metric=own)).beta
             first = reader.estimate(np.stack([s.uniform(1e-3, 3.0, 9) for s in guesses_of(seed, k).spawn(4)]))
-        levels = {"block": blocks[k].block, "back_emf": blocks[k].back_emf, "metric": formula, "image_motion": motion}
+        levels = {**blocks[k].labels, "metric": formula, "image_motion": motion}
         (row,) = rows_of(table, **levels).to_dict("records")
         totals = similarities(blocks[k], estimate, formula, c)
         np.testing.assert_allclose([row["id"], row["validation"]], totals, rtol=0, atol=1e-6)

@@ -72,18 +72,18 @@ def test_holm_by_hand():
 
 
 @pytest.mark.parametrize(
-    ("difference", "low", "high", "p", "conclusion"),
+    ("low", "high", "sign", "conclusion"),
     [
-        (0.02, 0.01, 0.03, 0.01, "better"),
-        (-0.02, -0.03, -0.01, 0.01, "worse"),
-        (0.02, -0.01, 0.03, 0.2, "open"),
-        (0.003, 0.001, 0.0049, 0.0001, "equivalent"),
-        (0.003, 0.001, 0.0051, 0.0001, "better"),
-        (0.0, -0.0051, 0.004, 0.9, "open"),
+        (0.01, 0.03, 1, "better"),
+        (-0.03, -0.01, -1, "worse"),
+        (-0.01, 0.03, 0, "open"),
+        (0.001, 0.0049, 1, "equivalent"),
+        (0.001, 0.0051, 1, "better"),
+        (-0.0051, 0.004, 0, "open"),
     ],
 )
-def test_each_conclusion(difference, low, high, p, conclusion):
-    assert conclude(difference, low, high, p) == conclusion
+def test_each_conclusion(low, high, sign, conclusion):
+    assert conclude(low, high, sign) == conclusion
 
 
 def test_arms_are_the_unit_and_id_does_not_count():

@@ -136,17 +136,16 @@ def recorded(tmp_path_factory):
 def test_every_seed_and_motion_comes_back(recorded):
     for index, duration in enumerate(BRIEF["spread"]["durations_s"]):
         found = read_spread(recorded, BRIEF, index)
-        assert [(one.seed, one.arm) for one in found] == [(4, 0), (9, 1)]
+        assert [(one.seed, one.labels["arm"]) for one in found] == [(4, 0), (9, 1)]
         for one in found:
-            assert tuple(one.recordings) == MOTIONS
-            for name, recording in one.recordings.items():
+            for name, recording in zip(MOTIONS, one.recordings, strict=True):
                 program = program_from_config(BRIEF, name, one.seed, duration)
                 assert (recording.program.q == program.q.astype(np.float32)).all()  # as the board was sent it
                 assert (recording.program.n1, recording.program.n2) == (program.n1, program.n2)
                 assert recording.q.shape == recording.tau.shape == program.q.shape
                 assert np.abs(recording.q - program.q).max() < 0.3
                 assert np.ptp(recording.tau, axis=1).min() > 0
-        proper = found[0].recordings["ID"].program
+        proper = found[0].recordings[0].program
         assert proper.n2 - proper.n1 == round(duration / 0.0025)
 
 
@@ -180,7 +179,7 @@ def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded,
 @pytest.mark.parametrize(("fast", "expected"), [(0.0, False), (1.6, False), (1.9, True)])
 def test_a_loop_chatters_if_three_quarters_of_a_torque_are_fast(recorded, fast, expected):
     """A sinusoid of 1 Hz and amplitude 1 on both joints, and one of 40 Hz on joint 2: a power of 3.6 to 1 at 1.9."""
-    recording = read_spread(recorded, BRIEF, 0)[0].recordings["ID"]
+    recording = read_spread(recorded, BRIEF, 0)[0].recordings[0]
     t = recording.program.h * np.arange(4000)
     slow = np.sin(2 * np.pi * t)
     tau = np.stack([slow, slow + fast * np.sin(2 * np.pi * 40.0 * t) + 3.0])

@@ -12,9 +12,8 @@ from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.pipeline.experiment import control_constants, true_parameters
-from repro.study.arms import Effects, choose, draw_law, with_friction
+from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
 from repro.study.design import cells, jobs
-from repro.study.motions import excitation_program
 
 FACTORS = ["excitation", "discrepancy", "prior", "friction"]
 
@@ -78,13 +77,10 @@ def test_what_is_observed_of_an_arm():
     """A delay of three samples, a deflection in proportion to the torque, and a torque constant that rises with it."""
     h, t = 0.0025, np.arange(400)
     q, tau = np.stack([np.sin(0.02 * t), np.cos(0.03 * t)]), np.stack([0.5 + 0.01 * t, 1.0 - 0.02 * t])
-    none, arm = np.zeros((2, 2)), 1
-
-    def second(first_joint, second_joint):
-        return np.array([[0.0, 0.0], [first_joint, second_joint]])
-
-    effects = Effects(none, none, second(0.01, 0.02), second(0.1, 0.2), none, none)
-    delayed = Effects(**{**vars(effects), "delay": second(3 * h, 3 * h)})
+    arm, levels = 1, np.zeros((5, 2, 2))
+    levels[2, 1], levels[3, 1] = (0.01, 0.02), (0.1, 0.2)
+    effects, delayed = Effects(levels, np.zeros((2, 2))), Effects(levels.copy(), np.zeros((2, 2)))
+    delayed.levels[4, 1] = 3 * h
     measured, scaled = effects.observed(arm, q, tau, h)
     np.testing.assert_allclose(measured, q + [[0.01], [0.02]] * tau)
     np.testing.assert_allclose(scaled, tau + [[0.1], [0.2]] * tau * np.abs(tau))

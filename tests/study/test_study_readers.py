@@ -11,6 +11,7 @@ from repro.config import load_config
 from repro.files import write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.settings import signal_settings
+from repro.study.design import RANKS
 from repro.study.readers import Readers, Reading
 
 CONFIG = load_config(Path("config/config.yaml"))
@@ -68,11 +69,11 @@ def test_ranks_are_uniform_if_a_claim_is_right_and_not_if_it_is_narrow(tmp_path,
         centre = rng.normal(size=N)
         truth = rng.multivariate_normal(centre, covariance)
         claims.append(judge(Reading("x", centre, width**2 * covariance), truth, unit, rng))
-    p_each = stats.kstest([claim.below_truth[4] for claim in claims], "uniform").pvalue
-    p_together = stats.kstest([claim.nearer for claim in claims], "uniform").pvalue
+    p_each = stats.kstest([claim[RANKS[4]] for claim in claims], "uniform").pvalue
+    p_together = stats.kstest([claim["nearer"] for claim in claims], "uniform").pvalue
     assert (p_each > 0.01) == (width == 1.0)
     assert (p_together > 0.01) == (width == 1.0)
-    assert claims[0].contraction == pytest.approx(np.mean(1.0 - width**2 * np.diag(covariance) / unit**2))
+    assert claims[0]["contraction"] == pytest.approx(np.mean(1.0 - width**2 * np.diag(covariance) / unit**2))
 
 
 def test_samples_are_judged_as_their_distribution(tmp_path):
@@ -80,6 +81,7 @@ def test_samples_are_judged_as_their_distribution(tmp_path):
     rng = np.random.default_rng(9)
     samples = rng.normal(3.0, 0.2, (20_000, N))
     truth = np.full(N, 3.0) + 0.2 * np.linspace(-2, 2, N)
-    below = judge(Reading("x", samples.mean(0), samples=samples), truth, 1.0, rng).below_truth
+    claim = judge(Reading("x", samples.mean(0), samples=samples), truth, 1.0, rng)
+    below = [claim[name] for name in RANKS]
     np.testing.assert_allclose(below, stats.norm.cdf(np.linspace(-2, 2, N)), atol=0.02)
-    assert judge(Reading("x", truth), truth, 1.0, rng) is None
+    assert np.isnan([*judge(Reading("x", truth), truth, 1.0, rng).values()]).all()

@@ -116,10 +116,10 @@ def train_posterior(
             report(step + 1, settings.steps)
 
 
-def read_torque(network: PlainNetwork, alpha: Array) -> Array:
-    """Posterior mean, shape (9,), of the parameters behind a torque of shape (2, M) over its largest magnitude."""
-    mean, _ = network(torch.from_numpy(alpha.reshape(1, -1).astype(np.float32)))
-    return np.asarray(mean[0].numpy(), dtype=np.float64)
+def read_torque(network: PlainNetwork, alpha: Array) -> tuple[Array, Array]:
+    """Mean (9,) of the parameters behind a torque (2, M) over its largest magnitude, and factor (9, 9) of precision."""
+    mean, factor = network(torch.from_numpy(alpha.reshape(1, -1).astype(np.float32)))
+    return mean[0].numpy().astype(np.float64), factor[0].numpy().astype(np.float64)
 
 
 def save_plain(path: Path, network: PlainNetwork) -> None:

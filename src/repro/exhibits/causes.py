@@ -66,13 +66,13 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
     """
     values = cells.pivot(index=["response", "seed"], columns=["training", "image_motion"], values="value")
     values = values[list(CAUSES.values())]
-    effects = pd.DataFrame({name: values @ np.array(weights) for name, weights in _EFFECT_WEIGHTS.items()})
-    rows: list[tuple[object, ...]] = []
-    for kind, frame in (("cell", values), ("effect", effects)):
-        for name in frame.columns:
-            for response, of_seeds in frame[name].groupby("response"):
-                where = name if kind == "cell" else (name, "")
-                rows.append((kind, *where, response, of_seeds.mean(), of_seeds.std(ddof=1), len(of_seeds)))
+    table: dict[tuple[str, ...], Any] = {("cell", *cell): values[cell] for cell in values.columns}
+    table |= {("effect", name, ""): values @ np.array(weights) for name, weights in _EFFECT_WEIGHTS.items()}
+    rows = [
+        (*row, response, of_seeds.mean(), of_seeds.std(ddof=1), len(of_seeds))
+        for row, own in table.items()
+        for response, of_seeds in own.groupby("response")
+    ]
     columns = ["row", "training", "image_motion", "response", "value", "spread", "seeds"]
     return pd.DataFrame(rows, columns=columns).fillna({"spread": 0.0})
 

@@ -1,6 +1,8 @@
 """Many simulated arms: coverage of the network's intervals, spread of the similarity, verdict on the methods."""
 
+from collections.abc import Hashable, Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -34,19 +36,22 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
     """Shares of arms that intervals cover, a row for each parameter."""
     levels = sorted(set(frame["level"]))
     heads = [f"{100 * level:g}" for level in levels]
-    cells = frame.set_index(["arms", "parameter", "level"])
-    columns: list[Column] = [("Parameter", "l", lambda row: row["name"])]
-    wide = pd.DataFrame({"name": [*map(formula, NAMES), plain(TOGETHER)]}, index=[*NAMES, TOGETHER])
-    shown = (("Guesses", "unmodelled", "raw"), *((name, arms, "calibrated") for arms, name in ARMS.items()))
-    for name, arms, column in shown:
-        for level, head in zip(levels, heads, strict=True):
-            key = f"{name}, {head}"
-            wide[key] = cells[column].xs((arms, level), level=("arms", "level"))
-            columns.append((key, "r", digits(key, 0, 100.0)))
-    last = cells.xs(("unmodelled", levels[-1]), level=("arms", "level")).loc[list(NAMES), ["width", "contraction"]]
-    columns += [
-        ("Width", "r", digits("width", 3)),
-        ("Contraction", "r", lambda row: plain("none") if row["contraction"] <= 0 else digits("contraction", 2)(row)),
+    wide = frame.pivot(index="parameter", columns=["arms", "level"]).loc[[*NAMES, TOGETHER]].rename_axis("name")
+    last = ("unmodelled", levels[-1])
+    shown = (("Guesses", "raw", "unmodelled"), *((name, "calibrated", arms) for arms, name in ARMS.items()))
+
+    def contraction(row: Mapping[Hashable, Any]) -> Text:
+        return plain("none") if row[("contraction", *last)] <= 0 else digits(("contraction", *last), 2)(row)
+
+    columns: list[Column] = [
+        ("Parameter", "l", lambda row: (formula if row["name"] in NAMES else plain)(row["name"])),
+        *(
+            (f"{name}, {head}", "r", digits((column, arms, level), 0, 100.0))
+            for name, column, arms in shown
+            for level, head in zip(levels, heads, strict=True)
+        ),
+        ("Width", "r", digits(("width", *last), 3)),
+        ("Contraction", "r", contraction),
     ]
     warned = [100.0 * float(frame.loc[frame["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
     caption = (
@@ -59,7 +64,7 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
         f"variance over the arms that the interval removes. {warned[0]:.1f}, {warned[1]:.1f} and {warned[2]:.1f} % of "
         "the three sets are warned of as unlike the training motions."
     )
-    return grid(caption, columns, [(None, wide.join(last))])
+    return grid(caption, columns, [(None, wide.set_axis(wide.columns.to_flat_index(), axis=1).reset_index())])
 
 
 @_table("coverage", "Do the intervals of the network cover", coverage_layout, inputs=("coverage",))

@@ -253,7 +253,7 @@ def words(column: str) -> Cell:
     return lambda row: plain(str(row[column]))
 
 
-def digits(column: str, decimals: int, factor: float = 1.0) -> Cell:
+def digits(column: Hashable, decimals: int, factor: float = 1.0) -> Cell:
     """Cells of numbers times a factor, empty where there is none."""
     return lambda row: EMPTY if pd.isna(row[column]) else number(factor * row[column], decimals)
 

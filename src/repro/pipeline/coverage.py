@@ -7,8 +7,6 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from repro.cnn.dataset import sample_motion
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.conformal import (
     covered,
     distances,
@@ -18,7 +16,6 @@ from repro.identification.algorithm1.conformal import (
     stretch_factors,
 )
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
@@ -27,16 +24,14 @@ from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.simulated_arms import (
     Draw,
-    Tracked,
-    derived_motion,
     draw_arms,
     draw_built_arms,
+    sampled_tracks,
     simulate_arms,
     training_motion,
 )
-from repro.progress import Progress
+from repro.progress import over
 from repro.settings import signal_settings
-from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
 
 #: Set of guesses of the recorded arm; those of simulated arms are 0 and up.
@@ -61,62 +56,54 @@ def check_coverage(
 
     Shares of arms that intervals cover, distributions of the levels that reach the truth, and intervals of the arm.
     """
-    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
-    (recording,) = read_recordings(captures, config)
+    signals, c = signal_settings(config), config["coverage"]
+    tau_mean, levels = read_mean_torque(mean_torque, signals), tuple(c["levels"])
     algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
-    c = config["coverage"]
-    levels = tuple(c["levels"])
+    search, training = algorithm1.search, training_motion(config, motions).torque
+    beyond = novelty_limit(training)
 
-    def read(which: int, effects: bool, draw: Draw) -> tuple[Tracked, Array, Array]:
-        """Arms, estimates of each from uniform guesses, and its parameters, in units of the largest torque."""
+    def read(which: int, recordings: Sequence[Recording]) -> tuple[list[PreparedSignals], Array]:
+        """Prepared signals, and estimates (n, guesses, 9) from uniform guesses in units of the largest torque."""
+        prepared = [prepare_recording(one, tau_mean, signals, search.image_motion) for one in recordings]
+        found = []
+        for k, one in enumerate(over(prepared, f"reading {len(prepared)} arms")):
+            rng = stream(c["seed"], Stream.COVERAGE_GUESSES, which, k)
+            guess = rng.uniform(search.low, search.high, (c["guesses"], 9))
+            found.append(ResidualEstimator(algorithm1.network, algorithm1.image, one).estimate(guess))
+        return prepared, np.stack(found)
+
+    def simulated(which: int, effects: bool, draw: Draw) -> tuple[list[Recording], Array, Array]:
+        """Recordings of arms, their estimates and their parameters; canonical time is the recorded one here."""
         arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects, draw)
-        progress, found, right = Progress(f"reading {len(arms.position)} arms"), [], []
-        for k, (position, pwm) in enumerate(zip(arms.position, arms.pwm, strict=True)):
-            one = Recording.of_counts(arms.program, position, pwm, config)
-            prepared, estimates = _estimate(algorithm1, one, tau_mean, config, which, k)
-            found.append(estimates)
-            right.append(arms.parameters[k] / prepared.torque_scale)  # canonical time is the recorded one here
-            progress(k + 1, len(arms.position))
-        return arms, np.stack(found), np.stack(right)
+        counts = zip(arms.position, arms.pwm, strict=True)
+        recordings = [Recording.of_counts(arms.program, *both, config) for both in counts]
+        prepared, found = read(which, recordings)
+        return recordings, found, arms.parameters / np.array([[one.torque_scale] for one in prepared])
 
-    _, estimates, truth = read(0, True, draw_arms)
+    def unlike(recordings: Sequence[Recording]) -> float:
+        """Share whose motion is unlike those of the training."""
+        own = sampled_tracks([one.q for one in recordings], recordings[0].program, signals)
+        return float((distances(own.torque, training) > beyond).mean())
+
+    _, estimates, truth = simulated(0, True, draw_arms)
     known = spread_of(estimates)
     factors, calibration = stretch_factors(known, truth, levels), normalised_errors(known, truth)
     together = joint_factors(factors, calibration, levels)
-    training = training_motion(config, motions).torque
-    beyond = novelty_limit(training)
     shares, ranks = [], []
     for which, name, effects, draw in TESTED:
-        arms, found, right = read(which, effects, draw)
-        own_motions = np.stack([_torque(q * RADIANS_PER_COUNT, arms.program, config) for q in arms.position])
-        warned = float((distances(own_motions, training) > beyond).mean())
-        shares.append(coverage_shares(name, found, right, factors, together, levels).assign(warned=warned))
+        recordings, found, right = simulated(which, effects, draw)
+        table = coverage_shares(name, found, right, factors, together, levels)
+        shares.append(table.assign(warned=unlike(recordings)))
         ranks.append(_rank_shares(name, found, right, calibration))
-    near = distances(_torque(recording.q, recording.program, config)[np.newaxis], training)
-    prepared, found = _estimate(algorithm1, recording, tau_mean, config, OWN, 0)
-    spread, factor = spread_of(found), factors[-1]
-    bounds = (spread.centre, spread.centre - factor * spread.width, spread.centre + factor * spread.width)
-    centre, low, high = (prepared.to_recorded_time(x * prepared.torque_scale) for x in bounds)
-    own = pd.DataFrame(
-        {"parameter": NAMES, "true": true_parameters(config), "centre": centre, "low": low, "high": high}
-    )
-    own = own.assign(level=levels[-1], warned=int(near[0] > beyond))
-    return [pd.concat(shares, ignore_index=True), pd.concat(ranks, ignore_index=True), own]
-
-
-def _estimate(
-    algorithm1: Algorithm1, recording: Recording, tau_mean: Array, config: Config, which: int, k: int
-) -> tuple[PreparedSignals, Array]:
-    """Estimates (guesses, 9) of an arm from uniform guesses."""
-    search, c = algorithm1.search, config["coverage"]
-    prepared = prepare_recording(recording, tau_mean, signal_settings(config), search.image_motion)
-    guess = stream(c["seed"], Stream.COVERAGE_GUESSES, which, k).uniform(search.low, search.high, (c["guesses"], 9))
-    return prepared, ResidualEstimator(algorithm1.network, algorithm1.image, prepared).estimate(guess)
-
-
-def _torque(q: Array, program: ReferenceTrajectory, config: Config) -> Array:
-    signals = signal_settings(config)
-    return sample_motion(derived_motion(q, signals), signals, slice(program.n1, program.n2)).torque
+    recordings = read_recordings(captures, config)
+    (prepared,), found = read(OWN, recordings)
+    spread = spread_of(found[0])
+    own = {"centre": spread.centre, "low": spread.centre - factors[-1] * spread.width}
+    own["high"] = spread.centre + factors[-1] * spread.width
+    own = {name: prepared.to_recorded_time(x * prepared.torque_scale) for name, x in own.items()}
+    intervals = pd.DataFrame({"parameter": NAMES, "true": true_parameters(config), **own})
+    intervals = intervals.assign(level=levels[-1], warned=int(unlike(recordings)))
+    return [pd.concat(shares, ignore_index=True), pd.concat(ranks, ignore_index=True), intervals]
 
 
 def joint_factors(factors: Array, calibration: Array, levels: tuple[float, ...]) -> Array:

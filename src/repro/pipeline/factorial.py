@@ -19,9 +19,9 @@ from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
 from repro.pipeline.job import Config
-from repro.pipeline.simulated_arms import CONFIRMATION, Specimen, read_blocks
-from repro.settings import signal_settings
-from repro.signals.metric import TIME_FORMULAS, MetricSettings, TorqueScorer
+from repro.pipeline.monte_carlo import Scores
+from repro.pipeline.simulated_arms import CONFIRMATION, read_blocks
+from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 
 @dataclass(frozen=True)
@@ -67,32 +67,18 @@ COLUMNS = (
 )  # fmt: skip
 
 
-class Scorers:
-    """Similarity of parameters on the motions of one block under both metrics."""
-
-    def __init__(self, block: Specimen, config: Config) -> None:
-        regressions = [recording.regression(signal_settings(config)) for recording in block.recordings.values()]
-        self._by_metric = {name: [TorqueScorer(r.tau, r.y, m) for r in regressions] for name, m in METRICS.items()}
-
-    def row(self, metric: str, beta: Array) -> dict[str, float]:
-        """Mean total of both joints on ID, and over T1 to T4."""
-        totals = [float(score(beta).total.mean()) for score in self._by_metric[metric]]
-        return {"id": totals[0], "validation": float(np.mean(totals[1:]))}
-
-
 def score_references(recordings: Path, config: Config) -> pd.DataFrame:
     """Least squares, bounded least squares and the true parameters on every block, for both units of omega."""
     rows = []
     for omega in dict.fromkeys(cell.omega for cell in CELLS.values()):
         c = merged(config, {"signals": {"frequency_reading": omega}})
         for block in read_blocks(recordings, c):
-            scorers, regression = Scorers(block, c), block.recordings["ID"].regression(signal_settings(c))
-            estimates = {name: METHODS[name].estimate(regression).beta for name in ("ordinary", "bounded")}
-            estimates["true"] = block.true
-            for (reader, beta), metric in product(estimates.items(), METRICS):
-                own = {"reader": reader, "omega": omega, "back_emf": block.back_emf, "metric": metric}
-                rows.append({**own, "block": block.block, "arm": block.arm, **scorers.row(metric, beta)})
-    return pd.DataFrame(rows)
+            scores = Scores(block.recordings, c)
+            estimates = {name: METHODS[name].estimate(scores.regressions[0]).beta for name in ("ordinary", "bounded")}
+            for (reader, beta), metric in product([*estimates.items(), ("true", block.true)], METRICS):
+                own = {"reader": reader, "omega": omega, "metric": metric}
+                rows.append({**own, **block.labels, **scores(beta, METRICS[metric])})
+    return pd.DataFrame(rows)[["reader", "omega", "back_emf", "metric", "block", "arm", "id", "validation"]]
 
 
 #: Level of each factor that counts as high; an effect is high minus low.

@@ -23,7 +23,7 @@ from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.job import Config
-from repro.progress import Progress
+from repro.progress import over
 from repro.settings import NumericSettings, data_settings, metric_settings, numeric_settings, signal_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, metr2ev
@@ -105,14 +105,12 @@ def identify_arms(algorithm1: "Algorithm1", config: Config, tau_mean: Array, see
     For each arm its true parameters, and for each method the estimate, its similarity and its cost in images. Mean
     torque of the training data of shape (2, N), N m.
     """
-    progress = Progress(f"{algorithm1.variant} image, seed {seed}")
     arms: dict[str, Any] = {}
-    for index, (name, beta, measured) in enumerate(_arms(config)):
+    for index, (name, beta, measured) in enumerate(over([*_arms(config)], f"{algorithm1.variant} image, seed {seed}")):
         streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE, Stream.UNIFORM_SEARCH))
         found, met = algorithm1.run(prepare(measured, tau_mean, signal_settings(config)), *streams)
         arms[name] = _arm(beta, as_json(found), executions_over_threshold=met)
         _LOG.info("%s: %d of %d executions over the threshold", name, met, algorithm1.search.executions)
-        progress(index + 1, len(config["numeric"]["arms"]))
     return {"variant": algorithm1.variant, "seed": seed, "arms": arms}
 
 
@@ -153,10 +151,11 @@ def score_numeric(identifications: Sequence[Path], config: Config) -> pd.DataFra
 
 
 def prepare_recording(
-    recording: Recording, tau_mean: Array, signals: SignalSettings, image_motion: ImageMotion = "measured"
+    recording: Recording, tau_mean: Array | None, signals: SignalSettings, image_motion: ImageMotion = "measured"
 ) -> PreparedSignals:
-    """Lines 1 to 12 of Algorithm 1 for a recording of any duration."""
-    n1, n2 = recording.program.n1, recording.program.n2
+    """Lines 1 to 12 of Algorithm 1 for a recording of any duration; the level of line 5 cancels in line 32."""
+    n1, n2, regression = recording.program.n1, recording.program.n2, recording.regression(signals)
+    tau_mean = regression.tau if tau_mean is None else tau_mean
     n, m = n2 - n1, tau_mean.shape[1]
     phase = (np.arange(n) + 0.5) * m / n - 0.5
     mean = np.stack([np.interp(phase, np.arange(m), joint) for joint in tau_mean])
@@ -164,7 +163,7 @@ def prepare_recording(
     if image_motion == "desired":
         q, dq, ddq = (x[:, n1:n2] for x in derivatives(recording.program.q, signals))
         shown = q, dq, ddq
-    return prepare(recording.regression(signals), mean, signals, m / n, shown)
+    return prepare(regression, mean, signals, m / n, shown)
 
 
 def identify_recording(

@@ -11,6 +11,9 @@ import pandas as pd
 
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording
+from repro.pipeline.job import Config
+from repro.settings import signal_settings
+from repro.signals.metric import MetricSettings, TorqueScorer
 
 #: A loop chatters if more than this share of the power of a joint's torque on ID is above this frequency, Hz: a rule on
 #: the recording alone, whatever the methods make of it. The arm behind the captures has 0.21.
@@ -35,6 +38,21 @@ def chatters(recorded: Recording) -> bool:
     return bool((power[..., fast].sum(axis=-1) > CHATTER_SHARE * power.sum(axis=-1)).any())
 
 
+class Scores:
+    """Similarity of estimates on the recordings of one arm, the one that is identified from first."""
+
+    def __init__(self, recordings: Sequence[Recording], config: Config) -> None:
+        self.regressions = [recording.regression(signal_settings(config)) for recording in recordings]
+        self._of: dict[MetricSettings, list[TorqueScorer]] = {}
+
+    def __call__(self, beta: Array, metric: MetricSettings) -> dict[str, float]:
+        """Mean total of both joints on ID, and over T1 to T4."""
+        if metric not in self._of:
+            self._of[metric] = [TorqueScorer(r.tau, r.y, metric) for r in self.regressions]
+        totals = [float(score(beta).total.mean()) for score in self._of[metric]]
+        return {"id": totals[0], "validation": float(np.mean(totals[1:]))}
+
+
 def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
     """Compare each method with each opponent, for each duration, on all arms and on those whose loop is steady.
 
@@ -49,22 +67,24 @@ def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequenc
             differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
             p = np.array([_signed_rank_p(d) for d in differences])
             for (method, opponent), d, own, adjusted in zip(pairs, differences, p, holm(p), strict=True):
-                low, high = walsh_interval(d, 1.0 - FAMILY_LEVEL / len(pairs))
-                wins, middle = int((d > 0).sum()), float(np.median(walsh_averages(d)))
-                conclusion = conclude(middle, low, high, adjusted)
-                rows.append(
-                    (name, duration, method, opponent, len(d), wins, middle, low, high, own, adjusted, conclusion)
-                )
+                middle, low, high = interval(d, len(pairs))
+                conclusion = conclude(low, high, middle * (adjusted < FAMILY_LEVEL))
+                found = (len(d), int((d > 0).sum()), middle, low, high, own, adjusted, conclusion)
+                rows.append((name, duration, method, opponent, *found))
     return pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
 
 
-def conclude(difference: float, low: float, high: float, p: float) -> str:
-    """Word for a pair: equivalent where the whole interval is within the margin, then by the adjusted p value."""
+def interval(differences: Array, family: int) -> tuple[float, float, float]:
+    """Centre of differences over arms and its interval, valid at once for a family of so many (Hodges and Lehmann)."""
+    low, high = walsh_interval(differences, 1.0 - FAMILY_LEVEL / family)
+    return float(np.median(walsh_averages(differences))), low, high
+
+
+def conclude(low: float, high: float, sign: float) -> str:
+    """Word for an interval of a difference: equivalent within the margin, then by its sign, 0 where it is open."""
     if low > -EQUIVALENT and high < EQUIVALENT:
         return SAME
-    if p >= FAMILY_LEVEL:
-        return OPEN
-    return BETTER if difference > 0 else WORSE
+    return BETTER if sign > 0 else WORSE if sign < 0 else OPEN
 
 
 def _signed_rank_p(differences: Array) -> float:

@@ -19,7 +19,7 @@ from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
 from repro.model.parameters import FEASIBILITY, Array
 from repro.pipeline.experiment import read_recordings, true_parameters
-from repro.pipeline.factorial import CELLS, COLUMNS, METRICS, Scorers, configured
+from repro.pipeline.factorial import CELLS, COLUMNS, METRICS, configured
 from repro.pipeline.identifications import (
     CASE,
     identify_arms,
@@ -33,10 +33,10 @@ from repro.pipeline.identifications import (
 )
 from repro.pipeline.interpretations import VARIANTS, configuration_of
 from repro.pipeline.job import Config
-from repro.pipeline.monte_carlo import chatters
+from repro.pipeline.monte_carlo import Scores, chatters
 from repro.pipeline.simulated_arms import describe_motions, read_blocks, read_spread, training_motion
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, model_card, network_name, take_stored
-from repro.progress import Progress
+from repro.progress import Progress, over
 from repro.settings import (
     data_settings,
     metric_settings,
@@ -64,30 +64,24 @@ def train_network(
     table, seconds = train_and_keep(name, weights, history, checkpoint, config, motions)
     precision = on_this_processor(training_settings(config).precision)
     write_text(card, model_card(weights, table, seconds, precision, describe_motions(config), config))
-    Path(checkpoint).unlink(missing_ok=True)
 
 
 def train_and_keep(
     name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: Path | None
 ) -> tuple[pd.DataFrame, list[float]]:
     """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
-    progress = Progress(f"training, {name}")
-    trained = train(
-        training_motion(config, motions),
-        data_settings(config),
-        network_settings(config),
-        training_settings(config),
-        Path(checkpoint),
-        lambda done, total, loss: progress(done, total, f"loss {loss:.2e}"),
-    )
+    motion, progress = training_motion(config, motions), Progress(f"training, {name}")
+    settings = training_settings(config)
+    trained = train(motion, data_settings(config), network_settings(config), settings, Path(checkpoint), progress)
     table = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
     save_network(weights, trained.network, {CONFIGURATION: configuration_digest(config)})
     write_csv(history, table)
+    Path(checkpoint).unlink(missing_ok=True)
     return table, trained.seconds_at.tolist()
 
 
-def algorithm1_of(variant: str, weights: Path, config: Config, digest: str) -> Algorithm1:
-    """Algorithm 1 with a trained network, whose weights must state the configuration `digest`."""
+def algorithm1_of(variant: str, weights: Path, config: Config, digest: str | None = None) -> Algorithm1:
+    """Algorithm 1 with a trained network, whose weights must state the configuration `digest` if there is one."""
     network = load_network(weights, network_settings(config), digest, training_settings(config).precision)
     image, search = data_settings(config).image, search_settings(config)
     return Algorithm1(variant, network, image, search, refinement_settings(config))
@@ -139,15 +133,13 @@ def score_spread(
         for_the_arm(algorithm1_of(name, file, of_network(config, name), digest), config)
         for file, (name, digest) in zip(weights, trained_as.items(), strict=True)
     ]
-    progress = Progress(f"spread, identification of {duration:.4g} s")
     frames = []
-    for k, one in enumerate(specimens):
-        recorded = one.recordings["ID"]
+    for one in over(specimens, f"spread, identification of {duration:.4g} s"):
+        recorded = one.recordings[0]
         runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in networks]
         runs.append(least_squares_of(recorded, signals, one.true, one.seed))
-        scores = score_runs(runs, list(one.recordings.values()), signals, metric_settings(config))
-        frames.append(scores.assign(duration=duration, arm=one.arm, chatter=int(chatters(recorded))))
-        progress(k + 1, len(specimens))
+        scores = score_runs(runs, one.recordings, signals, metric_settings(config))
+        frames.append(scores.assign(**one.labels, chatter=int(chatters(recorded))))
     table = pd.concat(frames, ignore_index=True)
     return table[["case", "joint", "method", "duration", "arm", "chatter", "seed", "time", "frequency", "total"]]
 
@@ -160,7 +152,6 @@ def train_variant(trained: str, weights: Path, history: Path, tracked: Path, che
     reading = VARIANTS[trained]
     label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
     train_and_keep(label, weights, history, checkpoint, c, tracked)
-    Path(checkpoint).unlink(missing_ok=True)
 
 
 def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Config) -> dict[str, float]:
@@ -216,7 +207,6 @@ def train_cell(
         save_plain(weights, train_plain(motion, data_settings(c), _plain_settings(c), seed, progress))
         return
     train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
-    Path(checkpoint).unlink(missing_ok=True)
 
 
 def search_under(
@@ -248,33 +238,28 @@ def score_cell(
     cell: str, seed: int, search: int, weights: Path, recordings: Path, mean_torque: Path, config: Config
 ) -> pd.DataFrame:
     """Similarities of one network and one seed of guesses on every block; of a plain network, which has no guesses."""
-    levels = CELLS[cell]
+    levels, rows = CELLS[cell], []
     c = configured(config, levels, seed)
-    signals, image = signal_settings(c), data_settings(c).image
+    signals = signal_settings(c)
     tau_mean, blocks = read_mean_torque(mean_torque, signals), read_blocks(recordings, c)
-    settings = replace(search_settings(c), threshold=c["experiment"]["threshold"])
     if levels.reader == "plain":
         plain = load_plain(weights, signals.samples, _plain_settings(c))
     else:
-        network = load_network(weights, network_settings(c), configuration_digest(c), c["training"]["precision"])
-    progress, rows = Progress(f"{cell}, seed {seed}, guesses {search}"), []
+        algorithm1 = for_the_arm(algorithm1_of(cell, weights, c, configuration_digest(c)), c)
     common = {"reader": levels.reader, "training": levels.motions, "omega": levels.omega, "training_seed": seed}
-    for k, block in enumerate(blocks):
-        scorers = Scorers(block, c)
-        own = {**common, "block": block.block, "arm": block.arm, "back_emf": block.back_emf, "search_seed": search}
+    for k, block in enumerate(over(blocks, f"{cell}, seed {seed}, guesses {search}")):
+        scores = Scores(block.recordings, c)
         for image_motion in levels.image_motions or ("measured",):
-            prepared = prepare_recording(block.recordings["ID"], tau_mean, signals, image_motion)
+            prepared = prepare_recording(block.recordings[0], tau_mean, signals, image_motion)
             if levels.reader == "plain":
-                first = read_torque(plain, prepared.alpha)[np.newaxis]
-                found = dict.fromkeys(METRICS, (prepared.torque_scale * first[0], 0))
+                first = read_torque(plain, prepared.alpha)[0]
+                found = dict.fromkeys(METRICS, (prepared.torque_scale * first, 0))
             else:
-                reader = ResidualEstimator(network, image, prepared)
-                found, first = search_under(reader, prepared, settings, stream(search, Stream.FACTORIAL_SEARCH, k))
+                reader = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
+                rng = stream(search, Stream.FACTORIAL_SEARCH, k)
+                found, first = search_under(reader, prepared, algorithm1.search, rng)
             error = float(np.sqrt(np.mean((first - block.true / prepared.torque_scale) ** 2)))
-            shown = image_motion if levels.image_motions else ""
-            rows += [
-                {**own, "image_motion": shown, "metric": m, **scorers.row(m, beta), "error": error, "met": met}
-                for m, (beta, met) in found.items()
-            ]
-        progress(k + 1, len(blocks))
+            own = {**common, **block.labels, "search_seed": search, "error": error}
+            own["image_motion"] = image_motion if levels.image_motions else ""
+            rows += [{**own, "metric": m, **scores(x, METRICS[m]), "met": met} for m, (x, met) in found.items()]
     return pd.DataFrame(rows)[list(COLUMNS)]

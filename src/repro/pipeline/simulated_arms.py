@@ -5,13 +5,13 @@ says that a recorded motion need not be identical to it (Section VI). A specimen
 effects and its random motion T1.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.dataset import SampledMotion, sample_motion, stack_motions
 from repro.cnn.priors import sample_beta
@@ -19,7 +19,7 @@ from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.plant import NOTHING, Plant, Unmodelled
 from repro.identification.algorithm1.preprocessing import derivatives
 from repro.model.parameters import Array, Links, inertial_from_links
 from repro.pipeline.experiment import (
@@ -33,13 +33,15 @@ from repro.pipeline.experiment import (
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
-from repro.signals.dct import SignalSettings, image_regressor
-from repro.signals.programs import PROGRAMS, VALIDATION, ReferenceTrajectory, check_limits, identification_reference
+from repro.signals.dct import SignalSettings
+from repro.signals.programs import PROGRAMS, VALIDATION, ReferenceTrajectory, identification_reference, peaks
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 
 #: Law that arms are drawn from.
 Draw = Callable[[np.random.Generator, int, Config], Array]
+#: Counts that a board sends.
+Counts = NDArray[np.int16]
 #: Arms drawn for each that the Monte Carlo study wants.
 DRAWN = 8
 #: Name of the factorial's block that no effect is estimated from: an arm and a specimen frozen before, scored once.
@@ -51,9 +53,21 @@ class Tracked:
     """Arms and how they tracked Eq. 10."""
 
     program: ReferenceTrajectory  # the motion that was sent
-    position: NDArray[np.int16]  # counts of encoder and PWM
-    pwm: NDArray[np.int16]
+    position: Counts  # of encoder and PWM
+    pwm: Counts
     parameters: Array  # of each arm
+
+
+def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArray[Any]]:
+    """Reader of the arrays of a file: by name, the first entries that make up a shape."""
+    kept, _ = read_tensors(path, expected)
+
+    def first(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
+        if name not in kept or kept[name][: shape[0]].shape != shape:
+            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
+        return kept[name][: shape[0]]
+
+    return first
 
 
 # --- Closed-loop motions to train on ------------------------------------------------------------------------------
@@ -103,10 +117,32 @@ def _program(config: Config) -> ReferenceTrajectory:
     return identification_reference(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
 
 
-def tracking_error(position: NDArray[np.int16], program: ReferenceTrajectory) -> Array:
-    """Largest error of each arm along the trajectory proper, rad, of encoder counts of shape (K, 2, N)."""
-    error: Array = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
-    return error
+def run_loop(
+    config: Config,
+    beta: Array,
+    desired: Array,
+    what: str = "arms",
+    unmodelled: Unmodelled | Sequence[Unmodelled] = NOTHING,
+    phase: ArrayLike = (0.0, 0.0),
+    quick: bool = False,
+) -> tuple[Counts, Counts]:
+    """Encoder and PWM counts (n, 2, N) of arms (n, 9) along one motion or one each; a diverging loop's mean nothing."""
+    plant = Plant(beta, config["signals"]["sampling_period_s"], unmodelled, phase, quick)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return simulate(plant, control_constants(config), desired, Progress(f"simulating {len(beta)} {what}"))
+
+
+def tracks(config: Config, position: Counts, program: ReferenceTrajectory) -> NDArray[np.bool_]:
+    """Check whether arms with these encoder counts (n, 2, N) track the trajectory proper."""
+    error = np.abs(position * RADIANS_PER_COUNT - program.q)[..., program.n1 : program.n2].max((1, 2))
+    return np.asarray(error <= config["data"]["tracked"]["largest_error_rad"])
+
+
+def is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
+    """Check whether a motion stays within torque and speed of each arm (n, 9)."""
+    torque_limit, speed_limit = limits(config)
+    speed, torque = peaks(program, beta)
+    return np.asarray((torque <= np.array(torque_limit)).all(axis=-1) & (speed <= speed_limit).all())
 
 
 def simulate_arms(
@@ -120,10 +156,9 @@ def simulate_arms(
     unmodelled = [
         Unmodelled(stribeck=(s, s), ripple=(a, a), ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()
     ]
-    plant = Plant(beta, program.h, unmodelled, rng.uniform(0.0, 2.0 * np.pi, (drawn, 2)))
-    progress = Progress(f"simulating {drawn} arms")
-    position, pwm = simulate(plant, control_constants(config), program.q, progress)
-    kept = np.flatnonzero(tracking_error(position, program) <= t["largest_error_rad"])[:count]
+    phase = rng.uniform(0.0, 2.0 * np.pi, (drawn, 2))
+    position, pwm = run_loop(config, beta, program.q, unmodelled=unmodelled, phase=phase)
+    kept = np.flatnonzero(tracks(config, position, program))[:count]
     if len(kept) < count:
         found = f"{len(kept)} of {drawn} arms that track"
         raise InputError.at("data.tracked.largest_error_rad", found, f"{count}: a larger error")
@@ -141,18 +176,26 @@ def simulate_tracked(config: Config, out: Path) -> None:
 def read_tracked(path: Path, config: Config) -> Tracked:
     """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them."""
     program, arms = _program(config), config["data"]["tracked"]["arms"]
-    kept, _ = read_tensors(path, "motions of `simulate_tracked`")
-    n = program.q.shape
-    for name, shape in (("position", (arms, *n)), ("pwm", (arms, *n)), ("desired", n), ("parameters", (arms, 9))):
-        if name not in kept or kept[name][: shape[0]].shape != shape:
-            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
-    sent = replace(program, q=kept["desired"].astype(np.float64))
-    return Tracked(sent, *(kept[name][:arms] for name in ("position", "pwm", "parameters")))
+    kept = _stored(path, "motions of `simulate_tracked`")
+    sent = replace(program, q=kept("desired", program.q.shape).astype(np.float64))
+    position, pwm = (kept(name, (arms, *sent.q.shape)) for name in ("position", "pwm"))
+    return Tracked(sent, position, pwm, kept("parameters", (arms, 9)))
 
 
-def derived_motion(q: Array, signals: SignalSettings) -> Motion:
-    """Motion of a recorded position, lines 1 and 2 of Algorithm 1."""
-    return Motion(signals.h * np.arange(q.shape[-1], dtype=np.float64), *derivatives(q, signals))
+def sampled_tracks(
+    positions: Iterable[Array],
+    program: ReferenceTrajectory,
+    signals: SignalSettings,
+    unmodelled: bool = False,
+    desired: bool = False,
+) -> SampledMotion:
+    """Regressors of recorded positions (2, N); f of the image on each, or on the motion that was sent."""
+
+    def sampled(q: Array, unmodelled: bool = False) -> SampledMotion:
+        motion = Motion(signals.h * np.arange(q.shape[-1], dtype=np.float64), *derivatives(q, signals))
+        return sample_motion(motion, signals, slice(program.n1, program.n2), unmodelled)
+
+    return stack_motions([sampled(q, unmodelled) for q in positions], sampled(program.q).model if desired else None)
 
 
 def describe_motions(config: Config) -> str:
@@ -169,14 +212,8 @@ def training_motion(config: Config, tracked: Path | None = None) -> SampledMotio
     if config["data"]["motions"] == "ideal":
         return sample_motion(identification_trajectory(signals.duration, signals.h), signals, unmodelled=unmodelled)
     arms = read_tracked(tracked or Path(), config)
-    proper = slice(arms.program.n1, arms.program.n2)
-    tracks = (derived_motion(q * RADIANS_PER_COUNT, signals) for q in arms.position)
-    motions = [sample_motion(track, signals, proper, unmodelled) for track in tracks]
-    if config["algorithm1"]["image_motion"] == "measured":
-        return stack_motions(motions)
-    sent = derived_motion(arms.program.q, signals)
-    model = image_regressor(sent.q[:, proper], sent.dq[:, proper], sent.ddq[:, proper], signals)
-    return stack_motions(motions, model)
+    desired = config["algorithm1"]["image_motion"] == "desired"
+    return sampled_tracks(arms.position * RADIANS_PER_COUNT, arms.program, signals, unmodelled, desired)
 
 
 # --- Specimens ----------------------------------------------------------------------------------------------------
@@ -187,55 +224,42 @@ class Specimen:
     """One arm with its share of unmodelled effects and its random motion."""
 
     seed: int  # of what Eq. 1 leaves out, and of T1
-    arm: int | str  # in the Monte Carlo study 0 is that of section ``arm``
-    block: str = ""  # name in the factorial
-    back_emf: float = 0.0
-    true: Array = field(default_factory=lambda: np.empty(9))
-    recordings: Mapping[str, Recording] = field(default_factory=dict)  # by motion, ID first
+    labels: Mapping[str, Any]  # its columns in tables
+    true: Array
+    recordings: Sequence[Recording]  # of ID, then of T1 to T4
 
 
-def simulate_specimens(
-    config: Config, seeds: Sequence[int], beta: Array, programs: Mapping[str, Sequence[ReferenceTrajectory]]
-) -> dict[str, NDArray[Any]]:
+#: Motions of each specimen by their names in the file.
+Programs = Mapping[str, Sequence[ReferenceTrajectory]]
+
+
+def _simulate_specimens(config: Config, seeds: Sequence[int], beta: Array, programs: Programs) -> dict[str, Any]:
     """Parameters (n, 9) of specimens and their counts on each motion, simulated as one batch, which shares substeps."""
     desired = [program.q for of_motion in programs.values() for program in of_motion]
     longest = max(q.shape[-1] for q in desired)
     held = np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired])
     levels, phases = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
-    n, h = len(programs), config["signals"]["sampling_period_s"]
-    plant = Plant(np.tile(beta, (n, 1)), h, levels * n, np.tile(phases, (n, 1)))
-    position, pwm = simulate(plant, control_constants(config), held, Progress(f"simulating {len(held)} runs"))
-    kept: dict[str, NDArray[Any]] = {"parameters": beta}
+    arms, phase = (np.tile(each, (len(programs), 1)) for each in (beta, phases))
+    counts = run_loop(config, arms, held, "runs", levels * len(programs), phase)
+    kept: dict[str, Any] = {"parameters": beta}
     for k, (name, of_motion) in enumerate(programs.items()):
-        own = np.s_[k * len(seeds) : (k + 1) * len(seeds), :, : of_motion[0].q.shape[-1]]
-        kept |= {f"{name}/position": position[own], f"{name}/pwm": pwm[own]}
+        own = np.s_[k * len(beta) : (k + 1) * len(beta), :, : of_motion[0].q.shape[-1]]
+        kept |= {f"{name}/position": counts[0][own], f"{name}/pwm": counts[1][own]}
     return kept
 
 
 def _read_specimens(
-    path: Path, config: Config, specimens: Sequence[Specimen], duration: float | None = None, first: str = "ID"
+    path: Path, config: Config, seeds: Sequence[int], labels: Sequence[Mapping[str, Any]], programs: Programs
 ) -> list[Specimen]:
-    """Specimens with their parameters and recordings; `first` is the name of ID in the file."""
-    kept, _ = read_tensors(path, "recordings of simulated arms")
-    n = len(specimens)
-
-    def stored(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        if name not in kept or kept[name].shape != shape:
-            raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
-        return kept[name]
-
+    """Specimens with their parameters and recordings."""
+    stored, n, recordings = _stored(path, "recordings of simulated arms"), len(seeds), []
     true = stored("parameters", (n, 9))
-    found = []
-    for k, one in enumerate(specimens):
-        recordings = {}
-        for motion in PROGRAMS:
-            program = program_from_config(config, motion, one.seed, duration)
-            name = first if motion == "ID" else motion
-            position, pwm = (stored(f"{name}/{what}", (n, *program.q.shape))[k] for what in ("position", "pwm"))
-            sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))  # as the board received it
-            recordings[motion] = Recording.of_counts(sent, position, pwm, config)
-        found.append(replace(one, true=true[k], recordings=recordings))
-    return found
+    for name, of_motion in programs.items():
+        position, pwm = (stored(f"{name}/{what}", (n, *of_motion[0].q.shape)) for what in ("position", "pwm"))
+        # The board received the positions in single precision.
+        sent = [replace(program, q=program.q.astype(np.float32).astype(np.float64)) for program in of_motion]
+        recordings.append([Recording.of_counts(*one, config) for one in zip(sent, position, pwm, strict=True)])
+    return [Specimen(*each) for each in zip(seeds, labels, true, zip(*recordings, strict=True), strict=True)]
 
 
 # --- Many arms ----------------------------------------------------------------------------------------------------
@@ -243,17 +267,15 @@ def _read_specimens(
 
 def spread_arms(config: Config) -> Array:
     """Arms of the spread: that of section ``arm``, and others that can do the same motions."""
-    seeds, durations, count = (config["spread"][name] for name in ("seeds", "durations_s", "arms"))
-    motions = [program_from_config(config, "ID", duration=d) for d in durations]
-    fastest = min(motions, key=lambda motion: motion.q.shape[1])
-    motions += [program_from_config(config, name, seed) for name in VALIDATION for seed in seeds]
+    count = config["spread"]["arms"]
+    programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
+    fastest = min((own[0] for name, own in programs.items() if "ID" in name), key=lambda motion: motion.q.shape[1])
     drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
     drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
-    capable = [beta for beta in drawn if all(_is_within_limits(motion, beta, config) for motion in motions)]
-    arms = np.stack([true_parameters(config), *capable])
-    with np.errstate(over="ignore", invalid="ignore"):  # the loop of a light arm may diverge: it is left out
-        position, _ = simulate(Plant(arms, fastest.h), control_constants(config), fastest.q)
-    tracked = tracking_error(position, fastest) <= config["data"]["tracked"]["largest_error_rad"]
+    for program in (program for of_motion in programs.values() for program in of_motion):
+        drawn = drawn[is_within_limits(config, drawn, program)]
+    arms = np.stack([true_parameters(config), *drawn])
+    tracked = tracks(config, run_loop(config, arms, fastest.q)[0], fastest)  # the loop of a light arm may diverge
     tracked[0] = True  # the arm of the captures
     if tracked.sum() < count:
         raise InputError.at("spread.arms", count, f"at most {tracked.sum()}, of {DRAWN * count} drawn ones that can")
@@ -261,22 +283,18 @@ def spread_arms(config: Config) -> Array:
     return kept
 
 
-def _is_within_limits(motion: ReferenceTrajectory, beta: Array, config: Config) -> bool:
-    """Whether a motion stays within torque and speed of an arm."""
-    try:
-        check_limits(motion, beta, *limits(config))
-    except InputError:
-        return False
-    return True
+def _spread_programs(config: Config, *indices: int) -> Programs:
+    """Motions of every seed, with ID of these durations."""
+    seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
+    own = {f"ID{k}": [program_from_config(config, "ID", duration=durations[k])] * len(seeds) for k in indices}
+    return own | {name: [program_from_config(config, name, seed) for seed in seeds] for name in VALIDATION}
 
 
 def simulate_spread(config: Config, out: Path) -> None:
     """Simulate every seed on every motion and identification duration, and keep the counts."""
-    seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
-    programs = {f"ID{k}": [program_from_config(config, "ID", duration=d)] * len(seeds) for k, d in enumerate(durations)}
-    programs |= {name: [program_from_config(config, name, seed) for seed in seeds] for name in VALIDATION}
-    arms = spread_arms(config)
-    kept = simulate_specimens(config, seeds, arms[np.arange(len(seeds)) % len(arms)], programs)
+    seeds, arms = config["spread"]["seeds"], spread_arms(config)
+    programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
+    kept = _simulate_specimens(config, seeds, arms[np.arange(len(seeds)) % len(arms)], programs)
     for name, of_motion in programs.items():
         kept[f"{name}/desired"] = np.stack([program.q for program in of_motion]).astype(np.float32)
     write_tensors(out, kept)
@@ -285,34 +303,35 @@ def simulate_spread(config: Config, out: Path) -> None:
 def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     """Recordings of every seed for one identification duration."""
     seeds, durations, arms = (config["spread"][name] for name in ("seeds", "durations_s", "arms"))
-    specimens = [Specimen(seed, k % arms) for k, seed in enumerate(seeds)]
-    return _read_specimens(path, config, specimens, durations[index], f"ID{index}")
+    labels = [{"duration": durations[index], "arm": k % arms} for k in range(len(seeds))]
+    return _read_specimens(path, config, seeds, labels, _spread_programs(config, index))
 
 
 # --- Blocks of the factorial --------------------------------------------------------------------------------------
 
 
-def _blocks(config: Config) -> list[Specimen]:
-    """Every specimen with both back-EMFs; the specimens have the arms in turn."""
+def _blocks(config: Config) -> tuple[list[int], list[dict[str, Any]], Programs]:
+    """Seeds, labels and motions of every specimen with both back-EMFs; the specimens have the arms in turn."""
     f = config["factorial"]
-    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
-    labels = [(seed, ("first", "second")[k % 2], str(seed)) for k, seed in enumerate(f["specimens"])]
-    labels.append((f["confirmation_specimen"], CONFIRMATION, CONFIRMATION))
-    return [
-        Specimen(seed, arm, block, back_emf, np.array(arms[arm]) + back_emf * np.isin(np.arange(9), (5, 6)))
-        for seed, arm, block in labels
+    names = [(seed, str(seed), ("first", "second")[k % 2]) for k, seed in enumerate(f["specimens"])]
+    names.append((f["confirmation_specimen"], CONFIRMATION, CONFIRMATION))
+    blocks = [
+        (seed, {"block": block, "arm": arm, "back_emf": back_emf})
+        for seed, block, arm in names
         for back_emf in f["back_emf_nm_s_per_rad"]
     ]
+    seeds, labels = map(list, zip(*blocks, strict=True))
+    return seeds, labels, {name: [program_from_config(config, name, seed) for seed in seeds] for name in PROGRAMS}
 
 
 def simulate_blocks(config: Config, out: Path) -> None:
     """Simulate every block on all motions, and keep the counts."""
-    blocks = _blocks(config)
-    programs = {name: [program_from_config(config, name, block.seed) for block in blocks] for name in PROGRAMS}
-    true = np.stack([block.true for block in blocks])
-    write_tensors(out, simulate_specimens(config, [block.seed for block in blocks], true, programs))
+    f, (seeds, labels, programs) = config["factorial"], _blocks(config)
+    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
+    true = [np.array(arms[one["arm"]]) + one["back_emf"] * np.isin(np.arange(9), (5, 6)) for one in labels]
+    write_tensors(out, _simulate_specimens(config, seeds, np.stack(true), programs))
 
 
 def read_blocks(path: Path, config: Config) -> list[Specimen]:
     """Recordings of every block."""
-    return _read_specimens(path, config, _blocks(config))
+    return _read_specimens(path, config, *_blocks(config))

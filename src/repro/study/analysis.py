@@ -7,16 +7,7 @@ import numpy as np
 import pandas as pd
 
 from repro.model.parameters import Array
-from repro.pipeline.monte_carlo import (
-    BETTER,
-    EQUIVALENT,
-    FAMILY_LEVEL,
-    OPEN,
-    SAME,
-    WORSE,
-    walsh_averages,
-    walsh_interval,
-)
+from repro.pipeline.monte_carlo import EQUIVALENT, OPEN, conclude, interval
 from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, POSTERIOR, RANKS, TRACKED
 
 #: Pairs of methods that are compared in every cell, first minus second.
@@ -33,19 +24,6 @@ def check_outcomes(outcomes: pd.DataFrame) -> pd.DataFrame:
     if outcomes.duplicated(list(KEYS)).any():
         raise ValueError("outcomes: a method has two rows for one arm of a cell.")
     return outcomes
-
-
-def interval(differences: Array, family: int) -> tuple[float, float, float]:
-    """Centre of differences over arms and its interval, valid at once for a family of so many (Hodges and Lehmann)."""
-    low, high = walsh_interval(differences, 1.0 - FAMILY_LEVEL / family)
-    return float(np.median(walsh_averages(differences))), low, high
-
-
-def conclude(low: float, high: float) -> str:
-    """Word for an interval of a difference."""
-    if low > -EQUIVALENT and high < EQUIVALENT:
-        return SAME
-    return BETTER if low > 0 else WORSE if high < 0 else OPEN
 
 
 def difference(outcomes: pd.DataFrame, method: str, opponent: str, response: str = "validation") -> pd.Series:
@@ -67,7 +45,15 @@ def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
         for cell, values in cells:
             centre, low, high = interval(values.to_numpy(), cells.ngroups)
             own = {"method": method, "opponent": opponent, **dict(zip(FACTORS, cell, strict=True)), "arms": len(values)}
-            rows.append({**own, "difference": centre, "low": low, "high": high, "conclusion": conclude(low, high)})
+            rows.append(
+                {
+                    **own,
+                    "difference": centre,
+                    "low": low,
+                    "high": high,
+                    "conclusion": conclude(low, high, (low > 0) - (high < 0)),
+                }
+            )
     return pd.DataFrame(rows)
 
 
@@ -189,10 +175,3 @@ def band(n: int, grid: Array, draws: int = 2000) -> float:
     uniform = np.random.default_rng(0).uniform(size=(draws, n))
     apart = np.abs((uniform[..., np.newaxis] <= grid).mean(axis=1) - grid).max(axis=1)
     return float(np.quantile(apart, LEVEL))
-
-
-def best_condition(table: pd.DataFrame, method: str, opponent: str) -> pd.Series:
-    """Cell with the largest lower bound of a pair: where the method wins, or the bound within which it does not."""
-    own = table[(table["method"] == method) & (table["opponent"] == opponent)]
-    row: pd.Series = own.iloc[int(own["low"].to_numpy().argmax())]
-    return row

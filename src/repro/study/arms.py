@@ -1,4 +1,4 @@
-"""Arms of the study, what makes their torque differ from Eq. 1, and their recordings."""
+"""Motions and arms of the study, what makes their torque differ from Eq. 1, and their recordings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,22 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.cnn.priors import AroundPrior
+from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
-from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.plant import Unmodelled
+from repro.identification.exciting_motion import Envelope, design
 from repro.identification.least_squares import METHODS
+from repro.logs.armfile import Arm
 from repro.model.parameters import Array
-from repro.pipeline.experiment import Recording, control_constants, limits, program_from_config, true_parameters
+from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
 from repro.pipeline.job import Config
-from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, tracking_error
+from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
-from repro.signals.programs import VALIDATION, ReferenceTrajectory, peaks
+from repro.signals.programs import VALIDATION, ReferenceTrajectory
+from repro.signals.trajectories import Motion
+from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
-from repro.study.design import Cell
-from repro.study.motions import excitation_config, excitation_program
+from repro.study.design import FACTORS, Cell
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5
@@ -32,8 +35,11 @@ NARROW = 1.5
 DRAWN, SPARE = 24, 2
 #: The amplitude of the effects is found in so many steps, each by at most this factor.
 STEPS, LARGEST_STEP = 6, 5.0
-#: Counts that a board can send.
-_Counts = NDArray[np.int16]
+#: Pace of the slow one over that of Eq. 10.
+SLOW_PACE = 0.5
+#: Harmonics of the D-optimal motion, its range of position (rad) and speed (rad/s), and the share of the torque limit
+#: that it asks of the stored arm: other arms have more friction.
+HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
 
 
 def around_stored_arm(config: Config) -> AroundPrior:
@@ -57,11 +63,10 @@ def with_friction(beta: Array, factor: float) -> Array:
 class Effects:
     """What Eq. 1 leaves out of n arms. Only the first two act in the loop; the others act on what is recorded."""
 
-    stribeck: Array  # (n, 2), increase of Coulomb friction near standstill over its size
-    ripple: Array  # (n, 2), amplitude of a torque that turns with the joint, N m
-    compliance: Array  # (n, 2), deflection between encoder and link, rad/(N m)
-    saturation: Array  # (n, 2), by how much the torque constant changes with the torque, 1/(N m)
-    delay: Array  # (n, 2), of the recorded torque, s
+    #: (5, n, 2): increase of Coulomb friction near standstill over its size; amplitude of a torque that turns with the
+    #: joint, N m; deflection between encoder and link, rad/(N m); by how much the torque constant changes with the
+    #: torque, 1/(N m); delay of the recorded torque, s.
+    levels: Array
     phase: Array  # (n, 2), of the ripple, rad
 
     @classmethod
@@ -70,52 +75,70 @@ class Effects:
         load = np.stack([beta[:, 3] + beta[:, 4] + beta[:, 7], beta[:, 4] + beta[:, 8]], axis=1)
         part = rng.uniform(0.0, 1.0, (4, *load.shape))
         delay = np.repeat(rng.uniform(0.0, 2.5e-3, (len(beta), 1)), 2, axis=1)
-        phase = rng.uniform(0.0, 2.0 * np.pi, load.shape)
-        return cls(part[0], 0.1 * part[1] * load, 0.01 * part[2] / load, 0.1 * part[3] / load, delay, phase)
+        levels = np.stack([part[0], 0.1 * part[1] * load, 0.01 * part[2] / load, 0.1 * part[3] / load, delay])
+        return cls(levels, rng.uniform(0.0, 2.0 * np.pi, load.shape))
 
     def times(self, amplitude: Array) -> "Effects":
         """Multiply the effects of each arm by its amplitude (n,)."""
-        a = amplitude[:, np.newaxis]
-        changed = (a * self.stribeck, a * self.ripple, a * self.compliance, a * self.saturation, a * self.delay)
-        return Effects(*changed, self.phase)
+        return replace(self, levels=amplitude[:, np.newaxis] * self.levels)
 
     def observed(self, k: int, q: Array, tau: Array, h: float) -> tuple[Array, Array]:
         """What is recorded of arm `k` instead of its position and torque (2, N)."""
-        measured = q + self.compliance[k, :, np.newaxis] * tau
-        scaled = tau * (1.0 + self.saturation[k, :, np.newaxis] * np.abs(tau))
-        n = np.arange(tau.shape[1])
-        late = np.stack([np.interp(n - d / h, n, x) for d, x in zip(self.delay[k], scaled, strict=True)])
-        return measured, late
-
-
-def _counts(
-    config: Config, beta: Array, q: Array, effects: Effects | None = None, what: str = "arms"
-) -> tuple[_Counts, _Counts]:
-    """Encoder and PWM counts of arms (n, 9) along one motion (2, N) or one each; a diverging loop's mean nothing."""
-    unmodelled, phase = [Unmodelled()] * len(beta), np.zeros((len(beta), 2))
-    if effects is not None:
-        phase = effects.phase
-        unmodelled = [
-            Unmodelled(stribeck=(s[0], s[1]), ripple=(r[0], r[1]))
-            for s, r in zip(effects.stribeck.tolist(), effects.ripple.tolist(), strict=True)
-        ]
-    plant = Plant(beta, config["signals"]["sampling_period_s"], unmodelled, phase, quick=True)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return simulate(plant, control_constants(config), q, Progress(f"simulating {len(beta)} {what}"))
+        compliance, saturation, delay = self.levels[2:, k, :, np.newaxis]
+        n, scaled = np.arange(tau.shape[1]), tau * (1.0 + saturation * np.abs(tau))
+        late = np.stack([np.interp(n - d / h, n, x) for d, x in zip(delay, scaled, strict=True)])
+        return q + compliance * tau, late
 
 
 def record(
     config: Config, beta: Array, programs: Sequence[ReferenceTrajectory], effects: Effects, what: str
 ) -> list[Recording]:
     """Recordings of arms (n, 9), each along its own motion."""
-    h = config["signals"]["sampling_period_s"]
-    position, pwm = _counts(config, beta, np.stack([program.q for program in programs]), effects, what)
+    levels = np.moveaxis(effects.levels[:2], 0, 1).tolist()
+    unmodelled = [Unmodelled(stribeck=(s[0], s[1]), ripple=(r[0], r[1])) for s, r in levels]
+    desired = np.stack([program.q for program in programs])
+    counts = run_loop(config, beta, desired, what, unmodelled, effects.phase, quick=True)
     recordings = []
-    for k, program in enumerate(programs):
-        one = Recording.of_counts(program, position[k], pwm[k], config)
-        q, tau = effects.observed(k, one.q, one.tau, h)
+    for k, (program, position, pwm) in enumerate(zip(programs, *counts, strict=True)):
+        one = Recording.of_counts(program, position, pwm, config)
+        q, tau = effects.observed(k, one.q, one.tau, program.h)
         recordings.append(replace(one, q=q, tau=tau))
     return recordings
+
+
+# --- Motions that arms are identified from: Eq. 10, the same at half its pace, a random and a D-optimal one ---------
+
+
+def excitation_config(config: Config, excitation: str) -> dict[str, Any]:
+    """Configuration with the length of an excitation."""
+    duration = config["signals"]["duration_s"]
+    return merged(config, {"signals": {"duration_s": duration / SLOW_PACE if excitation == "slow" else duration}})
+
+
+def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
+    """Motion that arms are identified from, which the stored arm can do."""
+    c = excitation_config(config, excitation)
+    if excitation in ("eq10", "slow"):
+        return program_from_config(c, "ID")
+    h, margin = c["signals"]["sampling_period_s"], c["experiment"]["margin_samples"]
+    samples = round(c["signals"]["duration_s"] / h) + 2 * margin
+    if excitation == "random":
+        t = program_settings(c)
+        rng = stream(c["study"]["seed"], Stream.STUDY_MOTION)
+        motion = random_motion(rng, t.t1_bands, t.t1_limit, t.t1_range_of, samples, h)
+    else:
+        motion = _optimal(c, (samples - 1, h))
+    return ReferenceTrajectory("ID", motion.q, margin, samples - margin, h)
+
+
+def _optimal(config: Config, times: tuple[int, float]) -> Motion:
+    """D-optimal motion within the limits of the stored arm, from and to rest."""
+    first, second = limits(config)[0]
+    torque = (TORQUE_SHARE * first, TORQUE_SHARE * second)
+    arm = Arm(position_limit=((-RANGE, RANGE),) * 2, speed_limit=(SPEED, SPEED), torque_limit=torque)
+    envelope = Envelope(arm, true_parameters(config))
+    rng = stream(config["study"]["seed"], Stream.STUDY_MOTION)
+    return design(envelope, times, HARMONICS, np.array([0.05, 0.05]), rng, Progress("searching for a motion"))
 
 
 # --- The arms that are tested -------------------------------------------------------------------------------------
@@ -132,11 +155,13 @@ def choose(config: Config, out: Path) -> None:
         rng = stream(s["seed"], Stream.STUDY_ARMS, index)
         drawn = draw_law(prior, rng, DRAWN * s["arms"], config)
         for program in motions:
-            drawn = drawn[_is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
+            drawn = drawn[is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
         drawn = drawn[: SPARE * s["arms"]]
         for program in excitations.values():
             for factor in (min(s["frictions"]), max(s["frictions"])):
-                drawn = drawn[_tracks(config, with_friction(drawn, factor), program)]
+                if len(drawn):
+                    position, _ = run_loop(config, with_friction(drawn, factor), program.q, quick=True)
+                    drawn = drawn[tracks(config, position, program)]
         if len(drawn) < s["arms"]:
             found = f"at most {len(drawn)}, of {DRAWN * s['arms']} drawn ones that can do all motions"
             raise InputError.at("study.arms", s["arms"], found)
@@ -147,51 +172,19 @@ def choose(config: Config, out: Path) -> None:
     write_tensors(out, kept)
 
 
-def _is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
-    """Whether a motion stays within torque and speed of each arm (n, 9)."""
-    torque_limit, speed_limit = limits(config)
-    speed, torque = peaks(program, beta)
-    return np.asarray((torque <= np.array(torque_limit)).all(axis=-1) & (speed <= speed_limit).all())
-
-
-def _tracks(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
-    """Whether each arm (n, 9) tracks a motion."""
-    if not len(beta):
-        return np.zeros(0, dtype=np.bool_)
-    position, _ = _counts(config, beta, program.q)
-    return np.asarray(tracking_error(position, program) <= config["data"]["tracked"]["largest_error_rad"])
-
-
 def _validation(config: Config, k: int) -> list[ReferenceTrajectory]:
     """Motions T1 to T4 of arm number `k`."""
     return [program_from_config(config, name, k + 1) for name in VALIDATION]
 
 
-def read_excitation(path: Path, config: Config, excitation: str) -> ReferenceTrajectory:
-    """An excitation as the board receives it."""
+def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceTrajectory, dict[str, NDArray[Any]]]:
+    """An excitation as the board receives it, and all that `choose` wrote."""
     kept, _ = read_tensors(path, "motions and arms of the study")
     q, (begin, end) = kept[f"motion/{excitation}"].astype(np.float64), kept[f"proper/{excitation}"].tolist()
-    return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"])
-
-
-def read_arms(path: Path, prior: str) -> Array:
-    """The arms (n, 9) of a prior."""
-    kept, _ = read_tensors(path, "motions and arms of the study")
-    return np.asarray(kept[f"arms/{prior}"], dtype=np.float64)
+    return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept
 
 
 # --- Recordings of a job's cells ----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Specimen:
-    """One arm of one cell, with what was recorded of it."""
-
-    cell: Cell
-    arm: int
-    true: Array  # (9,)
-    least_squares: float  # similarity of ordinary least squares on the excitation
-    recordings: Sequence[Recording]  # the excitation first, then T1 to T4
 
 
 def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajectory, arms: Array) -> list[Specimen]:
@@ -204,8 +197,8 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
     c, n = excitation_config(config, cells[0].excitation), len(arms)
     beta = np.concatenate([with_friction(arms, cell.friction) for cell in cells])
     prior = config["study"]["priors"].index(cells[0].prior)
-    units = [Effects.drawn(stream(config["study"]["seed"], Stream.STUDY_EFFECTS, prior), arms)] * len(cells)
-    unit = Effects(*(np.concatenate(parts) for parts in zip(*(vars(one).values() for one in units), strict=True)))
+    drawn = Effects.drawn(stream(config["study"]["seed"], Stream.STUDY_EFFECTS, prior), arms)
+    unit = Effects(np.tile(drawn.levels, (1, len(cells), 1)), np.tile(drawn.phase, (len(cells), 1)))
     target = np.repeat([1.0 - cell.discrepancy**2.5 for cell in cells], n)
     amplitude, reached, identified = np.ones(len(beta)), np.zeros(len(beta)), []
     for step in range(STEPS):
@@ -219,10 +212,9 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
         record(c, beta, [programs[m] for programs in own], unit.times(amplitude), f"runs of {name}")
         for m, name in enumerate(VALIDATION)
     ]
-    return [
-        Specimen(cells[k // n], k % n, beta[k], float(reached[k]), [identified[k], *(runs[k] for runs in further)])
-        for k in range(len(beta))
-    ]
+    labels = [{**{name: getattr(cell, name) for name in FACTORS}, "arm": k} for cell in cells for k in range(n)]
+    runs = zip(identified, *further, strict=True)
+    return [Specimen(one["arm"] + 1, one, true, own) for one, true, own in zip(labels, beta, runs, strict=True)]
 
 
 def least_squares_similarity(recording: Recording, config: Config) -> float:

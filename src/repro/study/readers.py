@@ -9,40 +9,32 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import torch
 from scipy import linalg
 from scipy.special import ndtr
 
-from repro.cnn.dataset import (
-    DataSettings,
-    SampledMotion,
-    UnmodelledColumns,
-    UnmodelledSettings,
-    draw_torques,
-    sample_motion,
-    stack_motions,
-)
+from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.flow import Flow, load_flow, save_flow, train_flow
-from repro.cnn.network import FactoredCNN, load_network, save_network
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, save_plain, train_plain
+from repro.cnn.network import save_network
+from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_plain
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
-from repro.identification.algorithm1.preprocessing import PreparedSignals, derivatives, prepare
+from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search, select
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression, correlation_time, mean_variance
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording
+from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
+from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.pipeline.simulated_arms import sampled_tracks
 from repro.progress import Progress
-from repro.settings import data_settings, network_settings, search_settings, signal_settings, training_settings
+from repro.settings import data_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
-from repro.signals.trajectories import Motion
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, around_stored_arm, draw_law, read_excitation, record
-from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, TRACKED
-from repro.study.motions import excitation_config
+from repro.study.arms import Effects, around_stored_arm, draw_law, excitation_config, read_choice, record
+from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED
 
 #: Least squares that do not need the simulations.
 LEAST_SQUARES = ("ordinary", "robust", "bounded", "consistent")
@@ -54,6 +46,8 @@ SHRINKAGE = 0.1
 PRIOR_DRAWS = 4000
 #: Draws from a normal distribution that is compared with the truth, and from a flow.
 DRAWS, FLOW_DRAWS = 200, 1000
+#: Columns of what a claim is worth.
+CLAIMED = ("contraction", "nearer", *RANKS)
 #: Largest amplitude of the effects of training arms, in units of those of `Effects.drawn`.
 LARGEST_AMPLITUDE = 3.0
 
@@ -71,29 +65,27 @@ def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
 def simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
     """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
     c, s = excitation_config(config, excitation), config["study"]
-    program = read_excitation(choice, config, excitation)
+    program, _ = read_choice(choice, config, excitation)
     signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
     rng = stream(s["seed"], Stream.STUDY_TRAINING_ARMS, int(law == "narrow"))
     beta = draw_law(law, rng, n, config)
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, LARGEST_AMPLITUDE, n))
-    recordings = record(c, beta, [program] * n, effects, "arms to train on")
     tracks, errors = [], []
-    for one, arm in zip(recordings, beta, strict=True):
+    for one, arm in zip(record(c, beta, [program] * n, effects, "arms to train on"), beta, strict=True):
         if np.abs(one.q - program.q)[:, proper].max() > config["data"]["tracked"]["largest_error_rad"]:
             continue
-        tracks.append(sample_motion(_motion(one.q, signals), signals, proper, unmodelled=True))
-        prepared = _prepared(one, signals)
+        tracks.append(one.q)
+        prepared = prepare_recording(one, None, signals)
         error = (prepared.alpha - prepared.y_sub @ (arm / prepared.torque_scale)).reshape(-1)
         errors.append(error / np.sqrt(np.mean(error**2)))
-    sent = _motion(program.q, signals)
-    ideal = sample_motion(sent, signals, proper)
-    tracked = stack_motions(tracks, ideal.model)
+    ideal = sampled_tracks([program.q], program, signals)
+    tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
     draws = draw_torques(rng, PRIOR_DRAWS, tracked, _data(config, law, unmodelled=False))[1]
     covariance = np.cov(np.array(errors).T)
     white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
     kept = {
-        "ideal/torque": ideal.torque,
-        "ideal/model": ideal.model,
+        "ideal/torque": ideal.torque[0],
+        "ideal/model": ideal.model[0],
         "tracked/torque": tracked.torque,
         "tracked/model": tracked.model,
         **{f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()},
@@ -102,10 +94,6 @@ def simulate_training(excitation: str, law: str, choice: Path, out: Path, config
         "prior_covariance": np.cov(draws.T),
     }
     write_tensors(out, kept)
-
-
-def _motion(q: Array, signals: SignalSettings) -> Motion:
-    return Motion(signals.h * np.arange(q.shape[-1], dtype=np.float64), *derivatives(q, signals))
 
 
 def train_reader(
@@ -127,14 +115,10 @@ def train_reader(
     if network == POSTERIOR:
         save_plain(weights, train_plain(motion, data, _posterior(config), s["seed"], progress))
         return
-    steps = s["cnn_steps"]
-    settings = replace(training_settings(config), recipe="streamed", steps=steps, warmup=steps // 10)
-
-    def report(done: int, total: int, loss: float) -> None:
-        progress(done, total, f"loss {loss:.2e}")
-
-    trained = train(motion, data, network_settings(config), settings, Path(checkpoint), report)
-    save_network(weights, trained.network, {})
+    settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
+    save_network(
+        weights, train(motion, data, network_settings(config), settings, Path(checkpoint), progress).network, {}
+    )
     Path(checkpoint).unlink(missing_ok=True)
 
 
@@ -155,32 +139,12 @@ class Reading:
     samples: Array | None = None  # (n, 9)
 
 
-@dataclass(frozen=True)
-class Claimed:
-    """How a claimed distribution stands to the truth."""
-
-    below_truth: Array  # probability that it gives to values below each true parameter (9,)
-    #: Share of draws from it that lie nearer to a random point than the truth (TARP, Lemos and others 2023).
-    nearer: float
-    contraction: float  # share of the prior's variance that it removes, mean of the nine
-
-
-def _prepared(recording: Recording, signals: SignalSettings, image_motion: ImageMotion = "measured") -> PreparedSignals:
-    """Lines 1 to 12 of Algorithm 1; the level of line 5 cancels in line 32."""
-    r, shown = recording.regression(signals), None
-    if image_motion == "desired":
-        proper = slice(recording.program.n1, recording.program.n2)
-        q, dq, ddq = (x[:, proper] for x in derivatives(recording.program.q, signals))
-        shown = q, dq, ddq
-    return prepare(r, r.tau, signals, image_motion=shown)
-
-
 class Readers:
     """All readers of one excitation and one prior."""
 
     def __init__(self, training: Path, weights: dict[str, Path], config: Config, signals: SignalSettings) -> None:
         kept, _ = read_tensors(training, "training motions of the study")
-        self._config, self._signals = config, signals
+        self._signals, self._seed = signals, config["study"]["seed"]
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
         self._plain: PlainNetwork | None = None
@@ -189,15 +153,15 @@ class Readers:
             self._plain = load_plain(weights[POSTERIOR], signals.samples, _posterior(config))
         if FLOW in weights:
             self._flow = load_flow(weights[FLOW], signals.samples, _posterior(config))
-        self._cnn: dict[str, FactoredCNN] = {
-            name: load_network(weights[name], network_settings(config), precision=config["training"]["precision"])
+        self._cnn = {
+            name: for_the_arm(algorithm1_of(name, weights[name], config), config)
             for name in SEARCHED
             if name in weights
         }
 
     def read(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[Reading]:
         """Read one recording by every method; Algorithm 1 only where it is to be searched."""
-        prepared = _prepared(recording, self._signals)
+        prepared = prepare_recording(recording, None, self._signals)
         yield from _least_squares(prepared.regression)
         yield from self._generalised(prepared)
         if self._plain is not None:
@@ -205,14 +169,19 @@ class Readers:
         if searched:
             for name, image_motion in SEARCHED.items():
                 if name in self._cnn:
-                    yield self._searched(name, _prepared(recording, self._signals, image_motion), rng)
+                    yield self._searched(name, prepare_recording(recording, None, self._signals, image_motion), rng)
         if self._flow is not None:
-            normal = stream(self._config["study"]["seed"], Stream.STUDY_FLOW).standard_normal((FLOW_DRAWS, 9))
+            normal = stream(self._seed, Stream.STUDY_FLOW).standard_normal((FLOW_DRAWS, 9))
             samples = prepared.torque_scale * self._flow.sample(prepared.alpha, normal)
             yield Reading(FLOW, samples.mean(axis=0), samples=samples)
 
-    def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> Claimed | None:
-        """Compare a claim with the truth; `unit` is the largest torque, in which the prior is."""
+    def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
+        """Compare a claim with the truth; `unit` is the largest torque, in which the prior is.
+
+        The share of the prior's variance that the claim removes, mean of the nine; the share of draws from it that lie
+        nearer to a random point than the truth (TARP, Lemos and others 2023); and the probability that it gives to
+        values below each true parameter.
+        """
         spread, samples = unit * np.sqrt(np.diag(self._prior[1])), found.samples
         if found.covariance is not None:
             deviation = np.sqrt(np.diag(found.covariance))
@@ -221,11 +190,12 @@ class Readers:
         elif samples is not None:
             deviation, below = samples.std(axis=0), (samples < true).mean(axis=0)
         else:
-            return None
+            return dict.fromkeys(CLAIMED, np.nan)
         point = unit * self._prior[0] + spread * rng.standard_normal(9)
         far = np.linalg.norm((samples - point) / spread, axis=1)
         nearer = float((far < np.linalg.norm((true - point) / spread)).mean())
-        return Claimed(below, nearer, float(np.mean(1.0 - (deviation / spread) ** 2)))
+        contraction = float(np.mean(1.0 - (deviation / spread) ** 2))
+        return dict(zip(CLAIMED, (contraction, nearer, *below.tolist()), strict=True))
 
     def _generalised(self, prepared: PreparedSignals) -> Iterator[Reading]:
         """Least squares weighted by the covariance of the simulated torque errors, without and with the prior."""
@@ -243,15 +213,14 @@ class Readers:
     @staticmethod
     def _amortised(network: PlainNetwork, prepared: PreparedSignals) -> Reading:
         """Normal posterior from the torque samples."""
-        alpha = torch.from_numpy(prepared.alpha.reshape(1, -1).astype(np.float32))
-        mean, factor = (x[0].numpy().astype(np.float64) for x in network(alpha))
+        mean, factor = read_torque(network, prepared.alpha)
         unit = prepared.torque_scale
         return Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
 
     def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> Reading:
         """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
-        settings = replace(search_settings(self._config), threshold=self._config["experiment"]["threshold"])
-        reader = ResidualEstimator(self._cnn[name], data_settings(self._config).image, prepared)
+        network, settings = self._cnn[name], self._cnn[name].search
+        reader = ResidualEstimator(network.network, network.image, prepared)
         guesses = rng.uniform(settings.low, settings.high, (settings.executions, 9))
         spread = prepared.torque_scale * reader.estimate(guesses)
         found = select(search(reader, prepared, settings, rng).beta, prepared, settings)
