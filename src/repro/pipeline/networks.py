@@ -192,8 +192,8 @@ def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: C
 # --- Factorial ----------------------------------------------------------------------------------------------------
 
 
-def _plain_settings(config: Config) -> PlainSettings:
-    p = config["factorial"]["plain"]
+def plain_settings(p: Mapping[str, Any]) -> PlainSettings:
+    """Size and budget of a network that reads the torque."""
     return PlainSettings(p["width"], p["steps"], p["batch"], p["learning_rate"])
 
 
@@ -204,7 +204,8 @@ def train_cell(
     c = configured(config, CELLS[cell], seed)
     if CELLS[cell].reader == "plain":
         motion, progress = training_motion(c, motions), Progress(f"training, {cell}")
-        save_plain(weights, train_plain(motion, data_settings(c), _plain_settings(c), seed, progress))
+        settings = plain_settings(c["factorial"]["plain"])
+        save_plain(weights, train_plain(motion, data_settings(c), settings, seed, progress))
         return
     train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
 
@@ -243,7 +244,7 @@ def score_cell(
     signals = signal_settings(c)
     tau_mean, blocks = read_mean_torque(mean_torque, signals), read_blocks(recordings, c)
     if levels.reader == "plain":
-        plain = load_plain(weights, signals.samples, _plain_settings(c))
+        plain = load_plain(weights, signals.samples, plain_settings(c["factorial"]["plain"]))
     else:
         algorithm1 = for_the_arm(algorithm1_of(cell, weights, c, configuration_digest(c)), c)
     common = {"reader": levels.reader, "training": levels.motions, "omega": levels.omega, "training_seed": seed}

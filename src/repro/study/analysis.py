@@ -26,9 +26,9 @@ def check_outcomes(outcomes: pd.DataFrame) -> pd.DataFrame:
     return outcomes
 
 
-def difference(outcomes: pd.DataFrame, method: str, opponent: str, response: str = "validation") -> pd.Series:
-    """Response of a method minus that of another, by the factors and the arm; only where both were run."""
-    values = outcomes.set_index(list(KEYS))[response]
+def difference(outcomes: pd.DataFrame, method: str, opponent: str) -> pd.Series:
+    """Similarity of a method minus that of another, by the factors and the arm; only where both were run."""
+    values = outcomes.set_index(list(KEYS))["validation"]
     return (_level(values, "method", method) - _level(values, "method", opponent)).dropna()
 
 
@@ -106,9 +106,7 @@ CLAIMS = (
     Claim("robust", "Algorithm 1 loses less than least squares where Eq. 1 does not hold", _robust),
     Claim("posterior", "the amortised posterior is better than least squares", _pair(POSTERIOR, "ordinary")),
     Claim(
-        "constrained",
-        "the amortised posterior is better than consistent least squares",
-        _pair(POSTERIOR, "consistent"),
+        "constrained", "the amortised posterior is better than consistent least squares", _pair(POSTERIOR, "consistent")
     ),
     Claim(
         "prior",

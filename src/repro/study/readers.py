@@ -15,7 +15,7 @@ from scipy.special import ndtr
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.flow import Flow, load_flow, save_flow, train_flow
 from repro.cnn.network import save_network
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_plain
+from repro.cnn.plain import PlainNetwork, load_plain, read_torque, save_plain, train_plain
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
@@ -27,7 +27,7 @@ from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording
 from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
-from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.pipeline.networks import algorithm1_of, for_the_arm, plain_settings
 from repro.pipeline.simulated_arms import sampled_tracks
 from repro.progress import Progress
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
@@ -110,20 +110,15 @@ def train_reader(
     data = _data(config, law, unmodelled=network != ALGORITHM1)
     if network == FLOW:
         prior = kept["prior_mean"], kept["prior_covariance"]
-        save_flow(weights, train_flow(motion, data, _posterior(config), prior, s["seed"], progress))
+        save_flow(weights, train_flow(motion, data, plain_settings(s["posterior"]), prior, s["seed"], progress))
         return
     if network == POSTERIOR:
-        save_plain(weights, train_plain(motion, data, _posterior(config), s["seed"], progress))
+        save_plain(weights, train_plain(motion, data, plain_settings(s["posterior"]), s["seed"], progress))
         return
     settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
-    save_network(
-        weights, train(motion, data, network_settings(config), settings, Path(checkpoint), progress).network, {}
-    )
+    trained = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
+    save_network(weights, trained.network, {})
     Path(checkpoint).unlink(missing_ok=True)
-
-
-def _posterior(config: Config) -> PlainSettings:
-    return PlainSettings(**config["study"]["posterior"])
 
 
 # --- Reading ------------------------------------------------------------------------------------------------------
@@ -147,12 +142,13 @@ class Readers:
         self._signals, self._seed = signals, config["study"]["seed"]
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
+        settings = plain_settings(config["study"]["posterior"])
         self._plain: PlainNetwork | None = None
         self._flow: Flow | None = None
         if POSTERIOR in weights:
-            self._plain = load_plain(weights[POSTERIOR], signals.samples, _posterior(config))
+            self._plain = load_plain(weights[POSTERIOR], signals.samples, settings)
         if FLOW in weights:
-            self._flow = load_flow(weights[FLOW], signals.samples, _posterior(config))
+            self._flow = load_flow(weights[FLOW], signals.samples, settings)
         self._cnn = {
             name: for_the_arm(algorithm1_of(name, weights[name], config), config)
             for name in SEARCHED
