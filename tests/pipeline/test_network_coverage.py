@@ -17,7 +17,14 @@ from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline.experiment import read_recording
 from repro.pipeline.identifications import mean_training_torque
-from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, read_tracked, simulate_tracked, training_motion
+from repro.pipeline.simulated_arms import (
+    draw_arms,
+    draw_built_arms,
+    read_tracked,
+    sampled_tracks,
+    simulate_tracked,
+    training_motion,
+)
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -129,5 +136,5 @@ def test_another_motion_is_unlike(tables, config):
     _, path = tables
     training = training_motion(config, path).torque
     arms = read_tracked(path, config)
-    mirrored = [stage._torque(q[::-1] * RADIANS_PER_COUNT, arms.program, config) for q in arms.position[:3]]
-    assert (distances(np.stack(mirrored), training) > novelty_limit(training)).all()
+    mirrored = sampled_tracks(arms.position[:3, ::-1] * RADIANS_PER_COUNT, arms.program, signal_settings(config))
+    assert (distances(mirrored.torque, training) > novelty_limit(training)).all()
