@@ -53,7 +53,8 @@ def refresh_reference() -> None:
     """Copy what a reader compares their own run with."""
     config = load_config(CONFIG)
     results, made_by = Path(config["results"]), commit(Path())  # before the copy makes the folder differ
-    kept = {name: (REFERENCE / name).read_bytes() for name in OPTIONAL if (REFERENCE / name).is_file()}
+    study = [path.relative_to(REFERENCE).as_posix() for path in (REFERENCE / "study").rglob("*.csv")]
+    kept = {name: (REFERENCE / name).read_bytes() for name in (*OPTIONAL, *study) if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
     asked_for = [name for name in ("figures/paper_recipe.csv", *TUTORIALS) if (results / name).exists()]
