@@ -38,6 +38,8 @@ LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
 SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+#: A spread of a few seeds in a cell of a page.
+SPREAD_IN_A_CELL = re.compile(r"(?:±|\\pm)\s*(" + NUMBER.pattern + ")")
 #: What marks an element of a page besides its text.
 MARK = re.compile(r'(<[a-z]\w*\b[^>]*?)\b(?:class|data-\w+)="([^"]*)"')
 #: What ends a line of a page, and the size of a file that is offered there.
@@ -111,7 +113,14 @@ def like(a: str, b: str) -> bool:
     if NUMBER.sub("#", a) != NUMBER.sub("#", b):
         return False
     allowed = IN_A_ROW if any(word in a for word in SEARCHED) else TRAINED * WIDER
-    pairs = zip(NUMBER.findall(a), NUMBER.findall(b), strict=True)
+    return _near(a, b, SPREAD_IN_A_CELL, IN_A_ROW) and _near(
+        SPREAD_IN_A_CELL.sub("", a), SPREAD_IN_A_CELL.sub("", b), NUMBER, allowed
+    )
+
+
+def _near(a: str, b: str, pattern: re.Pattern[str], allowed: float) -> bool:
+    """Whether the numbers that a pattern finds in two lines are as near as is allowed."""
+    pairs = zip(pattern.findall(a), pattern.findall(b), strict=True)
     return all(abs(float(x) - float(y)) <= allowed * max(abs(float(x)), 1.0) for x, y in pairs)
 
 
