@@ -2,7 +2,7 @@
 
 Usage: ``python benchmarks/slurm/study_faults.py [FAULTS]`` (default 28), as root, in an environment that has the extra
 ``slurm``. Seven kinds of faults follow each other, each at another moment while a job runs. Then the same command goes
-on, after ``--unlock`` if it asks for it. When the study is complete, its results are compared byte for byte and
+on, after ``--unlock`` if it needs it. When the study is complete, its results are compared byte for byte and
 removed, and it starts again, until all faults have struck. The working folder is a file system of its own, which one
 kind of fault fills. Prints a line a fault and writes ``results/study_faults.csv``.
 """
