@@ -297,6 +297,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "ablation": readings_frame,
     "study": lambda: analysis.means(outcomes({"wide": -0.07, "narrow": 0.03})),
     "study_claims": lambda: analysis.claims(outcomes({"wide": -0.07, "narrow": 0.03})),
+    "study_levels": lambda: analysis.levels(outcomes({"wide": -0.07, "narrow": 0.03})),
 }
 TABLES |= {name: kept(name) for name in LAYOUTS if name not in TABLES}
 

@@ -66,13 +66,14 @@ def means_layout(frame: pd.DataFrame) -> Table:
         ("Parameter error", "r", digits("parameter_error", 4)),
         ("Position error", "r", digits("position_error", 4)),
         ("Covered", "r", digits("covered", 1, 100.0)),
-        ("Contraction", "r", digits("contraction", 2)),
+        ("Contraction", "r", lambda row: plain("none") if row["contraction"] < 0 else digits("contraction", 2)(row)),
     ]
     caption = (
         "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
         "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
-        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad); share "
-        "of parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
+        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad), over "
+        "the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
+        "parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
     )
     blocks = [(plain(f"Prior: {prior}"), own) for prior, own in frame.groupby("prior", sort=False)]
     return grid(caption, columns, blocks)
@@ -107,6 +108,40 @@ def claims_layout(frame: pd.DataFrame) -> Table:
 def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Each claim of the paper over many simulated arms and conditions, with an interval and a verdict."""
     return analysis.claims(_outcomes(inputs))
+
+
+#: Factors in words.
+_FACTORS = {
+    "excitation": "Motion that is identified from",
+    "discrepancy": "Similarity of least squares on that motion",
+    "prior": "Prior",
+    "friction": "Friction of the arms, times",
+}
+
+
+def levels_layout(frame: pd.DataFrame) -> Table:
+    """A block for each factor with a row for each level, a column for each claim."""
+    counts = zip(100.0 * frame["difference"], frame["better"], frame["worse"], frame["conditions"], strict=True)
+    shown = [f"{mean:+.1f} ({true:.0f}/{false:.0f}/{of:.0f})" for mean, true, false, of in counts]
+    wide = frame.assign(shown=shown, level=[_MOTIONS.get(level, str(level)) for level in frame["level"]])
+    rows = wide.pivot(index=["factor", "level"], columns="claim", values="shown").reset_index("level")
+    names = list(dict.fromkeys(frame["claim"]))
+    caption = (
+        f"Where the claims are true that each condition can answer ({', '.join(names)}): mean difference in points, "
+        "positive if the claim is true; in brackets the conditions in which it is surely positive, those in which it "
+        "is surely negative, and all, by the level of each factor. Intervals hold at once in all conditions of a claim."
+    )
+    columns: list[Column] = [("Level", "l", words("level")), *((name, "r", words(name)) for name in names)]
+    blocks = [(plain(title), rows.loc[[factor]]) for factor, title in _FACTORS.items()]
+    return grid(caption, columns, blocks)
+
+
+@_table("study_levels", "Where the claims are true", levels_layout, target="study_levels")
+def study_levels(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Differences behind the claims by motion, discrepancy, prior and friction, with the number of conditions in which
+    they are surely positive or negative.
+    """
+    return analysis.levels(_outcomes(inputs))
 
 
 def draw_map(frame: pd.DataFrame) -> Figure:

@@ -37,24 +37,22 @@ def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
     return values[values.index.get_level_values(factor) == level].droplevel(factor)
 
 
-def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Every pair of methods in every cell: centre and interval over the arms, valid at once in all cells of a pair."""
-    rows = []
-    for method, opponent in PAIRS:
-        cells = difference(outcomes, method, opponent).groupby(list(FACTORS), sort=False)
-        for cell, values in cells:
-            centre, low, high = interval(values.to_numpy(), cells.ngroups)
-            own = {"method": method, "opponent": opponent, **dict(zip(FACTORS, cell, strict=True)), "arms": len(values)}
-            rows.append(
-                {
-                    **own,
-                    "difference": centre,
-                    "low": low,
-                    "high": high,
-                    "conclusion": conclude(low, high, (low > 0) - (high < 0)),
-                }
-            )
+def conditions(values: pd.Series) -> pd.DataFrame:
+    """Centre and interval over the arms in each condition, valid at once in all of them, and what follows."""
+    names = [str(name) for name in values.index.names if name != "arm"]
+    cells, rows = values.groupby(names, sort=False), []
+    for cell, own in cells:
+        centre, low, high = interval(own.to_numpy(), cells.ngroups)
+        found = {"arms": len(own), "difference": centre, "low": low, "high": high}
+        conclusion = conclude(low, high, (low > 0) - (high < 0))
+        rows.append({**dict(zip(names, cell, strict=True)), **found, "conclusion": conclusion})
     return pd.DataFrame(rows)
+
+
+def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Every pair of methods in every condition."""
+    tables = {pair: table for pair in PAIRS if len(table := conditions(difference(outcomes, *pair)))}
+    return pd.concat(tables, names=["method", "opponent"]).reset_index(["method", "opponent"])
 
 
 # --- Claims -------------------------------------------------------------------------------------------------------
@@ -130,11 +128,26 @@ def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
         of_arms = values.groupby(["prior", "arm"]).mean()
         centre, low, high = interval(of_arms.to_numpy(), len(CLAIMS))
         verdict = HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
-        cells = values.groupby([name for name in values.index.names if name != "arm"])
-        better = sum(interval(own.to_numpy(), cells.ngroups)[1] > 0 for _, own in cells)
         own = {"claim": claim.name, "sentence": claim.sentence, "arms": len(of_arms), "difference": centre}
         own |= {"low": low, "high": high, "margin": claim.margin, "verdict": verdict}
-        rows.append({**own, "better": better, "conditions": cells.ngroups})
+        found = conditions(values)
+        rows.append({**own, "better": int((found["low"] > 0).sum()), "conditions": len(found)})
+    return pd.DataFrame(rows)
+
+
+def levels(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Claims on each condition, by the levels of each factor: mean difference, how many are surely true or false."""
+    rows = []
+    for claim in CLAIMS:
+        values = claim.values(outcomes)
+        if not {*FACTORS} <= {*values.index.names} or values.empty:
+            continue
+        found = conditions(values)
+        for factor in FACTORS:
+            for level, own in found.groupby(factor, sort=False):
+                surely = {"better": int((own["low"] > 0).sum()), "worse": int((own["high"] < 0).sum())}
+                mean = {"difference": own["difference"].mean(), **surely, "conditions": len(own)}
+                rows.append({"claim": claim.name, "factor": factor, "level": level, **mean})
     return pd.DataFrame(rows)
 
 
