@@ -71,9 +71,9 @@ def means_layout(frame: pd.DataFrame) -> Table:
     caption = (
         "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
         "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
-        "parameters over the largest torque; error of position on T1, simulated again with the estimate (rad), over "
-        "the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
-        "parameters in the claimed 95 % interval (%); share of the prior's variance that the claim removes."
+        "parameters over the largest torque; median error of position on T1, simulated again with the estimate (rad), "
+        "of the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
+        "parameters in the claimed 95 % interval (%); median share of the prior's variance that the claim removes."
     )
     blocks = [(plain(f"Prior: {prior}"), own) for prior, own in frame.groupby("prior", sort=False)]
     return grid(caption, columns, blocks)
