@@ -43,3 +43,23 @@ def test_methods_are_told_apart() -> None:
     assert len(looks) == len(style.METHODS)
     marks = {(m["marker"], m.get("fillstyle")) for m in (style.MARKS[method] for method in style.METHODS)}
     assert len(marks) == len(style.METHODS)
+
+
+def test_rows_of_the_map_are_those_of_their_labels() -> None:
+    whole = FRAMES["study"]()
+    missing = (whole["method"] == "algorithm1") & (whole["prior"] == "wide") & (whole["excitation"] == "eq10")
+    frame = whole[~missing][::-1]
+    panels = made("study", frame).axes[:3]
+    labels = [label.get_text() for label in panels[0].get_yticklabels()]
+    assert labels == ["wide, Eq. 10", "wide, D-optimal", "narrow, Eq. 10", "narrow, D-optimal"]
+    pairs = (("algorithm1", "ordinary"), ("algorithm1+tracked", "consistent"), ("posterior", "consistent"))
+    for panel, (method, opponent), number in zip(panels, pairs, (6, 8, 8), strict=True):
+        own = frame[(frame["method"] == method) & (frame["opponent"] == opponent)]
+        values = own.set_index(["prior", "excitation", "discrepancy"])["difference"]
+        assert len(panel.texts) == number
+        for text in panel.texts:
+            column, row = text.get_position()
+            prior, motion = labels[int(row)].split(", ")
+            level = float(panel.get_xticklabels()[int(column)].get_text()) / 100.0
+            expected = values[(prior, {"Eq. 10": "eq10", "D-optimal": "optimal"}[motion], level)]
+            assert text.get_text() == f"{100.0 * expected:.1f}\n1/1"

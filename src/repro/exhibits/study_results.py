@@ -13,7 +13,7 @@ from repro.files import read_csv
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
-from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED
+from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 _table, _figure = (
     partial(kind, category=ABLATION, inputs=("study",), trained="all", optional=True) for kind in (table, figure)
@@ -146,19 +146,24 @@ def study_levels(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 def draw_map(frame: pd.DataFrame) -> Figure:
     """One panel for each pair of methods: conditions by discrepancy, the colour is the difference."""
-    figure = style.new_figure(style.PAGE, 4.6)
+    figure = style.new_figure(style.PAGE, 6.0)
     panels, image = figure.subplots(1, len(_SHOWN), sharey=True), None
+    labels = {(prior, motion): f"{prior}, {name}" for prior in TRAINED_ON for motion, name in _MOTIONS.items()}
+    order = [row for row in labels if row in set(zip(frame["prior"], frame["excitation"], strict=True))]
     for axes, (method, opponent) in zip(panels, _SHOWN, strict=True):
         own = frame[(frame["method"] == method) & (frame["opponent"] == opponent)]
-        rows = own.groupby(["prior", "excitation", "discrepancy"], sort=False)["difference"].mean().unstack()
-        rows = rows[sorted(rows.columns, reverse=True)]
+        own = own.assign(sure=(own["low"] > 0.0) | (own["high"] < 0.0))
+        squares = own.groupby(["prior", "excitation", "discrepancy"])
+        rows = squares["difference"].mean().unstack().reindex(order).sort_index(axis="columns", ascending=False)
+        sure, of = (squares["sure"].agg(count).unstack().reindex_like(rows).to_numpy() for count in ("sum", "count"))
         image = axes.imshow(100.0 * rows.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
         for (i, j), value in np.ndenumerate(100.0 * rows.to_numpy()):
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
-                axes.text(j, i, f"{value:.1f}", ha="center", va="center", color=colour)
+                text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
+                axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
         axes.set_xticks(range(rows.shape[1]), labels=[f"{100 * level:g}" for level in rows.columns])
-        axes.set_yticks(range(len(rows)), labels=[f"{prior}, {_MOTIONS[motion]}" for prior, motion in rows.index])
+        axes.set_yticks(range(len(rows)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
     figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
@@ -171,7 +176,8 @@ def draw_map(frame: pd.DataFrame) -> Figure:
 def study_map(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
-    better. The CSV has each condition with its interval.
+    better. Below each number: in how many of these conditions the interval excludes zero. The CSV has each condition
+    with its interval.
     """
     return analysis.maps(_outcomes(inputs))
 
