@@ -50,7 +50,7 @@ smoke: setup
 GOLDEN = ONEDNN_MAX_CPU_ISA=AVX2 ATEN_CPU_CAPABILITY=avx2 \
   $(SNAKEMAKE) --cores $(CORES) --configfile config/golden.yaml --
 golden: setup
-	$(GOLDEN) study study_claims study_calibration
+	$(GOLDEN) study
 	$(GOLDEN) all
 	$(BIN)/python .ci/golden.py
 

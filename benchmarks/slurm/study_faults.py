@@ -22,7 +22,7 @@ from pathlib import Path
 from cluster import Cluster, cluster
 from smoke import CPUS, SMOKE, commands, differences, results, run, with_plugin, working_folder
 
-TARGETS = ["study", "study_claims", "study_calibration"]
+TARGETS = ["study"]
 CONFIGS = [SMOKE, Path(__file__).with_name("tiny_study.yaml")]
 TABLE = Path(__file__).resolve().parents[1] / "results" / "study_faults.csv"
 #: Seconds before a fault, and how long it lasts.
