@@ -9,6 +9,7 @@ import inspect
 import json
 import re
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -29,6 +30,7 @@ PAGES = (
     "docs/results.md",
     "docs/explanation/experiment.md",
     "docs/explanation/least-squares.md",
+    "docs/explanation/study.md",
 )
 NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
@@ -183,16 +185,6 @@ def verdict() -> str:
     return markdown(["", "against", *sets.values()], rows)
 
 
-def factorial() -> str:
-    """Effects of the factorial on the mean totals, with their intervals, and the frozen arm; largest first."""
-    return laid_out("factorial")
-
-
-def board_size() -> str:
-    """Size of the board in logic, next to the published one."""
-    return laid_out("board_size")
-
-
 def laid_out(name: str) -> str:
     """A table as the reference has it, without its caption."""
     return (REFERENCE / f"tables/{name}.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
@@ -258,10 +250,11 @@ def described(name: str, what: object) -> str:
 TABLES: dict[str, Callable[[], str]] = {
     table.__name__: table
     for table in (
-        *(headline, verdicts, table06, table07, table10, costs, verdict, factorial, board_size),
+        *(headline, verdicts, table06, table07, table10, costs, verdict),
         *(arm_file, commands, api),
     )
 }
+TABLES |= {name: partial(laid_out, name) for name in ("factorial", "board_size", "study_claims", "study_levels")}
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

@@ -36,7 +36,9 @@ def refresh_gallery() -> None:
 #: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
 KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
 COSTS = "logs/costs.csv"
-TABLES = [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == "table"]
+TABLES, FIGURES = (
+    [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == kind] for kind in ("table", "figure")
+)
 #: Pages of the tutorials with their figures, of target `tutorials`.
 TUTORIALS = [
     f"tutorials/{script.stem}{end}" for script in Path("docs/tutorials").glob("*.py") for end in (".md", "-1.png")
@@ -44,7 +46,7 @@ TUTORIALS = [
 OPTIONAL = (
     *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
     *(f"{name}.json" for name in ASKED_FOR),
-    "figures/paper_recipe.csv",
+    *(f"figures/{name}.csv" for name in FIGURES),
     *TUTORIALS,
 )
 
@@ -53,12 +55,12 @@ def refresh_reference() -> None:
     """Copy what a reader compares their own run with."""
     config = load_config(CONFIG)
     results, made_by = Path(config["results"]), commit(Path())  # before the copy makes the folder differ
-    study = [path.relative_to(REFERENCE).as_posix() for path in (REFERENCE / "study").rglob("*.csv")]
-    kept = {name: (REFERENCE / name).read_bytes() for name in (*OPTIONAL, *study) if (REFERENCE / name).is_file()}
+    study = {path.relative_to(run).as_posix() for run in (REFERENCE, results) for path in run.glob("study/cells/*.csv")}
+    asked_for = (*OPTIONAL, *sorted(study))
+    kept = {name: (REFERENCE / name).read_bytes() for name in asked_for if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
-    asked_for = [name for name in ("figures/paper_recipe.csv", *TUTORIALS) if (results / name).exists()]
-    for name in (*KEPT, *asked_for, *tables):
+    for name in (*KEPT, *(name for name in asked_for if (results / name).exists()), *tables):
         (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():
