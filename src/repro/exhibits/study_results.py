@@ -124,7 +124,7 @@ def levels_layout(frame: pd.DataFrame) -> Table:
     counts = zip(100.0 * frame["difference"], frame["better"], frame["worse"], frame["conditions"], strict=True)
     shown = [f"{mean:+.1f} ({true:.0f}/{false:.0f}/{of:.0f})" for mean, true, false, of in counts]
     wide = frame.assign(shown=shown, level=[_MOTIONS.get(level, str(level)) for level in frame["level"]])
-    rows = wide.pivot(index=["factor", "level"], columns="claim", values="shown").reset_index("level")
+    rows = wide.pivot(index=["factor", "level"], columns="claim", values="shown").fillna("").reset_index("level")
     names = list(dict.fromkeys(frame["claim"]))
     caption = (
         f"Where the claims are true that each condition can answer ({', '.join(names)}): mean difference in points, "
@@ -197,8 +197,9 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
                 stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
                 axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
         panels[0, column].set_title(prior)
-    panels[0, 0].set_ylabel("Each, minus level (points)")
-    panels[1, 0].set_ylabel("Together, minus level (points)")
+    panels[0, 0].set_ylabel("Each parameter")
+    panels[1, 0].set_ylabel("All together")
+    figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
     figure.supxlabel("Level (%)", fontsize=style.TEXT_SIZE)
     style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
     return figure
