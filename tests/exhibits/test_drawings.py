@@ -124,7 +124,7 @@ def test_tables_are_well_formed(name: str, tmp_path: Path) -> None:
 
 
 #: A target outside `all` whose results take longer than a run and are not kept.
-NOT_KEPT = ("ablation", "study", "study_claims")
+NOT_KEPT = ("ablation",)
 
 
 @pytest.mark.parametrize("name", [name for name in LAYOUTS if name not in NOT_KEPT])
