@@ -197,8 +197,8 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
                 stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
                 axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
         panels[0, column].set_title(prior)
-    panels[0, 0].set_ylabel("Each parameter")
-    panels[1, 0].set_ylabel("All together")
+    panels[0, 0].set_ylabel("Each (points)")
+    panels[1, 0].set_ylabel("Together (points)")
     figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
     figure.supxlabel("Level (%)", fontsize=style.TEXT_SIZE)
     style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
