@@ -24,12 +24,12 @@ WIDTH = 800
 
 
 def refresh_gallery() -> None:
-    """Shrink every figure to the width of a page on a screen, in 64 colours."""
+    """Shrink every figure to the width of a page on a screen, in 256 colours."""
     GALLERY.mkdir(parents=True, exist_ok=True)
     for figure in sorted(Path("paper_figures").glob("*.png")):
         with Image.open(figure) as picture:
             height = round(picture.height * WIDTH / picture.width)
-            small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(64)
+            small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(256)
             small.save(GALLERY / figure.name, optimize=True)
 
 

@@ -19,6 +19,16 @@ def test_each_pair_is_compared_in_each_cell():
     assert set(pair.loc["wide", "conclusion"]) == {"worse"}
 
 
+def test_a_square_of_the_map_is_over_its_frictions():
+    sure, unsure = outcomes({"wide": -0.03, "narrow": 0.05}), outcomes({"wide": 0.01, "narrow": 0.01}, seed=9)
+    frictions = [sure.assign(friction=0.5), sure.assign(friction=1.0), unsure.assign(friction=3.0)]
+    table = analysis.maps(pd.concat(frictions, ignore_index=True))
+    pair = table[(table["method"] == "posterior") & (table["opponent"] == "consistent")].set_index("prior")
+    assert pair[["sure", "of"]].drop_duplicates().to_numpy().tolist() == [[2, 3]]
+    assert pair.loc["narrow", "mean"].to_numpy() == pytest.approx([0.08 / 3] * 12, abs=0.002)
+    assert pair.loc["wide", "mean"].to_numpy() == pytest.approx([-0.08 / 3] * 12, abs=0.002)
+
+
 def test_claims_have_the_sign_of_what_they_say():
     table = analysis.claims(outcomes({"wide": 0.03, "narrow": 0.05})).set_index("claim")
     assert table.loc["better", "verdict"] == "fails"

@@ -152,18 +152,18 @@ def draw_map(frame: pd.DataFrame) -> Figure:
     order = [row for row in labels if row in set(zip(frame["prior"], frame["excitation"], strict=True))]
     for axes, (method, opponent) in zip(panels, _SHOWN, strict=True):
         own = frame[(frame["method"] == method) & (frame["opponent"] == opponent)]
-        own = own.assign(sure=(own["low"] > 0.0) | (own["high"] < 0.0))
-        squares = own.groupby(["prior", "excitation", "discrepancy"])
-        rows = squares["difference"].mean().unstack().reindex(order).sort_index(axis="columns", ascending=False)
-        sure, of = (squares["sure"].agg(count).unstack().reindex_like(rows).to_numpy() for count in ("sum", "count"))
-        image = axes.imshow(100.0 * rows.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
-        for (i, j), value in np.ndenumerate(100.0 * rows.to_numpy()):
+        squares = own.drop_duplicates(["prior", "excitation", "discrepancy"])
+        squares = squares.pivot(index=["prior", "excitation"], columns="discrepancy", values=["mean", "sure", "of"])
+        squares = squares.reindex(order).sort_index(axis="columns", ascending=False)
+        mean, sure, of = 100.0 * squares["mean"], squares["sure"], squares["of"]
+        image = axes.imshow(mean.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
+        for (i, j), value in np.ndenumerate(mean.to_numpy()):
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
-                text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
+                text = f"{value:.1f}\n{sure.iloc[i, j]:.0f}/{of.iloc[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
-        axes.set_xticks(range(rows.shape[1]), labels=[f"{100 * level:g}" for level in rows.columns])
-        axes.set_yticks(range(len(rows)), labels=[labels[row] for row in order])
+        axes.set_xticks(range(mean.shape[1]), labels=[f"{100 * level:g}" for level in mean.columns])
+        axes.set_yticks(range(len(mean)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
     figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
@@ -177,7 +177,7 @@ def study_map(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
     better. Below each number: in how many of these conditions the interval excludes zero. The CSV has each condition
-    with its interval.
+    with its interval, and the numbers of its square (mean, sure, of).
     """
     return analysis.maps(_outcomes(inputs))
 

@@ -50,9 +50,14 @@ def conditions(values: pd.Series) -> pd.DataFrame:
 
 
 def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Every pair of methods in every condition."""
+    """Every pair of methods in every condition; `mean` and `sure` are of its square of the map, over all frictions."""
     tables = {pair: table for pair in PAIRS if len(table := conditions(difference(outcomes, *pair)))}
-    return pd.concat(tables, names=["method", "opponent"]).reset_index(["method", "opponent"])
+    table = pd.concat(tables, names=["method", "opponent"]).reset_index(["method", "opponent"])
+    square = ["method", "opponent", *(factor for factor in FACTORS if factor != "friction")]
+    excluded = (table["low"] > 0.0) | (table["high"] < 0.0)
+    groups = table.assign(excluded=excluded).groupby(square)
+    sure, of = groups["excluded"].transform("sum"), groups["excluded"].transform("size")
+    return table.assign(mean=groups["difference"].transform("mean"), sure=sure, of=of)
 
 
 # --- Claims -------------------------------------------------------------------------------------------------------
