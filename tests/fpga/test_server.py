@@ -1,5 +1,6 @@
 """A simulated board behind a pseudo-terminal and a socket: no byte lost, hosts may go and come, and it keeps time."""
 
+import os
 import select
 import time
 from itertools import pairwise
@@ -13,7 +14,7 @@ from repro.errors import InputError
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
-from repro.fpga.messages import encode_program, encode_start
+from repro.fpga.messages import MessageKind, encode_message, encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import Board, BoardServer, PtyEndpoint, SocketEndpoint
 
@@ -74,6 +75,18 @@ def test_a_slow_reader_loses_nothing(endpoint):
             assert piece
             data += piece
         assert data == frames
+
+
+def test_what_a_host_sends_before_it_goes_is_read():
+    endpoint = PtyEndpoint()
+    assert endpoint.accept(0.0) is None
+    line = opened(endpoint.port)
+    line.write(encode_message(MessageKind.STOP))
+    line.close()
+    descriptor = endpoint.accept(0.0)
+    assert os.read(descriptor, 4096) == encode_message(MessageKind.STOP)
+    assert endpoint.accept(0.0) is None
+    endpoint.close()
 
 
 def test_a_host_may_go_in_the_middle_and_the_next_one_is_served(endpoint):

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from study_example import outcomes
 
+from repro.pipeline.monte_carlo import EQUIVALENT, OPEN
 from repro.study import analysis
 from repro.study.design import RANKS
 
@@ -39,6 +40,16 @@ def test_claims_have_the_sign_of_what_they_say():
     assert table.loc["posterior", ["better", "conditions"]].tolist() == [8, 8]
     assert table.loc["better", ["better", "conditions"]].tolist() == [0, 8]
     assert table["arms"].tolist() == [24] * len(table)
+
+
+@pytest.mark.parametrize(("lost", "verdict"), [(0.5, "holds"), (1.0, OPEN), (1.5, "fails")])
+def test_a_claim_that_something_does_not_matter_has_a_margin(lost, verdict):
+    frame = outcomes({"wide": 0.03, "narrow": 0.05})
+    own = frame["method"] == "algorithm1"
+    frame.loc[own, "validation"] -= EQUIVALENT * (lost + 0.2 * np.where(frame.loc[own, "arm"] % 2, 1.0, -1.0))
+    row = analysis.claims(frame).set_index("claim").loc["identical"]
+    assert row["verdict"] == verdict
+    assert row["high"] < 0.0
 
 
 def test_levels_say_where_a_claim_is_true():

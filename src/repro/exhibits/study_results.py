@@ -155,14 +155,14 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         squares = own.drop_duplicates(["prior", "excitation", "discrepancy"])
         squares = squares.pivot(index=["prior", "excitation"], columns="discrepancy", values=["mean", "sure", "of"])
         squares = squares.reindex(order).sort_index(axis="columns", ascending=False)
-        mean, sure, of = 100.0 * squares["mean"], squares["sure"], squares["of"]
-        image = axes.imshow(mean.to_numpy(), cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
-        for (i, j), value in np.ndenumerate(mean.to_numpy()):
+        mean, sure, of = (squares[name].to_numpy() for name in ("mean", "sure", "of"))
+        image = axes.imshow(100.0 * mean, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
+        for (i, j), value in np.ndenumerate(100.0 * mean):
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
-                text = f"{value:.1f}\n{sure.iloc[i, j]:.0f}/{of.iloc[i, j]:.0f}"
+                text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
-        axes.set_xticks(range(mean.shape[1]), labels=[f"{100 * level:g}" for level in mean.columns])
+        axes.set_xticks(range(mean.shape[1]), labels=[f"{100 * level:g}" for level in squares["mean"].columns])
         axes.set_yticks(range(len(mean)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)

@@ -137,7 +137,7 @@ class PtyEndpoint:
         os.close(slave)
         os.set_blocking(self._master, False)
         self._poll = select.poll()
-        self._poll.register(self._master, 0)  # a hang-up is reported always
+        self._poll.register(self._master, select.POLLIN)  # a hang-up is reported always
         if self._link is not None:
             try:
                 temporary = self._link.with_name(f".{self._link.name}-{os.getpid()}")
@@ -155,12 +155,18 @@ class PtyEndpoint:
 
     def accept(self, timeout: float) -> int | None:
         """Give a descriptor that does not block while the other end is open; None if it is not within `timeout` s."""
-        # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then.
-        if self._poll.poll(0):
+        # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then. What it
+        # sent last is read first.
+        if self._absent():
             time.sleep(timeout)
-            if self._poll.poll(0):
+            if self._absent():
                 return None
         return self._master
+
+    def _absent(self) -> bool:
+        """Whether no host has the terminal open, and none left bytes unread."""
+        events = sum(event for _, event in self._poll.poll(0))
+        return bool(events & select.POLLHUP) and not events & select.POLLIN
 
     def on_disconnect(self) -> None:
         """Do nothing: the terminal waits for the next host."""
