@@ -162,7 +162,8 @@ def draw_map(frame: pd.DataFrame) -> Figure:
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
                 text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
-        axes.set_xticks(range(mean.shape[1]), labels=[f"{100 * level:g}" for level in squares["mean"].columns])
+        ticks = [f"{100 * level:g}" for level in squares["mean"].columns]
+        axes.set_xticks(range(len(ticks)), labels=ticks)
         axes.set_yticks(range(len(mean)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
