@@ -4,7 +4,8 @@ Usage: ``python benchmarks/slurm/study_faults.py [FAULTS]`` (default 28), as roo
 ``slurm``. Seven kinds of faults follow each other, each at another moment while a job runs. Then the same command goes
 on, after ``--unlock`` if it needs it. When the study is complete, its results are compared byte for byte and
 removed, and it starts again, until all faults have struck. The working folder is a file system of its own, which one
-kind of fault fills. Prints a line a fault and writes ``results/study_faults.csv``.
+kind of fault fills. A command that waits although Slurm has had no job for minutes is killed, and counted as hung.
+Prints a line a fault and writes ``results/study_faults.csv``.
 """
 
 import csv
@@ -29,6 +30,8 @@ TABLE = Path(__file__).resolve().parents[1] / "results" / "study_faults.csv"
 DELAYS, LASTS = (1, 4, 8, 14, 22), 12
 #: Size of the working folder, and runs after which a study that is not complete has failed.
 MEGABYTES, MOST_RUNS = 192, 40
+#: Seconds without a job after which the command hangs: it looks for its jobs every 180 s at the latest.
+HANGS = 200
 
 
 @contextmanager
@@ -55,6 +58,8 @@ class Study:
     kills: int = 0
     runs: int = 0
     unlocked: int = 0
+    hung: int = 0
+    idle_since: float = 0.0
 
     def start(self) -> None:
         """Start the same command once more, when the jobs that the last run left have ended."""
@@ -85,12 +90,30 @@ class Study:
 
     def next_job(self) -> str | None:
         """Wait for a running job, the newest first, and name its rule or group; None if the command ends."""
-        while self.process.poll() is None:
+        while self.goes_on():
             if running := self.jobs("RUNNING"):
                 self.job = max(running, key=int)
                 return running[self.job]
             time.sleep(0.3)
         return None
+
+    def goes_on(self) -> bool:
+        """Whether the command runs; it is killed if it hangs."""
+        if self.process.poll() is None and not self.jobs("RUNNING,PENDING,COMPLETING"):
+            self.idle_since = self.idle_since or time.monotonic()
+            if time.monotonic() - self.idle_since > HANGS:
+                self.hung += 1
+                self.process.kill()
+                self.process.wait()
+        else:
+            self.idle_since = 0.0
+        return self.process.poll() is None
+
+    def end(self) -> int:
+        """Wait for the end of the command and give its exit code."""
+        while self.goes_on():
+            time.sleep(1)
+        return int(self.process.returncode)
 
     # --- Faults ---------------------------------------------------------------------------------------------------
 
@@ -124,7 +147,7 @@ class Study:
     def terminate_snakemake(self) -> None:
         """Interrupt the command."""
         self.process.terminate()
-        self.process.wait()
+        self.end()
 
     def fill_disk(self) -> None:
         """Fill the disk for a while."""
@@ -156,14 +179,15 @@ KINDS = {
 
 def complete(study: Study, expected: dict[str, bytes], rows: list[dict[str, object]]) -> None:
     """Go on until the study is complete, and compare it; the rows are those of the faults since its start."""
-    while study.process.wait():
+    while study.end():
         study.start()
     found = results(study.folder)
     different = differences(found, expected)
     for row in rows:
-        row |= {"runs": study.runs, "unlocked": study.unlocked, "files": len(found), "different": len(different)}
-    print(f"study complete after {len(rows)} faults and {study.runs} runs, {study.unlocked} unlocked: ", end="")
-    print(f"{len(found)} files, {len(different)} differ{': ' if different else ''}{', '.join(different)}", flush=True)
+        row |= {"runs": study.runs, "unlocked": study.unlocked, "hung": study.hung}
+        row |= {"files": len(found), "different": len(different)}
+    print(f"study complete after {len(rows)} faults, {study.runs} runs, {study.unlocked} unlocked, {study.hung} hung:")
+    print(f"  {len(found)} files, {len(different)} differ{': ' if different else ''}{', '.join(different)}", flush=True)
 
 
 def strike_all(study: Study, faults: int, expected: dict[str, bytes]) -> list[dict[str, object]]:
@@ -178,7 +202,7 @@ def strike_all(study: Study, faults: int, expected: dict[str, bytes]) -> list[di
                 first = len(rows)
                 for made in ("results", "paper_figures"):
                     shutil.rmtree(study.folder / made)
-                study.runs = study.unlocked = 0
+                study.runs = study.unlocked = study.hung = 0
             study.start()
         kind, delay = list(KINDS)[number % len(KINDS)], DELAYS[number % len(DELAYS)]
         time.sleep(delay)
