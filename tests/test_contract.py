@@ -29,6 +29,8 @@ def test_a_processor_without_the_instructions_is_not_told_to_use_them(monkeypatc
     (tmp_path / "cpuinfo").write_text("processor : 0\nflags : fpu sse4_2 avx\n")
     assert not contract.is_v3(tmp_path / "cpuinfo")
     assert not contract.is_v3(tmp_path / "none")
+    (tmp_path / "some").write_text("processor : 0\nflags : fpu avx2 fma bmi1 bmi2 f16c\n")  # no movbe
+    assert not contract.is_v3(tmp_path / "some")
     monkeypatch.setattr(contract, "is_v3", lambda: False)
     environment = {}
     contract.hold(environment)

@@ -31,6 +31,10 @@ def test_a_host_that_computes_the_same_is_inside_the_contract():
     assert "no fingerprint" in compare_hosts(None)
 
 
+def test_probes_that_a_run_did_not_record_tell_nothing():
+    assert differing({"sum": "a", "dct": "b", "older": "c"}, {"sum": "a", "dct": "x", "svd": "d"}) == ["dct"]
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not contract.is_v3(), reason="kernels of x86-64")
 def test_other_kernels_are_outside_and_named():

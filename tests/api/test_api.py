@@ -103,6 +103,15 @@ def test_the_command_prints_the_same_digits(result, tmp_path):
         result.save(tmp_path / "saved")
 
 
+def test_a_file_that_a_result_was_made_from_is_not_replaced(result, tmp_path):
+    result.save(tmp_path)
+    again = repro.identify(LOG, method="ordinary", prior=tmp_path / "parameters.json")
+    before = (tmp_path / "parameters.json").read_bytes()
+    with pytest.raises(repro.InputError):
+        again.save(tmp_path, overwrite=True)
+    assert (tmp_path / "parameters.json").read_bytes() == before
+
+
 def test_strict_refuses_what_must_not_be_used(tmp_path, capsys):
     swapped = repro.read_log(LOG)
     swapped = repro.Log(t=swapped.t, q=swapped.q, tau=-swapped.tau)

@@ -58,6 +58,10 @@ def test_the_ledger_is_searched_and_filtered(page):
     page.evaluate("document.getElementById('asserted').click()")
     assert 0 < len(column(page, 0)) < everything
     assert all("asserted" in text for text in column(page, 0))
+    shown = "[...document.querySelectorAll('#ledger tbody tr')].filter(row => row.getClientRects().length).length"
+    for width in (390, 1280):  # rows, and cards on a narrow screen
+        page.resize(width)
+        assert page.evaluate(shown) == len(column(page, 0))
 
 
 def test_the_ledger_is_sorted_by_the_buttons_in_its_header(page):

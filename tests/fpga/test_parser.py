@@ -200,9 +200,11 @@ def test_each_reason_is_counted():
         *_, gaps, _ = parse(b"".join([*sent[:6], bytes(skipped - 8), *sent[7:]]))
         assert [(g.skipped, g.lost) for g in gaps] == [(skipped, lost)]
         assert getattr(counts, reason) >= 1
-    never = sent[6][:5] + bytes.fromhex("800000")
-    *_, gaps, _ = parse(b"".join([*sent[:6], never, *sent[7:]]))
-    assert [g.reason for g in gaps] == ["torque"]
+    for torques in ("800000", "001000"):  # -1024 of joint 1, of joint 2
+        never = sent[6][:5] + bytes.fromhex(torques)
+        frames, _, gaps, _ = parse(b"".join([*sent[:6], never, *sent[7:]]))
+        assert [g.reason for g in gaps] == ["torque"]
+        assert frames == [*sent[:6], *sent[7:]]
 
 
 def test_last_frame_waits_for_the_byte_after_it():

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from exhibit_examples import SIMULATED
 from html_page import Page
 from PIL import Image
 from report_example import TRICKY, claim_rows, make_example, verdict_rows, write_rows
@@ -69,6 +70,8 @@ def test_the_policy_allows_the_style_and_the_script_that_are_there(page):
 
 def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):
     simulated = {exhibit.target for exhibit in (*TABLES, *FIGURES) if exhibit.simulated}
+    assert {exhibit.target for exhibit in FIGURES if exhibit.name in SIMULATED} <= simulated
+    assert {exhibit.target for exhibit in TABLES if exhibit.name in ("table08", "table10", "study")} <= simulated
     for exhibit in (*TABLES, *FIGURES):
         article = page.one(exhibit.target)
         assert exhibit.label in article["text"]
