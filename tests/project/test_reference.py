@@ -75,8 +75,10 @@ def test_the_checks_of_a_run_find_a_changed_total_cell_and_input(tmp_path):
     shutil.copytree(REFERENCE / "tables", tmp_path, dirs_exist_ok=True)
     check, golden = (runpy.run_path(str(ROOT / ".ci" / name)) for name in ("check_tables.py", "golden.py"))
     assert check["faults"](tmp_path) == []
-    table("table07").assign(total=lambda frame: frame["total"] + 1e-6).to_csv(tmp_path / "table07.csv")
-    assert len(check["faults"](tmp_path)) == 1
+    for change in (1e-6, -1e-6):
+        whole = table("table07")
+        whole.assign(total=whole["total"] + change).to_csv(tmp_path / "table07.csv")
+        assert len(check["faults"](tmp_path)) == 1
     assert [golden["like"]("| ID | 90.00 |", f"| ID | {cell} |") for cell in ("90.10", "95.00")] == [True, False]
     lines = list(golden["changes"]("claims.csv", {"input": ["a.csv", "b.csv"]}, {"input": ["b.csv", "d.json"]}))
     assert [line.split(": ")[2:] for line in lines] == [["new", "d.json"], ["gone", "a.csv"]]
