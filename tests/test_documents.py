@@ -85,6 +85,8 @@ def test_what_is_within_the_limits_is_read(tmp_path):
     assert (content["workspace"], content["last"]) == ([[-2, 2], [-2, 2]], [[-1, 1], [-2, 2]])
     path.write_text("")
     assert read_yaml(path, "a file") == {}
+    path.write_text('"' + "x" * (LARGEST_JSON - 2) + '"')
+    assert len(read_json(path)) == LARGEST_JSON - 2
     path.write_text("[" * DEEPEST + "]" * DEEPEST)
     assert str(read_json(path)).count("[") == DEEPEST
 

@@ -57,6 +57,7 @@ def test_the_public_names_and_signatures_are_frozen():
     for name, parameters in SIGNATURES.items():
         assert ", ".join(inspect.signature(getattr(repro, name)).parameters) == parameters, name
     assert all(hasattr(repro.Identification, name) for name in METHODS.split(", "))
+    assert inspect.signature(repro.identify).parameters["method"].default == "consistent"
     with pytest.raises(AttributeError):
         repro.nothing  # noqa: B018
 
@@ -253,6 +254,9 @@ def test_tables_and_drawing_of_a_result(result):
     assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
     assert isinstance(result.plot(-1), Figure)
     assert "simulated" in result._repr_html_()
+    named = replace(result, details=replace(result.details, arm="<i>", warnings=("<b>.csv: slow",)))
+    assert "<b>&lt;i&gt;" in named._repr_html_()
+    assert "<li>&lt;b&gt;.csv: slow</li>" in named._repr_html_()
     for call, place in ((lambda: result.of("robust"), "method"), (lambda: result.plot(7), "log: found 7")):
         with pytest.raises(repro.InputError, match=f"^{place}"):
             call()

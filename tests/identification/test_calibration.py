@@ -10,6 +10,8 @@ from regression_example import log_from
 
 from repro.identification.calibration import (
     CANDIDATES,
+    CalibrationError,
+    blame_joint_1,
     calibration_limits,
     correct_calibration,
     find_calibration_errors,
@@ -208,6 +210,18 @@ def test_what_is_there_is_found_with_its_size(load, rest, names):
     for name, term in found.items():
         assert term.value == pytest.approx(true[name], rel=0.2)
         assert term.gain > 0.2
+
+
+@pytest.mark.parametrize(("load", "rotor"), [((-0.1, 0.0), 0.0), ((0.0, 0.0), -0.1)])
+def test_a_term_that_would_drive_the_arm_is_not_subtracted(load, rotor):
+    assert find_terms([(log_with(load, rotor=rotor * BETA[2]), DELAYED)], True) == ()
+
+
+def test_a_scale_of_joint_2_may_as_well_be_one_of_joint_1():
+    errors = [CalibrationError("zero1", 0.02, 1e-3, 0.3, 0.1), CalibrationError("scale2", 0.8, 0.01, 0.3, 0.1)]
+    zero, scale = blame_joint_1(errors)
+    assert zero == errors[0]
+    assert (scale.name, scale.value, scale.error) == ("scale1", pytest.approx(1.25), pytest.approx(0.01 / 0.64))
 
 
 def test_the_rotor_of_joint_2_is_subtracted_unasked_and_i3_comes_out_right():

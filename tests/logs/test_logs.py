@@ -54,6 +54,11 @@ def test_a_plain_log(read):
     np.testing.assert_allclose(top, np.abs(GOOD.dq[1]).max(), rtol=0.01)
 
 
+def each(first, second):
+    """A factor for each joint."""
+    return np.array([[first], [second]])
+
+
 #: Headers for time, positions, velocities and torques, what the values in them are multiplied by, and the arm.
 SPELLINGS = {
     "brackets": ("Time [s]|q1 [rad]|q2 [rad]|dq1 [rad/s]|dq2 [rad/s]|tau1 [Nm]|tau2 [N·m]", (1, 1, 1, 1), {}),
@@ -66,12 +71,13 @@ SPELLINGS = {
                     (1, 1, 30 / np.pi, 1), {}),
     "shoulder and elbow": ("time|shoulder_pos|elbow_pos|shoulder_velocity|elbow_velocity|shoulder_torque|tau_elbow",
                            (1, 1, 1, 1), {}),
-    "current": ("time|position1|position2|velocity1|velocity2|current1|current_2", (1, 1, 1, 10),
-                {"torque_constant": (0.1, 0.1)}),
-    "milliamperes": ("time|q1|q2|dq1|dq2|current1 [mA]|current2_mA", (1, 1, 1, 1e4), {"torque_constant": (0.1, 0.1)}),
+    "current": ("time|position1|position2|velocity1|velocity2|current1|current_2", (1, 1, 1, each(10, 4)),
+                {"torque_constant": (0.1, 0.25)}),
+    "milliamperes": ("time|q1|q2|dq1|dq2|current1 [mA]|current2_mA", (1, 1, 1, each(1e4, 4e3)),
+                     {"torque_constant": (0.1, 0.25)}),
     "counts": ("time|q1_counts|q2 [ticks]|dq1 [counts/s]|dq2 [ticks/s]|pwm1|pwm2",
-               (1, 8400 / 2 / np.pi, 8400 / 2 / np.pi, 1 / 0.004),
-               {"counts_per_turn": (8400, 8400), "torque_constant": (0.004, 0.004)}),
+               (1, each(8400, 4096) / 2 / np.pi, each(8400, 4096) / 2 / np.pi, each(250, 125)),
+               {"counts_per_turn": (8400, 4096), "torque_constant": (0.004, 0.008)}),
     "arm file wins": ("t [s]|q1 [rad]|q2|dq1|dq2|tau1 [furlong]|tau2", (1e3, DEGREE, 30 / np.pi, 1e3),
                       {"units": {"time": "ms", "position": "deg", "velocity": "rpm", "torque": "mN m"}}),
     "quoted": ('"time"|"q1 [rad]"|"q2_rad"|dq1|dq2|"tau1"|tau2', (1, 1, 1, 1), {}),

@@ -13,15 +13,18 @@ from safetensors.numpy import load_file, save_file
 
 from repro.errors import InputError
 from repro.fpga.capture import read_capture
+from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.parameters import is_positive_definite
 from repro.pipeline.experiment import mechanical_parameters, program_from_config, true_parameters
 from repro.pipeline.monte_carlo import chatters
 from repro.pipeline.simulated_arms import (
     draw_arms,
+    is_within_limits,
     read_spread,
     simulate_spread,
     simulate_tracked,
     spread_arms,
+    tracks,
     training_motion,
 )
 from repro.settings import of_network
@@ -53,6 +56,21 @@ def test_the_arms_are_physical_and_the_motors_carry_them():
     assert (beta[:, 0] >= 0.01).all()
     assert (beta[:, 2] >= 0.004).all()
     assert len(np.unique(beta, axis=0)) == 500
+
+
+def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():
+    program = program_from_config(CONFIG, "ID")
+    counts = np.rint(np.tile(program.q, (3, 1, 1)) / RADIANS_PER_COUNT)
+    far = int(2.0 * CONFIG["data"]["tracked"]["largest_error_rad"] / RADIANS_PER_COUNT)
+    counts[0, 0, : program.n1] += far
+    counts[1, 1, program.n2 - 1] -= far
+    assert tracks(CONFIG, counts.astype(np.int16), program).tolist() == [True, False, True]
+
+
+def test_a_motion_is_within_the_limits_of_both_joints():
+    program, own = program_from_config(CONFIG, "ID"), true_parameters(CONFIG)
+    load1, load2 = (own + np.where(np.arange(9) == place, 50.0, 0.0) for place in (7, 8))
+    assert is_within_limits(CONFIG, np.stack([load1, own, load2]), program).tolist() == [False, True, False]
 
 
 def test_every_motion_is_eq_10_as_an_arm_tracks_it(motions):
