@@ -3,6 +3,7 @@
 import contextlib
 import io
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -40,3 +41,18 @@ def test_blocks_print_what_the_page_shows(page, tmp_path, monkeypatch):
 )
 def test_outputs_are_compared_to_the_last_digit(printed, shown, same):
     assert same_output(printed, shown) is same
+
+
+@pytest.mark.parametrize(
+    ("printed", "shown", "same"),
+    [
+        ("a 1\nb 2\n", "a 1\nb 2\n", True),
+        ("a 1\nb 2\n", "a 1\n", False),
+        ("a 1\nb 2\n", "a 1\n...\n", True),
+        ("a 1\nb 2\nc 3\n", "a 1\n...\nc 3\n", True),
+        ("a 1\nb 2\nc 3\n", "a 1\n...\nb 2\n", False),
+        ("a 1\nb 2\n", "b 2\n", False),
+    ],
+)
+def test_what_a_command_prints_is_shown_whole_or_with_dots(printed, shown, same):
+    assert runpy.run_path(str(ROOT / ".ci/code_blocks.py"))["matches"](printed, shown) is same

@@ -167,3 +167,10 @@ def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(tmp_path, an
     assert found in said[0]
     assert "expected Python 3.11 to 3.13" in said[0]
     assert not (tmp_path / ".venv").exists()
+
+
+def test_the_container_runs_the_first_command_of_the_readme():
+    (target,) = re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)[:1]
+    lines = (ROOT / "Containerfile").read_text(encoding="utf-8").splitlines()
+    run = [line for line in lines if line.startswith(("ENTRYPOINT", "CMD"))]
+    assert run == ['ENTRYPOINT ["make"]', f'CMD ["{target}"]']

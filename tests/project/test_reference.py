@@ -3,6 +3,8 @@
 import re
 import runpy
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +84,24 @@ def test_the_checks_of_a_run_find_a_changed_total_cell_and_input(tmp_path):
     assert [golden["like"]("| ID | 90.00 |", f"| ID | {cell} |") for cell in ("90.10", "95.00")] == [True, False]
     lines = list(golden["changes"]("claims.csv", {"input": ["a.csv", "b.csv"]}, {"input": ["b.csv", "d.json"]}))
     assert [line.split(": ")[2:] for line in lines] == [["new", "d.json"], ["gone", "a.csv"]]
+
+
+@pytest.mark.slow
+def test_the_check_that_every_file_has_a_rule_fails_where_one_has_none(tmp_path):
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "stray.csv").touch()
+    for name, text in (
+        ("ro-crate-metadata.json", '{"@graph": []}'),
+        ("logs/costs.csv", ""),
+        ("logs/provenance.json", ""),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = [sys.executable, ".ci/every_file_has_a_rule.py", "config/smoke.yaml", str(tmp_path)]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    assert f"{tmp_path / 'stray.csv'}: found a file" in ended.stdout
+    assert "tables/table06.csv: found nothing" in ended.stdout
+    assert "Traceback" not in ended.stderr
 
 
 def arm_totals(method):
