@@ -12,8 +12,9 @@ from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.identification.algorithm1.refinement import RefinementSettings
-from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.algorithm1.search import ARM_THRESHOLD, SearchSettings
 from repro.pipeline.experiment import program_settings
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import TrajectorySettings
 
@@ -23,6 +24,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 #: A value of its own for every key that is passed on by its place, and of the networks' changes.
 CONFIG = yaml.safe_load("""
+signals: {sampling_period_s: 0.005, filter_coefficient: 2.0e-4, frequency_reading: index, image_samples: 64,
+          duration_s: 7.5, normalise_motion: true}
 data: {motions: ideal, unmodelled: {stribeck: 0.41, ripple: 0.09, noise: 0.02, delay_s: 0.001},
        prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
        near_low: 0.004, near_high: 0.6}
@@ -36,6 +39,11 @@ networks:
   paper-recipe: {training: {recipe: paper, steps: 202, batch: 3}}
 """)
 NETWORKS = {"published": "channel-max", "tracked": "constant", "paper-recipe": "channel-max"}
+
+
+def test_sampling_and_filters():
+    expected = SignalSettings(h=0.005, c_f=2e-4, omega_unit="index", samples=64, duration=7.5, normalise_motion=True)
+    assert settings.signal_settings(CONFIG) == expected
 
 
 @pytest.mark.parametrize(("network", "scale"), NETWORKS.items())
@@ -88,6 +96,7 @@ def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_
     assert (signals.h, signals.c_f, signals.samples) == (2.5e-3, 1e-4, 100)
     assert round(signals.duration / signals.h) == 3770  # 3 pi s
     assert (search.executions, search.threshold, search.low, search.high) == (100, 0.9282, 1e-3, 3.0)
+    assert ARM_THRESHOLD == 0.9237
     assert settings.metric_settings(config).exponent == 0.4
     paper = settings.training_settings(settings.of_network(config, "paper-recipe"))
     assert (paper.recipe, paper.steps, paper.batch) == ("paper", 500_000, 1)
