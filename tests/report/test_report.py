@@ -19,7 +19,7 @@ from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.report import page as page_module
 from repro.report.embed import link
-from repro.report.page import answer, build_report, closing_lines, read_claims
+from repro.report.page import answer, build_report, closing_lines, made_on_request, read_claims
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -66,6 +66,17 @@ def test_the_policy_allows_the_style_and_the_script_that_are_there(page):
         (element,) = page.all(tag)
         digest = base64.b64encode(hashlib.sha256(element["text"].encode()).digest()).decode()
         assert f"{tag}-src 'sha256-{digest}'" in policy
+
+
+def test_results_made_on_request_make_the_report_again(tmp_path):
+    (tmp_path / "tables").mkdir()
+    table, seen = tmp_path / "tables/study.csv", [made_on_request(tmp_path, tmp_path)]
+    for content in ("a\n1\n", "a\n2\n"):
+        table.write_text(content, encoding="utf-8")
+        seen += [made_on_request(tmp_path, tmp_path)] * 2
+    (tmp_path / "tables/table10.csv").write_text(content, encoding="utf-8")  # its rule tells of it
+    assert made_on_request(tmp_path, tmp_path) == seen[-1]
+    assert len(set(seen)) == 3
 
 
 def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):

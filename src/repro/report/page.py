@@ -1,5 +1,6 @@
 """The report of a run as one HTML text: every result, with what computed it."""
 
+import hashlib
 import platform
 import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -73,20 +74,36 @@ class Shown:
     picture: Picture | None  # of a figure that is there
 
 
+def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
+    """Numbers of an exhibit, its table or figure to print, and the picture of a figure."""
+    numbers = results / f"{exhibit.kind}s" / f"{exhibit.name}.csv"
+    if exhibit.kind == "table":
+        return [numbers, numbers.with_suffix(".tex")]
+    return [numbers, *(figures / f"{exhibit.name}.{ext}" for ext in ("pdf", "png"))]
+
+
+def made_on_request(results: Path, figures: Path) -> str:
+    """Digest of the optional results that are there: no job of the report waits for them, but they are in it."""
+    files = (path for one in (*TABLES, *FIGURES) if one.optional for path in _files(one, results, figures))
+    digest = hashlib.sha256()
+    for path in files:
+        if path.is_file():
+            digest.update(path.name.encode() + path.read_bytes())
+    return f"results made on request {digest.hexdigest()[:12]}"
+
+
 def show(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
     """Lay out a table or embed a figure, and link its data; reading refuses a missing file unless it is optional."""
-    numbers = inputs.results / f"{exhibit.kind}s" / f"{exhibit.name}.csv"
-    image = inputs.figures / f"{exhibit.name}.png"
-    is_table = exhibit.kind == "table"
-    data = [numbers, numbers.with_suffix(".tex") if is_table else image.with_suffix(".pdf")]
-    needed = data if is_table else [image, *data]
+    needed = _files(exhibit, inputs.results, inputs.figures)
     present = [path for path in needed if path.exists() or not exhibit.optional]
+    numbers, image = needed[0], needed[-1]
+    is_table = exhibit.kind == "table"
     return Shown(
         exhibit,
-        [link(path, inputs.page) for path in data if path in present],
+        [link(path, inputs.page) for path in needed[:2] if path in present],
         len(present) < len(needed),
         cast("Table", shown(exhibit, numbers)) if is_table and numbers in present else None,
-        picture(image) if image in present else None,
+        picture(image) if not is_table and image in present else None,
     )
 
 
