@@ -63,3 +63,9 @@ def test_rows_of_the_map_are_those_of_their_labels() -> None:
             level = float(panel.get_xticklabels()[int(column)].get_text()) / 100.0
             expected = values[(prior, {"Eq. 10": "eq10", "D-optimal": "optimal"}[motion], level)]
             assert text.get_text() == f"{100.0 * expected:.1f}\n1/1"
+
+
+def test_a_study_without_some_networks_has_empty_panels() -> None:
+    whole = FRAMES["study"]()
+    panels = made("study", whole[whole["method"] == "posterior"]).axes[:3]
+    assert [len(panel.texts) for panel in panels] == [0, 0, 8]

@@ -150,21 +150,24 @@ def draw_map(frame: pd.DataFrame) -> Figure:
     panels, image = figure.subplots(1, len(_SHOWN), sharey=True), None
     labels = {(prior, motion): f"{prior}, {name}" for prior in TRAINED_ON for motion, name in _MOTIONS.items()}
     order = [row for row in labels if row in set(zip(frame["prior"], frame["excitation"], strict=True))]
+    levels = sorted(set(frame["discrepancy"]), reverse=True)
     for axes, (method, opponent) in zip(panels, _SHOWN, strict=True):
         own = frame[(frame["method"] == method) & (frame["opponent"] == opponent)]
         squares = own.drop_duplicates(["prior", "excitation", "discrepancy"])
-        squares = squares.pivot(index=["prior", "excitation"], columns="discrepancy", values=["mean", "sure", "of"])
-        squares = squares.reindex(order).sort_index(axis="columns", ascending=False)
-        mean, sure, of = (squares[name].to_numpy() for name in ("mean", "sure", "of"))
+        mean, sure, of = (
+            squares.pivot(index=["prior", "excitation"], columns="discrepancy", values=name)
+            .reindex(index=order, columns=levels)
+            .to_numpy(dtype=np.float64)
+            for name in ("mean", "sure", "of")
+        )
         image = axes.imshow(100.0 * mean, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
         for (i, j), value in np.ndenumerate(100.0 * mean):
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
                 text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
-        ticks = [f"{100 * level:g}" for level in squares["mean"].columns]
-        axes.set_xticks(range(len(ticks)), labels=ticks)
-        axes.set_yticks(range(len(mean)), labels=[labels[row] for row in order])
+        axes.set_xticks(range(len(levels)), labels=[f"{100 * level:g}" for level in levels])
+        axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
     figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
