@@ -8,7 +8,7 @@ import pytest
 
 from repro.documents import read_json
 from repro.errors import InputError
-from repro.files import atomic_write, read_csv, write_csv, write_json, write_text
+from repro.files import atomic_write, read_csv, read_rows, write_csv, write_json, write_text
 
 
 class Interrupted(BaseException):
@@ -118,3 +118,10 @@ def test_missing_columns_are_named(tmp_path):
     assert "no column joint, seeds" in str(error.value)
     assert "expected columns case, joint, total, seeds" in str(error.value)
     assert list(read_csv(path, ("case", "total")).columns) == ["case", "total"]
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_bytes("\ufeffa,b\n1,2.5\n".encode())
+    assert read_csv(path, ("a", "b")).to_dict("list") == {"a": [1], "b": [2.5]}
+    assert read_rows(path, ("a", "b")) == [{"a": "1", "b": "2.5"}]
