@@ -69,7 +69,7 @@ class Study:
             self.unlocked += 1
             unlock = [*self.command[:3], "--unlock", *self.command[3:]]  # after `python -m snakemake`
             subprocess.run(unlock, cwd=self.folder, env=self.environment, check=True)
-        self.runs += 1
+        self.runs, self.idle_since = self.runs + 1, 0.0
         if self.runs > MOST_RUNS:
             sys.exit(f"error: the study: found it incomplete after {MOST_RUNS} runs, expected it complete")
         with self.log.open("w") as log:
@@ -92,7 +92,7 @@ class Study:
         """Wait for a running job, the newest first, and name its rule or group; None if the command ends."""
         while self.goes_on():
             if running := self.jobs("RUNNING"):
-                self.job = max(running, key=int)
+                self.job, self.idle_since = max(running, key=int), 0.0
                 return running[self.job]
             time.sleep(0.3)
         return None

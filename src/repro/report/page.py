@@ -83,7 +83,7 @@ def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
 
 
 def made_on_request(results: Path, figures: Path) -> str:
-    """Digest of the optional results that are there: no job of the report waits for them, but they are in it."""
+    """Digest of the optional results that exist: the report shows them, although its rule does not require them."""
     files = (path for one in (*TABLES, *FIGURES) if one.optional for path in _files(one, results, figures))
     digest = hashlib.sha256()
     for path in files:
