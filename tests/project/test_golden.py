@@ -1,0 +1,74 @@
+"""The comparison of the small run with its kept numbers reports what is new, what is gone and what differs."""
+
+import gzip
+import importlib.util
+import json
+from pathlib import Path
+
+import pytest
+
+PROGRAM = Path(__file__).resolve().parents[2] / ".ci" / "golden.py"
+#: Lines of a page, lengths or hashes of files, and the rule of an output.
+KEPT = {
+    "pages": {"tables/a.md": ["an arm of 12.5 kg", "3 of 7"], "b.md": ["a line"]},
+    "files": {"experiment/a.bin": "5f1d", "tables/a.csv": "31"},
+    "rules": {"tables/a.csv": {"rule": ["score"], "input": ["x.csv"], "params": ["11"]}},
+}
+
+
+@pytest.fixture(scope="module")
+def golden():
+    spec = importlib.util.spec_from_file_location("golden", PROGRAM)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def report(golden, monkeypatch, tmp_path, run):
+    """What the comparison says of a run whose one sampled table is as it was kept."""
+    kept, folder = tmp_path / "kept", tmp_path / "run"
+    for each in (kept, folder):
+        each.mkdir()
+        (each / "claims.csv").write_text("claim,ours\nfirst,2.5\n", encoding="utf-8")
+    for name, content in KEPT.items():
+        (kept / f"{name}.json.gz").write_bytes(gzip.compress(json.dumps(content).encode()))
+    monkeypatch.setattr(golden, "KEPT", kept)
+    monkeypatch.setattr(golden, "kept_numbers", lambda _: run)
+    return list(golden.faults(folder))
+
+
+def test_the_kept_run_has_no_difference(golden, monkeypatch, tmp_path):
+    assert report(golden, monkeypatch, tmp_path, KEPT) == []
+
+
+@pytest.mark.parametrize("kind", KEPT)
+def test_what_is_new_is_reported(golden, monkeypatch, tmp_path, kind):
+    content = next(iter(KEPT[kind].values()))
+    new = report(golden, monkeypatch, tmp_path, {**KEPT, kind: {**KEPT[kind], "c.md": content}})
+    assert len(new) == 1
+    assert "c.md" in new[0]
+
+
+@pytest.mark.parametrize("kind", KEPT)
+def test_what_is_gone_is_reported(golden, monkeypatch, tmp_path, kind):
+    first = next(iter(KEPT[kind]))
+    gone = report(golden, monkeypatch, tmp_path, {**KEPT, kind: {k: v for k, v in KEPT[kind].items() if k != first}})
+    assert len(gone) == 1
+    assert first in gone[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "value", "reported"),
+    [
+        ("pages", "tables/a.md", ["an arm of 12.5 kg", "4 of 7"], 1),
+        ("pages", "tables/a.md", ["an arm of 12.501 kg", "3 of 7"], 0),
+        ("pages", "tables/a.md", ["an arm of 12.5 g", "3 of 7"], 1),
+        ("pages", "tables/a.md", ["3 of 7"], 1),
+        ("files", "experiment/a.bin", "5f1e", 1),
+        ("rules", "tables/a.csv", {"rule": ["score"], "input": ["x.csv"], "params": ["12"]}, 2),
+    ],
+)
+def test_a_difference_is_reported(golden, monkeypatch, tmp_path, kind, name, value, reported):
+    found = report(golden, monkeypatch, tmp_path, {**KEPT, kind: {**KEPT[kind], name: value}})
+    assert len(found) == reported
+    assert all(name in line for line in found)
