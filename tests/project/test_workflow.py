@@ -24,6 +24,7 @@ from repro.exhibits import catalogue
 from repro.paper.ledger import compute
 from repro.paper.our_values import Results
 from repro.paper.published import load_published
+from repro.pipeline.factorial import CELLS
 
 pytestmark = pytest.mark.slow
 
@@ -334,6 +335,15 @@ def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(worki
         if rule.name != "report":  # one more seed changes nothing for jobs that work on one motion or one arm
             assert "seeds" not in config.get("numeric", {}), rule.name
             assert "search_seeds" not in config.get("experiment", {}), rule.name
+
+
+@pytest.mark.parametrize(("reader", "other"), [("plain", "cnn"), ("cnn", "plain")])
+def test_a_network_of_the_factorial_depends_on_its_own_training(rules, reader, other):
+    trainers = {"plain": "repro.cnn.plain:train", "cnn": "repro.cnn.train:train"}
+    cell = next(name for name, cell in CELLS.items() if cell.reader == reader)
+    digests = rules["train_factorial"].params.code(SimpleNamespace(cell=cell))
+    assert trainers[reader] in digests
+    assert trainers[other] not in digests
 
 
 def test_each_function_is_given_what_it_names(working):
