@@ -1,13 +1,15 @@
 """The flow that reads the torque: density and draws belong together, what it learns, its weights on disk."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
 from scipy.stats import multivariate_normal, norm
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.flow import load_flow, save_flow, train_flow
-from repro.cnn.plain import PlainSettings
+from repro.cnn.flow import Flow, load_flow, save_flow
+from repro.cnn.plain import PlainSettings, train_posterior
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -28,7 +30,8 @@ MOMENTS = (PRIOR.mean(axis=0), np.cov(PRIOR.T))
 
 @pytest.fixture(scope="module")
 def trained():
-    return train_flow(SAMPLED, DATA, QUICK, MOMENTS, 3, lambda *_: None)
+    mean, covariance = MOMENTS
+    return train_posterior(partial(Flow, mean=mean, covariance=covariance), SAMPLED, DATA, QUICK, 3)
 
 
 def test_draws_have_the_density_of_the_loss(trained):

@@ -6,14 +6,7 @@ import torch
 from scipy.stats import multivariate_normal
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.plain import (
-    PlainSettings,
-    load_plain,
-    negative_log_likelihood,
-    read_torque,
-    save_plain,
-    train_plain,
-)
+from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_posterior
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -31,7 +24,7 @@ def drawn(seed, n, data=DATA):
 
 @pytest.fixture(scope="module")
 def trained():
-    return train_plain(SAMPLED, DATA, QUICK, seed=3)
+    return train_posterior(PlainNetwork, SAMPLED, DATA, QUICK, seed=3)
 
 
 def test_the_loss_is_the_likelihood_of_a_normal_distribution():
@@ -40,7 +33,8 @@ def test_the_loss_is_the_likelihood_of_a_normal_distribution():
     factor = np.tril(rng.normal(size=(n, 9, 9)), -1) + np.eye(9) * rng.uniform(0.5, 3.0, (n, 9, 1))
     covariance = np.linalg.inv(factor @ factor.transpose(0, 2, 1))
     expected = [-multivariate_normal(m, c).logpdf(b) for m, c, b in zip(mean, covariance, beta, strict=True)]
-    found = negative_log_likelihood(*(torch.from_numpy(x) for x in (mean, factor, beta)))
+    claimed = (torch.from_numpy(mean), torch.from_numpy(factor))
+    found = PlainNetwork.loss(lambda _: claimed, torch.zeros(n, 200), torch.from_numpy(beta))
     constant = 0.5 * 9 * np.log(2 * np.pi)
     assert float(found) + constant == pytest.approx(np.mean(expected), rel=1e-9)
 
@@ -49,8 +43,8 @@ def test_the_loss_is_the_likelihood_of_a_normal_distribution():
 def test_its_likelihood_is_above_that_of_the_prior(trained):
     alpha, beta_bar = drawn(12, 600)
     with torch.no_grad():
-        mean, factor = trained(torch.from_numpy(alpha.reshape(600, -1).astype(np.float32)))
-        found = float(negative_log_likelihood(mean, factor, torch.from_numpy(beta_bar.astype(np.float32))))
+        torques = torch.from_numpy(alpha.reshape(600, -1).astype(np.float32))
+        found = float(trained.loss(torques, torch.from_numpy(beta_bar.astype(np.float32))))
     _, training = drawn(13, 4000)
     of_prior = multivariate_normal(training.mean(0), np.cov(training.T)).logpdf(beta_bar)
     prior = -of_prior.mean() - 0.5 * 9 * np.log(2 * np.pi)
@@ -59,14 +53,14 @@ def test_its_likelihood_is_above_that_of_the_prior(trained):
 
 def test_the_first_step_of_a_weight_is_the_learning_rate():
     one = (PlainSettings(width=8, steps=1, batch=16, learning_rate=rate) for rate in (0.0, 1e-3))
-    before, after = (train_plain(SAMPLED, DATA, settings, 1).parameters() for settings in one)
+    before, after = (train_posterior(PlainNetwork, SAMPLED, DATA, each, 1).parameters() for each in one)
     longest = max(float((a - b).abs().max()) for a, b in zip(before, after, strict=True))
     assert longest == pytest.approx(1e-3, rel=1e-2)
 
 
 def test_weights_come_back_from_disk(tmp_path):
     brief = PlainSettings(width=8, steps=3, batch=16)
-    network = train_plain(SAMPLED, DATA, brief, 1)
+    network = train_posterior(PlainNetwork, SAMPLED, DATA, brief, 1)
     save_plain(tmp_path / "plain.safetensors", network)
     again = load_plain(tmp_path / "plain.safetensors", SIGNALS.samples, brief)
     alpha, _ = drawn(2, 5)

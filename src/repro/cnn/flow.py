@@ -3,15 +3,13 @@
 A neural spline flow (Durkan and others 2019) of the package zuko, the extra `flow`, on features of the torque samples.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from repro.cnn.dataset import DataSettings, SampledMotion
-from repro.cnn.plain import PlainSettings, train_posterior
+from repro.cnn.plain import PlainSettings, Posterior
 from repro.errors import require
 from repro.files import read_tensors, write_tensors
 from repro.model.parameters import NAMES, Array
@@ -20,7 +18,7 @@ from repro.model.parameters import NAMES, Array
 FEATURES, TRANSFORMS, HIDDEN = 64, 3, 128
 
 
-class Flow(nn.Module):
+class Flow(Posterior):
     """Distribution of the parameters, in units of the largest torque, given the torque samples of both joints."""
 
     def __init__(self, samples: int, width: int, mean: Array, covariance: Array) -> None:
@@ -49,21 +47,6 @@ class Flow(nn.Module):
         features = self.body(torch.from_numpy(alpha.reshape(-1).astype(np.float32)))
         scaled = self.flow(features).transform.inv(torch.from_numpy(normal.astype(np.float32)))
         return np.asarray((self.centre + self.spread * scaled).numpy(), dtype=np.float64)
-
-
-def train_flow(
-    motion: SampledMotion,
-    data: DataSettings,
-    settings: PlainSettings,
-    prior: tuple[Array, Array],
-    seed: int,
-    report: Callable[[int, int], None],
-) -> Flow:
-    """Train a new flow by `train_posterior`; mean and covariance are those of the prior."""
-    torch.manual_seed(seed)
-    network = Flow(motion.torque.shape[-2], settings.width, *prior)
-    train_posterior(network, motion, data, settings, seed, report)
-    return network.requires_grad_(False)
 
 
 def save_flow(path: Path, network: Flow) -> None:

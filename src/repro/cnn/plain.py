@@ -5,10 +5,10 @@ torque samples, by the likelihood of a normal distribution (amortised Gaussian p
 """
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -34,7 +34,18 @@ class PlainSettings:
     learning_rate: float = 1e-3  # a cosine brings it down to zero
 
 
-class PlainNetwork(nn.Module):
+class Posterior(nn.Module):
+    """A network that claims a distribution of the parameters behind a torque, in units of the largest torque."""
+
+    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
+        """Negative log-likelihood of parameters (n, 9), without its constant, of torques (n, 2 M)."""
+        raise NotImplementedError
+
+
+P = TypeVar("P", bound=Posterior)
+
+
+class PlainNetwork(Posterior):
     """Torque samples of both joints -> mean and precision of the parameters, in units of the largest torque."""
 
     def __init__(self, samples: int, width: int) -> None:
@@ -56,51 +67,24 @@ class PlainNetwork(nn.Module):
         return self.mean(hidden), factor - torch.diag_embed(diagonal) + torch.diag_embed(torch.exp(diagonal))
 
     def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
-        """Negative log-likelihood of parameters (n, 9), without its constant."""
+        """-log N(beta; mean, (L L')^-1), averaged over the samples, without its constant."""
         mean, factor = self(alpha)
-        return negative_log_likelihood(mean, factor, beta)
+        scaled = (factor.transpose(1, 2) @ (beta - mean)[..., None])[..., 0]
+        log_determinant = torch.log(torch.diagonal(factor, dim1=1, dim2=2)).sum(-1)
+        return (0.5 * scaled.square().sum(-1) - log_determinant).mean()
 
 
-def negative_log_likelihood(mean: Tensor, factor: Tensor, beta: Tensor) -> Tensor:
-    """-log N(beta; mean, (L L')^-1), averaged over the samples, without its constant."""
-    scaled = (factor.transpose(1, 2) @ (beta - mean)[..., None])[..., 0]
-    log_determinant = torch.log(torch.diagonal(factor, dim1=1, dim2=2)).sum(-1)
-    return (0.5 * scaled.square().sum(-1) - log_determinant).mean()
-
-
-class Posterior(Protocol):
-    """A network that claims a distribution of the parameters behind a torque."""
-
-    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
-        """Negative log-likelihood of parameters (n, 9)."""
-
-    def parameters(self) -> Iterator[nn.Parameter]:
-        """Weights that are trained."""
-
-
-def train_plain(
+def train_posterior(
+    make: Callable[[int, int], P],
     motion: SampledMotion,
     data: DataSettings,
     settings: PlainSettings,
     seed: int,
     report: Callable[[int, int], None] = lambda *_: None,
-) -> PlainNetwork:
-    """Train a new network by `train_posterior`."""
+) -> P:
+    """Train a network, made from the number of torque samples and the width, on fresh torques at every step."""
     torch.manual_seed(seed)
-    network = PlainNetwork(motion.torque.shape[-2], settings.width)
-    train_posterior(network, motion, data, settings, seed, report)
-    return network.requires_grad_(False)
-
-
-def train_posterior(
-    network: Posterior,
-    motion: SampledMotion,
-    data: DataSettings,
-    settings: PlainSettings,
-    seed: int,
-    report: Callable[[int, int], None],
-) -> None:
-    """Train on fresh torques at every step, in float32."""
+    network = make(motion.torque.shape[-2], settings.width)
     optimiser = torch.optim.Adam(network.parameters(), settings.learning_rate)
     for step in range(settings.steps):
         for group in optimiser.param_groups:
@@ -114,6 +98,7 @@ def train_posterior(
         optimiser.step()
         if (step + 1) % 50 == 0:
             report(step + 1, settings.steps)
+    return network.requires_grad_(False)
 
 
 def read_torque(network: PlainNetwork, alpha: Array) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.cnn.network import load_network, on_this_processor, save_network
-from repro.cnn.plain import PlainSettings, load_plain, read_torque, save_plain, train_plain
+from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_posterior
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.identification.algorithm1.preprocessing import PreparedSignals
@@ -205,7 +205,7 @@ def train_cell(
     if CELLS[cell].reader == "plain":
         motion, progress = training_motion(c, motions), Progress(f"training, {cell}")
         settings = plain_settings(c["factorial"]["plain"])
-        save_plain(weights, train_plain(motion, data_settings(c), settings, seed, progress))
+        save_plain(weights, train_posterior(PlainNetwork, motion, data_settings(c), settings, seed, progress))
         return
     train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
 

@@ -6,6 +6,7 @@ network reads the torque alone; and least squares. A reader of an excitation and
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,9 @@ from scipy import linalg
 from scipy.special import ndtr
 
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
-from repro.cnn.flow import Flow, load_flow, save_flow, train_flow
+from repro.cnn.flow import Flow, load_flow, save_flow
 from repro.cnn.network import save_network
-from repro.cnn.plain import PlainNetwork, load_plain, read_torque, save_plain, train_plain
+from repro.cnn.plain import PlainNetwork, load_plain, read_torque, save_plain, train_posterior
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
@@ -108,12 +109,13 @@ def train_reader(
         columns = UnmodelledColumns(*(kept[f"unmodelled/{name}"] for name in ("stribeck", "ripple", "rate")))
         motion = SampledMotion(kept["tracked/torque"], kept["tracked/model"], columns)
     data = _data(config, law, unmodelled=network != ALGORITHM1)
+    posterior = motion, data, plain_settings(s["posterior"]), s["seed"], progress
     if network == FLOW:
-        prior = kept["prior_mean"], kept["prior_covariance"]
-        save_flow(weights, train_flow(motion, data, plain_settings(s["posterior"]), prior, s["seed"], progress))
+        make = partial(Flow, mean=kept["prior_mean"], covariance=kept["prior_covariance"])
+        save_flow(weights, train_posterior(make, *posterior))
         return
     if network == POSTERIOR:
-        save_plain(weights, train_plain(motion, data, plain_settings(s["posterior"]), s["seed"], progress))
+        save_plain(weights, train_posterior(PlainNetwork, *posterior))
         return
     settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
     trained = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
@@ -142,13 +144,9 @@ class Readers:
         self._signals, self._seed = signals, config["study"]["seed"]
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
-        settings = plain_settings(config["study"]["posterior"])
-        self._plain: PlainNetwork | None = None
-        self._flow: Flow | None = None
-        if POSTERIOR in weights:
-            self._plain = load_plain(weights[POSTERIOR], signals.samples, settings)
-        if FLOW in weights:
-            self._flow = load_flow(weights[FLOW], signals.samples, settings)
+        sizes = signals.samples, plain_settings(config["study"]["posterior"])
+        self._plain = load_plain(weights[POSTERIOR], *sizes) if POSTERIOR in weights else None
+        self._flow = load_flow(weights[FLOW], *sizes) if FLOW in weights else None
         self._cnn = {
             name: for_the_arm(algorithm1_of(name, weights[name], config), config)
             for name in SEARCHED
@@ -158,17 +156,19 @@ class Readers:
     def read(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[Reading]:
         """Read one recording by every method; Algorithm 1 only where it is to be searched."""
         prepared = prepare_recording(recording, None, self._signals)
+        unit = prepared.torque_scale
         yield from _least_squares(prepared.regression)
         yield from self._generalised(prepared)
         if self._plain is not None:
-            yield self._amortised(self._plain, prepared)
+            mean, factor = read_torque(self._plain, prepared.alpha)
+            yield Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
         if searched:
             for name, image_motion in SEARCHED.items():
                 if name in self._cnn:
                     yield self._searched(name, prepare_recording(recording, None, self._signals, image_motion), rng)
         if self._flow is not None:
             normal = stream(self._seed, Stream.STUDY_FLOW).standard_normal((FLOW_DRAWS, 9))
-            samples = prepared.torque_scale * self._flow.sample(prepared.alpha, normal)
+            samples = unit * self._flow.sample(prepared.alpha, normal)
             yield Reading(FLOW, samples.mean(axis=0), samples=samples)
 
     def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
@@ -205,13 +205,6 @@ class Readers:
         covariance = linalg.inv(information + precision)
         beta = covariance @ (y.T @ tau / variance + precision @ mean)
         yield Reading("generalised+prior", unit * beta, unit**2 * covariance)
-
-    @staticmethod
-    def _amortised(network: PlainNetwork, prepared: PreparedSignals) -> Reading:
-        """Normal posterior from the torque samples."""
-        mean, factor = read_torque(network, prepared.alpha)
-        unit = prepared.torque_scale
-        return Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
 
     def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> Reading:
         """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
