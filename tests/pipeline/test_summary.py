@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from repro.errors import InputError
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.summary import experiment_table, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import experiment_table, median_cells, median_seeds, parameter_table
 
 CASES = ("N1", "N2")
 TWO = ("algorithm1", "algorithm1+refinement")
@@ -67,7 +67,8 @@ def test_the_order_of_the_rows_does_not_matter(seed, count):
     shuffled = scores.sample(frac=1.0, random_state=seed % 1000)
     assert median_seeds(scores) == median_seeds(shuffled)
     for trajectory in ("ID", "validation"):
-        one, other = (similarity_table(each, trajectory).reset_index(drop=True) for each in (scores, shuffled))
+        both = (each[each["trajectory"] == trajectory] for each in (scores, shuffled))
+        one, other = (median_cells(each).reset_index(drop=True) for each in both)
         pd.testing.assert_frame_equal(one, other)
 
 
@@ -76,7 +77,7 @@ def test_the_order_of_the_rows_does_not_matter(seed, count):
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.sampled_from(["ID", "validation"]))
 def test_a_row_is_one_seed_s_own_so_that_total_is_time_times_frequency(seed, count, trajectory):
     scores = random_scores(range(1, count + 1), seed)
-    table = similarity_table(scores, trajectory)
+    table = median_cells(scores[scores["trajectory"] == trajectory])
     assert list(table.columns) == SIMILARITY
     assert len(table) == len(CASES) * len(TWO) * 2
     np.testing.assert_allclose(table["total"], table["time"] * table["frequency"], rtol=1e-12)
@@ -91,7 +92,7 @@ def test_a_row_is_one_seed_s_own_so_that_total_is_time_times_frequency(seed, cou
 
 def test_equal_values_have_no_spread():
     """Whatever rounding makes of their mean."""
-    table = similarity_table(make_scores((1, 2, 3), lambda *_: (0.9983, 0.1)), "ID")
+    table = median_cells(make_scores((1, 2, 3), lambda *_: (0.9983, 0.1)).query("trajectory == 'ID'"))
     assert (table["total_sd"] == 0.0).all()
     assert (table["seeds"] == 3).all()
 
@@ -134,7 +135,7 @@ def test_a_block_of_one_run_is_of_the_seed_that_is_the_median_on_id_and_medians_
 
 def test_a_method_without_a_place_in_the_tables_is_refused_in_one_line():
     with pytest.raises(InputError, match=r"^results: method: found guessing, expected one of algorithm1, "):
-        similarity_table(random_scores((1,), methods=("guessing",)), "ID")
+        median_cells(random_scores((1,), methods=("guessing",)))
 
 
 def make_runs(seeds, methods=TWO, cases=CASES, variant="published"):

@@ -44,7 +44,7 @@ from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
 from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
 from repro.pipeline.job import Config
-from repro.pipeline.summary import median_cells, median_seeds, parameter_table, similarity_table
+from repro.pipeline.summary import median_cells, median_seeds, parameter_table
 from repro.settings import numeric_settings, of_network, signal_settings, training_settings
 from repro.signals.dct import SignalSettings, dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
@@ -204,7 +204,7 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
     in each cell and the spread over the seeds. The refinement is an extension of ours; the local search is its control.
     """
-    return similarity_table(_scores(inputs), "ID")
+    return median_cells(_scores(inputs).query("trajectory == 'ID'"))
 
 
 @_similarity_table(7, "Similarity on the validation trajectory", VALIDATION, "on the random validation trajectory")
@@ -212,7 +212,7 @@ def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
     seeds. The refinement is an extension of ours; the local search is its control.
     """
-    return similarity_table(_scores(inputs), "validation")
+    return median_cells(_scores(inputs).query("trajectory == 'validation'"))
 
 
 def _torques(

@@ -31,11 +31,6 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(method=method).sort_values(["method", "case"], kind="stable").astype({"method": str})
 
 
-def similarity_table(scores: pd.DataFrame, trajectory: str) -> pd.DataFrame:
-    """Table 6 (``ID``) or Table 7 (``validation``)."""
-    return median_cells(scores[scores["trajectory"] == trajectory])
-
-
 #: Methods of Table 10 that have a block of one run too, under the name of the method with this ending.
 SINGLE_RUNS, ONE_RUN = ("algorithm1", "algorithm1+tracked"), "/one-run"
 
@@ -60,7 +55,7 @@ def experiment_table(scores: pd.DataFrame, identified_on: str) -> pd.DataFrame:
 
 
 def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
-    """Median seed of each case, method and joint; see `similarity_table`.
+    """Median seed of each case, method and joint, on one trajectory (Tables 6 and 7).
 
     From columns ``case, method, seed, joint, time, frequency, total``.
     """
