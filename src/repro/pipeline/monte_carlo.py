@@ -67,17 +67,11 @@ def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequenc
             differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
             p = np.array([_signed_rank_p(d) for d in differences])
             for (method, opponent), d, own, adjusted in zip(pairs, differences, p, holm(p), strict=True):
-                middle, low, high = interval(d, len(pairs))
+                middle, low, high = interval(d, 1.0 - FAMILY_LEVEL / len(pairs))
                 conclusion = conclude(low, high, middle * (adjusted < FAMILY_LEVEL))
                 found = (len(d), int((d > 0).sum()), middle, low, high, own, adjusted, conclusion)
                 rows.append((name, duration, method, opponent, *found))
     return pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
-
-
-def interval(differences: Array, family: int) -> tuple[float, float, float]:
-    """Centre of differences over arms and its interval, valid at once for a family of so many (Hodges and Lehmann)."""
-    low, high = walsh_interval(differences, 1.0 - FAMILY_LEVEL / family)
-    return float(np.median(walsh_averages(differences))), low, high
 
 
 def conclude(low: float, high: float, sign: float) -> str:
@@ -104,21 +98,17 @@ def holm(p: Array) -> Array:
     return adjusted
 
 
-def walsh_averages(x: Array) -> Array:
-    """Means of all pairs, each value with itself too, sorted; their median is the Hodges-Lehmann estimate."""
-    first, second = np.triu_indices(len(x))
-    return np.sort(0.5 * (x[first] + x[second]))
+def interval(x: Array, level: float) -> tuple[float, float, float]:
+    """Centre of values (Hodges and Lehmann) and its exact distribution-free interval (Hollander and Wolfe).
 
-
-def walsh_interval(x: Array, level: float) -> tuple[float, float]:
-    """Exact distribution-free interval of the centre that belongs to the signed-rank test (Hollander and Wolfe).
-
-    Infinite where so few values cannot reach the level.
+    The interval belongs to the signed-rank test, and is infinite where so few values cannot reach the level.
     """
+    first, second = np.triu_indices(len(x))
+    averages = np.sort(0.5 * (x[first] + x[second]))  # of all pairs, each value with itself too
     counts = np.ones(1)  # of subsets of the ranks 1 ... n by their sum: the null distribution of the statistic
     for rank in range(1, len(x) + 1):
         counts = np.convolve(counts, np.r_[1.0, np.zeros(rank - 1), 1.0])
     below = np.cumsum(counts) / counts.sum()
     left_out = int(np.searchsorted(below, 0.5 * (1.0 - level), side="right"))
-    averages = walsh_averages(x)
-    return (-np.inf, np.inf) if left_out == 0 else (float(averages[left_out - 1]), float(averages[-left_out]))
+    ends = (-np.inf, np.inf) if left_out == 0 else (float(averages[left_out - 1]), float(averages[-left_out]))
+    return float(np.median(averages)), *ends

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from repro.model.parameters import Array
-from repro.pipeline.monte_carlo import EQUIVALENT, OPEN, conclude, interval
+from repro.pipeline.monte_carlo import EQUIVALENT, FAMILY_LEVEL, OPEN, conclude, interval
 from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, POSTERIOR, RANKS, TRACKED
 
 #: Pairs of methods that are compared in every cell, first minus second.
@@ -42,7 +42,7 @@ def conditions(values: pd.Series) -> pd.DataFrame:
     names = [str(name) for name in values.index.names if name != "arm"]
     cells, rows = values.groupby(names, sort=False), []
     for cell, own in cells:
-        centre, low, high = interval(own.to_numpy(), cells.ngroups)
+        centre, low, high = interval(own.to_numpy(), 1.0 - FAMILY_LEVEL / cells.ngroups)
         found = {"arms": len(own), "difference": centre, "low": low, "high": high}
         conclusion = conclude(low, high, (low > 0) - (high < 0))
         rows.append({**dict(zip(names, cell, strict=True)), **found, "conclusion": conclusion})
@@ -131,7 +131,7 @@ def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
         if values.empty:
             continue
         of_arms = values.groupby(["prior", "arm"]).mean()
-        centre, low, high = interval(of_arms.to_numpy(), len(CLAIMS))
+        centre, low, high = interval(of_arms.to_numpy(), 1.0 - FAMILY_LEVEL / len(CLAIMS))
         verdict = HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
         own = {"claim": claim.name, "sentence": claim.sentence, "arms": len(of_arms), "difference": centre}
         own |= {"low": low, "high": high, "margin": claim.margin, "verdict": verdict}
