@@ -21,8 +21,6 @@ from repro.cnn.architecture import NetworkSettings, Precision, read_weights
 from repro.errors import InputError
 from repro.files import write_tensors
 
-DTYPES: dict[str, torch.dtype] = {"float32": torch.float32, "bfloat16": torch.bfloat16, "float64": torch.float64}
-
 #: Images at a time in layer 1 without gradients: the values between product and pool then fit into a cache.
 PIECE = 16
 
@@ -170,7 +168,7 @@ class FactoredCNN(SignalCNN):
 
     def __init__(self, settings: NetworkSettings, precision: str = "float32") -> None:
         super().__init__(settings)
-        self.dtype = DTYPES[precision]
+        self.dtype: torch.dtype = getattr(torch, precision)
 
     def _cast(self, layer: nn.Conv2d | nn.Linear) -> tuple[Tensor, Tensor]:
         """Return weight, channels last if it is a kernel, and bias in the dtype of layers 1 to 4."""
