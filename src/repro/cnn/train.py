@@ -13,11 +13,12 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from repro.cnn.architecture import NetworkSettings, TrainingSettings
+from repro.cnn.architecture import HISTORY_COLUMNS, NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings, SampledMotion, Samples, draw_samples
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.files import read_tensors, write_tensors
@@ -75,15 +76,6 @@ class Muon(torch.optim.Optimizer):
                 ahead = weight.grad.lerp(momentum, group["momentum"]).flatten(1)  # Nesterov's look ahead
                 step = orthogonalised(ahead, group["dtype"])
                 weight.add_(step.view_as(weight), alpha=-0.2 * math.sqrt(max(step.shape)) * group["lr"])
-
-
-@dataclass(frozen=True)
-class Trained:
-    """A trained network and its history."""
-
-    network: FactoredCNN  # ready for use, in the arithmetic of its training
-    history: NDArray[np.float64]  # (rows, 4): step, learning rate, mean training loss since the last row, test loss
-    seconds_at: NDArray[np.float64]  # (rows,): wall time at each row, over all runs that contributed
 
 
 @dataclass(frozen=True)
@@ -164,8 +156,12 @@ def train(
     settings: TrainingSettings,
     checkpoint: Path | None = None,
     report: Callable[[int, int, float], None] = lambda *_: None,
-) -> Trained:
-    """Train the network, or go on from the checkpoint of the same run; `report` gets steps, all steps and the loss."""
+) -> tuple[FactoredCNN, pd.DataFrame]:
+    """Train the network, or go on from the checkpoint of the same run; `report` gets steps, all steps and the loss.
+
+    Its history has `HISTORY_COLUMNS`, the training loss as the mean since the last row, and the wall time in seconds of
+    all runs that contributed.
+    """
     settings = replace(settings, precision=on_this_processor(settings.precision))
     torch.set_deterministic_debug_mode("error")
     torch.manual_seed(settings.seed)
@@ -197,8 +193,8 @@ def train(
         if checkpoint and done % settings.checkpoint_every == 0 and done < settings.steps:
             saved = Progress(done, loss_sum, time.perf_counter() - began, rows)
             save_checkpoint(checkpoint, net, schedule.optimisers, saved, run)
-    table = np.array(rows, dtype=np.float64)
-    return Trained(net, table[:, :4], table[:, 4])
+    table = pd.DataFrame(np.array(rows, dtype=np.float64), columns=[*HISTORY_COLUMNS, "seconds"])
+    return net, table.astype({"step": int})
 
 
 @dataclass(frozen=True)

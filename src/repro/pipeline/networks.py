@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.cnn.network import load_network, on_this_processor, save_network
 from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_posterior
 from repro.cnn.train import train
@@ -61,23 +60,23 @@ def train_network(
     if config["training"]["source"] == "stored" and not name.startswith("paper-recipe"):
         take_stored(suffix, {"weights": weights, "history": history, "card": card}, config)
         return
-    table, seconds = train_and_keep(name, weights, history, checkpoint, config, motions)
+    table = train_and_keep(name, weights, history, checkpoint, config, motions)
     precision = on_this_processor(training_settings(config).precision)
-    write_text(card, model_card(weights, table, seconds, precision, describe_motions(config), config))
+    write_text(card, model_card(weights, table, precision, describe_motions(config), config))
 
 
 def train_and_keep(
     name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: Path | None
-) -> tuple[pd.DataFrame, list[float]]:
+) -> pd.DataFrame:
     """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
     motion, progress = training_motion(config, motions), Progress(f"training, {name}")
     settings = training_settings(config)
-    trained = train(motion, data_settings(config), network_settings(config), settings, Path(checkpoint), progress)
-    table = pd.DataFrame(trained.history, columns=list(HISTORY_COLUMNS)).astype({"step": int})
-    save_network(weights, trained.network, {CONFIGURATION: configuration_digest(config)})
-    write_csv(history, table)
+    sizes = network_settings(config)
+    network, table = train(motion, data_settings(config), sizes, settings, Path(checkpoint), progress)
+    save_network(weights, network, {CONFIGURATION: configuration_digest(config)})
+    write_csv(history, table.drop(columns="seconds"))
     Path(checkpoint).unlink(missing_ok=True)
-    return table, trained.seconds_at.tolist()
+    return table
 
 
 def algorithm1_of(variant: str, weights: Path, config: Config, digest: str | None = None) -> Algorithm1:

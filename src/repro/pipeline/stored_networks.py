@@ -118,16 +118,14 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
 
 
-def model_card(
-    weights: Path, history: pd.DataFrame, seconds_at: list[float], precision: str, motions: str, config: Config
-) -> str:
+def model_card(weights: Path, history: pd.DataFrame, precision: str, motions: str, config: Config) -> str:
     """What a user of the weights wants to know, as Markdown."""
     data, training = data_settings(config), training_settings(config)
     layers, last = architecture(network_settings(config)), history.iloc[-1]
-    below = history.index[history["test_loss"] <= 1e-3]
+    below = history[history["test_loss"] <= 1e-3]
     reached = "not reached in this budget"
     if len(below):
-        reached = f"step {int(history['step'][below[0]])}, after {seconds_at[below[0]]:.0f} s"
+        reached = f"step {below['step'].iloc[0]}, after {below['seconds'].iloc[0]:.0f} s"
     size = "\n".join(
         f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
         for r in layers.itertuples()
@@ -152,7 +150,7 @@ the rest uniform on {data.guess.low:g} to {data.guess.high:g}
 - Image: Z1 divided by {divisor}
 - Final loss: training {last["train_loss"]:.3e}, held-out {last["test_loss"]:.3e}
 - Held-out loss of 1e-3: {reached}
-- Training time: {seconds_at[-1]:.0f} s of wall time
+- Training time: {last["seconds"]:.0f} s of wall time
 - SHA-256 of the weights: `{hashlib.sha256(weights.read_bytes()).hexdigest()}`
 
 Use: identification of arms that are sent Eq. 10's trajectory. Not for other motions: the image's meaning

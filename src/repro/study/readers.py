@@ -118,8 +118,8 @@ def train_reader(
         save_plain(weights, train_posterior(PlainNetwork, *posterior))
         return
     settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
-    trained = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
-    save_network(weights, trained.network, {})
+    trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
+    save_network(weights, trained, {})
     Path(checkpoint).unlink(missing_ok=True)
 
 

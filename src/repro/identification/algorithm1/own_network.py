@@ -79,12 +79,12 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
         except InputError:
             weights.unlink()  # a damaged file of our own cache
     s.cache.mkdir(parents=True, exist_ok=True)
-    trained = train(
+    network, _ = train(
         motion, s.data, s.network, s.training, checkpoint, lambda d, n, loss: report(d, n, f"loss {loss:.2e}")
     )
-    save_network(weights, trained.network, {"motion": key})
+    save_network(weights, network, {"motion": key})
     checkpoint.unlink(missing_ok=True)
-    return trained.network
+    return network
 
 
 def _subsampled(regression: Regression) -> tuple[SampledMotion, PreparedSignals]:
