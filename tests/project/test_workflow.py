@@ -352,7 +352,7 @@ def test_each_function_is_given_what_it_names(working):
     for rule in called:
         module, _, name = rule.params[0].partition(":")
         parameters = signature(getattr(import_module(module), name)).parameters
-        given = {*rule.wildcard_names, "inputs", "outputs"}.union(
+        given = {*rule.wildcard_names, "files", "inputs", "outputs"}.union(
             rule.input.keys(), rule.output.keys(), rule.params.keys()
         )
         assert {name for name, one in parameters.items() if one.default is one.empty} <= given, rule.name

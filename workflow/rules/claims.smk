@@ -11,12 +11,13 @@ rule claims:
         f"{R}/claims.md",
         f"{R}/claims.sha256",
     params:
-        *code("claims.py"),
+        *call("repro.paper.ledger:write_ledger"),
+        results=Path(R),
         config=LEDGER_SECTIONS,
     message:
         "Ledger of every published number"
     script:
-        "../scripts/claims.py"
+        CALL
 
 
 # A rule of its own: Snakemake deletes what a failed one has written, and the ledger must stay to be read.

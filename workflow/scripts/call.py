@@ -13,6 +13,7 @@ module, _, name = snakemake.params[0].partition(":")
 function = getattr(import_module(module), name)  # before the job begins, which sets the threads of a loaded torch
 given = {name: int(value) if value.isdigit() else value for name, value in snakemake.wildcards.items()}
 given |= dict(snakemake.params.items())
+given["files"] = [Path(each) for each in snakemake.input]
 for kind, files in (("inputs", snakemake.input), ("outputs", snakemake.output)):
     given[kind] = {}
     for name, file in files.items():

@@ -206,20 +206,18 @@ def write_ledger(
     root: Path = Path(),
     *,
     folders: Sequence[Path] = (),
-) -> pd.DataFrame:
+) -> None:
     """Compute the ledger and write it: table, page and check sums.
 
     The list contains the files, every file in the folders and in those of stored recordings and networks, and the
     ledger itself.
     """
     numbers = load_published(PUBLISHED_FILE)
-    claims = compute(numbers, config, Results(results))
-    text = csv_text(claims)
+    text = csv_text(compute(numbers, config, Results(results)))
     write_text(results / CLAIMS, text)
     write_text(results / PAGE, _page(text, numbers))
     files = [*files, results / CLAIMS, results / PAGE]
     write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root)
-    return claims
 
 
 def verify_ledger(
