@@ -280,30 +280,28 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
         "version": commit,
     }
 
-    def action(
-        name: str, title: str, by: str, read: Iterable[Path], made: Iterable[Path], times: list[float]
-    ) -> Entity:
-        start, end = (datetime.datetime.fromtimestamp(t, datetime.UTC) for t in (min(times), max(times)))
+    def action(key: str, title: str, by: str, job: Job) -> Entity:
+        start, end = (datetime.datetime.fromtimestamp(t, datetime.UTC) for t in (job.started, job.ended))
         return _entity(
-            name,
+            key,
             "CreateAction",
             title,
             instrument={"@id": by},
-            object=_refs(files[path] for path in read),
-            result=_refs(files[path] for path in made),
+            object=_refs(files[path] for path in job.inputs),
+            result=_refs(files[path] for path in job.outputs),
             startTime=start.isoformat(timespec="seconds"),
             endTime=end.isoformat(timespec="seconds"),
         )
 
     main, times = files[snakefile]["@id"], [time for job in jobs for time in (job.started, job.ended)]
-    actions, usages = [action("#run", f"run of commit {commit}", main, given, produced | {sidecar}, times)], []
+    run = Job("run", "", tuple(given), (*produced, sidecar), min(times), max(times), {})
+    actions, usages = [action("#run", f"run of commit {commit}", main, run)], []
     for job in jobs:
         used = [
             _entity(f"#job-{job.name}-{name}", "PropertyValue", name, propertyID=name, value=v, unitText=UNITS[name])
             for name, v in job.usage.items()
         ]
-        own = [job.started, job.ended]
-        done = action(f"#job-{job.name}", job.name, f"#rule-{job.rule}", job.inputs, job.outputs, own)
+        done = action(f"#job-{job.name}", job.name, f"#rule-{job.rule}", job)
         actions.append({**done, "resourceUsage": _refs(used)})
         usages += used
     profiles = [_entity(key, "CreativeWork", name, version=key.split("/")[-1]) for key, name in PROFILES.items()]
