@@ -117,7 +117,6 @@ CLAIMS = (
         _pair("generalised+prior", "consistent"),
     ),
 )
-HOLDS, FAILS = "holds", "fails"
 
 
 def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -132,7 +131,7 @@ def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
             continue
         of_arms = values.groupby(["prior", "arm"]).mean()
         centre, low, high = interval(of_arms.to_numpy(), 1.0 - FAMILY_LEVEL / len(CLAIMS))
-        verdict = HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
+        verdict = "holds" if low > -claim.margin else "fails" if high < -claim.margin else OPEN
         own = {"claim": claim.name, "sentence": claim.sentence, "arms": len(of_arms), "difference": centre}
         own |= {"low": low, "high": high, "margin": claim.margin, "verdict": verdict}
         found = conditions(values)

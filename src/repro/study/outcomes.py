@@ -51,11 +51,9 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
 
 
 def _position_errors(estimates: Sequence[tuple[Recording, Array, bool]], config: Config) -> Array:
-    """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot.
-
-    Only of cells that every method is run in, for time.
-    """
+    """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot."""
     every, betas, searched = zip(*estimates, strict=True)
+    # For time only cells that every method is run in.
     able = FEASIBILITY["positive-definite"](np.stack(betas)) & np.array(searched)
     errors = np.full(len(betas), np.nan)
     if not able.any():
