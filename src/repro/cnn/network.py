@@ -40,9 +40,9 @@ class SignalCNN(nn.Module):
         self.fc5 = nn.Linear(settings.hidden[0], settings.hidden[1])
         self.fc6 = nn.Linear(settings.hidden[1], 9)
         for layer in self.children():  # keeps the variance of activations through ReLU layers
-            if isinstance(layer, nn.Conv2d | nn.Linear) and layer.bias is not None:
-                nn.init.kaiming_normal_(layer.weight, nonlinearity="relu")
-                nn.init.zeros_(layer.bias)
+            weight, bias = layer.parameters()
+            nn.init.kaiming_normal_(weight, nonlinearity="relu")
+            nn.init.zeros_(bias)
 
     def forward(self, image: Tensor) -> Tensor:
         """Compute the residuals (n, 9), in units of the largest torque, from images (n, 2, 100, 100) of Eq. 9.
@@ -170,12 +170,11 @@ class FactoredCNN(SignalCNN):
         super().__init__(settings)
         self.dtype: torch.dtype = getattr(torch, precision)
 
-    def _cast(self, layer: nn.Conv2d | nn.Linear) -> tuple[Tensor, Tensor]:
+    def _cast(self, layer: nn.Module) -> tuple[Tensor, Tensor]:
         """Return weight, channels last if it is a kernel, and bias in the dtype of layers 1 to 4."""
-        if layer.bias is None:
-            raise ValueError("layer: every layer of this network has a bias.")
-        form = torch.channels_last if layer.weight.ndim == 4 else torch.contiguous_format
-        return layer.weight.to(self.dtype, memory_format=form), layer.bias.to(self.dtype)
+        weight, bias = layer.parameters()
+        form = torch.channels_last if weight.ndim == 4 else torch.contiguous_format
+        return weight.to(self.dtype, memory_format=form), bias.to(self.dtype)
 
     def forward(self, u: Tensor, v: Tensor) -> Tensor:  # type: ignore[override]
         """Compute the residuals (n, 9) of images from their factors u (n, 2, 2, 100) and v of `image_factors`.

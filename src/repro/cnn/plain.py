@@ -69,7 +69,7 @@ class PlainNetwork(Posterior):
     def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
         """-log N(beta; mean, (L L')^-1), averaged over the samples, without its constant."""
         mean, factor = self(alpha)
-        scaled = (factor.transpose(1, 2) @ (beta - mean)[..., None])[..., 0]
+        scaled: Tensor = (factor.transpose(1, 2) @ (beta - mean)[..., None])[..., 0]
         log_determinant = torch.log(torch.diagonal(factor, dim1=1, dim2=2)).sum(-1)
         return (0.5 * scaled.square().sum(-1) - log_determinant).mean()
 
