@@ -25,11 +25,17 @@ from repro.model.dynamics import rebuild_torque
 from repro.paper.appendix import FreeChoices, appendix_arm
 from repro.paper.metric_search import least_squares_torque
 from repro.paper.published import load_published
-from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
+from repro.pipeline.experiment import (
+    Recording,
+    control_constants,
+    disturbance,
+    program_from_config,
+    program_settings,
+    true_parameters,
+)
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
-from repro.signals.programs import ReferenceTrajectory
-from repro.signals.validation_motions import random_motion
+from repro.signals.programs import ReferenceTrajectory, reference_trajectory
 
 CONFIG = load_config(Path("config/config.yaml"))
 SIGNALS, METRIC = signal_settings(CONFIG), metric_settings(CONFIG)
@@ -107,10 +113,11 @@ def compare_t1(seeds: range = range(5, 21)) -> None:
         return [recorded(*each) for each in zip(programs, position, pwm, strict=True)]
 
     estimates = [least_squares(r.regression(SIGNALS)) for r in record([program_from_config(CONFIG, "ID")] * len(seeds))]
-    template = program_from_config(CONFIG, "T2")
+    settings = program_settings(CONFIG)
     for bands, range_of in T1:
-        motions = [random_motion(np.random.default_rng(seed), bands, range_of=range_of) for seed in seeds]
-        regressions = [r.regression(SIGNALS) for r in record([replace(template, name="T1", q=m.q) for m in motions])]
+        tried = replace(settings, t1_bands=float(bands), t1_range_of=range_of)
+        programs = [reference_trajectory("T1", tried, np.random.default_rng(seed)) for seed in seeds]
+        regressions = [r.regression(SIGNALS) for r in record(programs)]
         totals = [
             100 * metr2ev(r.tau, rebuild_torque(r.y, b), METRIC).total
             for r, b in zip(regressions, estimates, strict=True)

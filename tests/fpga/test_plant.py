@@ -15,7 +15,7 @@ from repro.fpga.plant import Plant, Unmodelled
 from repro.model.dynamics import forward_dynamics
 from repro.model.parameters import Array
 from repro.pipeline.experiment import disturbance, true_parameters
-from repro.signals.programs import identification_reference
+from repro.signals.programs import TrajectorySettings, identification_reference
 
 pytestmark = pytest.mark.slow
 
@@ -95,7 +95,7 @@ def test_halving_the_steps_changes_no_encoder_count() -> None:
     """For the arm and the specimen of the stored captures."""
     config = full_config()
     effects, phase = disturbance(config, config["experiment"]["seed"])
-    beta, desired = true_parameters(config), identification_reference().q
+    beta, desired = true_parameters(config), identification_reference(TrajectorySettings()).q
     coarse, fine = (simulate(FinePlant(n, beta, effects, phase), TABLE_8, desired) for n in (1, 2))
     assert (coarse[0] == fine[0]).all()
     assert (coarse[1] == fine[1]).all()
@@ -103,7 +103,7 @@ def test_halving_the_steps_changes_no_encoder_count() -> None:
 
 
 def test_a_batch_is_its_arms_one_by_one() -> None:
-    desired = np.stack([identification_reference().q[:, :700]] * 3)
+    desired = np.stack([identification_reference(TrajectorySettings()).q[:, :700]] * 3)
     desired[2] *= 0.5
     arms, phase = np.stack([ARM, OTHER, ARM]), np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
     levels = [ROUGH, Unmodelled(stribeck=(0.1, 0.0), ripple=(0.0, 0.3)), Unmodelled()]

@@ -13,8 +13,6 @@ from repro.errors import InputError
 from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics
 from repro.signals.programs import (
     PROGRAMS,
-    SPEED_LIMIT,
-    TORQUE_LIMIT,
     ReferenceTrajectory,
     TrajectorySettings,
     check_limits,
@@ -36,6 +34,9 @@ H = 2.5e-3
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
 GEOMETRY = ArmGeometry(0.165, 0.150)
 SETTINGS = TrajectorySettings()
+# Torque of each joint at full PWM (N m) and speed (rad/s) of the board (Section III, V-C).
+TORQUE_LIMIT, SPEED_LIMIT = (2.7192, 2.7314), 8.0
+LIMITS = (TORQUE_LIMIT, SPEED_LIMIT)
 
 
 def rng(seed=1):
@@ -44,10 +45,10 @@ def rng(seed=1):
 
 def motions():
     return {
-        "T1": random_motion(rng()),
-        "T2": circle_motion(GEOMETRY),
-        "T3": profile_motion(),
-        "T4": sinusoidal_motion(),
+        "T1": random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
+        "T2": circle_motion(GEOMETRY, 8192, H),
+        "T3": profile_motion(8192, H),
+        "T4": sinusoidal_motion(8192, H),
     }
 
 
@@ -91,7 +92,7 @@ def filtered_numbers(seed, bands, limit=1.2):
 
 @pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
 def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
-    motion = random_motion(rng(5), bands, limit)
+    motion = random_motion(rng(5), bands, limit, "motion", 8192, H)
     filtered = filtered_numbers(5, bands)
     scaled = limit * filtered / np.abs(filtered).max(axis=1, keepdims=True)
     np.testing.assert_allclose(np.abs(scaled).max(axis=1), limit, rtol=1e-12)  # each joint
@@ -99,7 +100,7 @@ def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
 
 
 def test_circle_is_a_tenth_of_the_reach():
-    motion = circle_motion(GEOMETRY)
+    motion = circle_motion(GEOMETRY, 8192, H)
     full = np.abs(start_and_end_window(motion.time) - 1.0) < 1e-6
     assert full.sum() > 1000
     tip = forward_kinematics(motion.q[:, full], GEOMETRY)[1]
@@ -109,7 +110,7 @@ def test_circle_is_a_tenth_of_the_reach():
 
 
 def test_profile_moves_and_holds():
-    motion = profile_motion()
+    motion = profile_motion(8192, H)
     still = (np.abs(motion.dq) < 1e-9).all(0)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
     lengths = np.diff(edges.reshape(-1, 2), axis=1).ravel() * H
@@ -125,7 +126,7 @@ def test_profile_moves_and_holds():
 
 
 def test_sinusoids_have_their_frequencies():
-    motion = sinusoidal_motion()
+    motion = sinusoidal_motion(8192, H)
     for joint, frequency in ((0, 0.25), (1, 0.4)):
         bins = np.abs(np.fft.rfft(motion.q[joint], 8 * 8192))
         assert np.fft.rfftfreq(8 * 8192, H)[bins.argmax()] == pytest.approx(frequency, abs=0.01)
@@ -133,7 +134,7 @@ def test_sinusoids_have_their_frequencies():
 
 
 def test_identification_reference_contains_eq_10():
-    p = identification_reference()
+    p = identification_reference(SETTINGS)
     assert p.q.shape == (2, 300 + 40 + 3770 + 40)
     assert (p.n1, p.n2) == (340, 4110)
     np.testing.assert_array_equal(p.q[:, p.n1 : p.n2], identification_trajectory().q)
@@ -147,16 +148,17 @@ def test_identification_reference_contains_eq_10():
 
 def test_a_program_longer_than_the_memory_is_refused():
     with pytest.raises(InputError, match=r"trajectory ID: length: found 8572 samples, expected at most .* 8192"):
-        identification_reference(20.48)
+        identification_reference(replace(SETTINGS, duration=20.48))
     with pytest.raises(InputError, match="trajectory T3"):
         reference_trajectory("T3", replace(SETTINGS, validation_samples=8193), rng())
-    assert identification_reference(8192 * H - 380 * H).q.shape[1] == 8192
+    longest = replace(SETTINGS, duration=8192 * H - 380 * H)
+    assert identification_reference(longest).q.shape[1] == 8192
 
 
 def test_every_program_keeps_the_limits():
     for name in PROGRAMS:
-        p = permitted_trajectory(name, SETTINGS, rng(0), ARM)
-        check_limits(p, ARM)
+        p = permitted_trajectory(name, SETTINGS, rng(0), ARM, *LIMITS)
+        check_limits(p, ARM, *LIMITS)
         speed, torque = peaks(p, ARM)
         assert (speed < 3.0).all(), name
         assert (torque > 0.3).all(), name  # both joints overcome their friction
@@ -166,15 +168,15 @@ def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
     """With 45 bands, of which a fifth of the draws keep the torque limit; with the default 12 all do."""
     fast = replace(SETTINGS, t1_bands=45.0)
     with pytest.raises(InputError, match="trajectory T1: joint 1 torque"):
-        check_limits(reference_trajectory("T1", fast, rng(0)), ARM)
+        check_limits(reference_trajectory("T1", fast, rng(0)), ARM, *LIMITS)
     generator = rng(0)
     draws = [reference_trajectory("T1", fast, generator) for _ in range(10)]
     kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
-    np.testing.assert_array_equal(permitted_trajectory("T1", fast, rng(0), ARM).q, kept.q)
+    np.testing.assert_array_equal(permitted_trajectory("T1", fast, rng(0), ARM, *LIMITS).q, kept.q)
     with pytest.raises(InputError, match="T1: joint 1 torque"):
-        permitted_trajectory("T1", fast, rng(0), ARM, draws=1)
+        permitted_trajectory("T1", fast, rng(0), ARM, *LIMITS, draws=1)
     for seed in range(20):
-        check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM)
+        check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM, *LIMITS)
 
 
 def test_peaks_of_a_motion_known_exactly():
@@ -199,7 +201,7 @@ def test_a_jump_at_any_sample_is_refused(joint, at, seed):
     with pytest.raises(
         InputError, match=f"trajectory T4: joint {joint + 1} speed: found 8.0.* rad/s, expected at most 8"
     ):
-        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM)
+        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM, *LIMITS)
 
 
 @pytest.mark.parametrize("joint", [0, 1])
@@ -209,10 +211,10 @@ def test_torque_limit_of_each_joint(joint):
     limits = list(TORQUE_LIMIT)
     limits[joint] = 0.99 * needed[joint]
     with pytest.raises(InputError, match=f"trajectory T4: joint {joint + 1} torque: found .* N m, expected") as caught:
-        check_limits(p, ARM, (limits[0], limits[1]))
+        check_limits(p, ARM, (limits[0], limits[1]), SPEED_LIMIT)
     assert "\n" not in str(caught.value)
     limits[joint] = 1.01 * needed[joint]
-    check_limits(p, ARM, (limits[0], limits[1]))
+    check_limits(p, ARM, (limits[0], limits[1]), SPEED_LIMIT)
 
 
 # Trajectories of Eq. 10 and random ones.
@@ -255,15 +257,11 @@ def test_margin_continues_the_trajectory_on_both_sides():
     np.testing.assert_allclose(central_difference(wide.dq, H), wide.ddq[:, 4:-4], rtol=0, atol=1e-10)
 
 
-def make_random(seed, low=0.0, high=1.0, c_f=1e-3):
-    return random_trajectory(np.random.default_rng(seed), 5.0, H, c_f, "rad_per_s", (low, high))
-
-
-@given(seed=seeds, low=st.floats(-2.0, 0.0), span=st.floats(0.1, 3.0))
-def test_random_trajectory_stays_in_its_range_around_the_middle(seed, low, span):
+@given(seed=seeds)
+def test_random_trajectory_stays_in_its_range_around_the_middle(seed):
     # The Gaussian low-pass averages with positive weights, so it cannot leave the range of the numbers.
-    motion = make_random(seed, low, low + span)
-    assert motion.q.min() >= low
-    assert motion.q.max() <= low + span
+    motion = random_trajectory(rng(seed), 5.0, H, 1e-3, "rad_per_s")
+    assert motion.q.min() >= 0.0
+    assert motion.q.max() <= 1.0
     # Mean of 2000 uniform numbers: six standard errors.
-    assert (abs(motion.q.mean(-1) - (low + 0.5 * span)) < 6.0 * span / np.sqrt(12.0 * 2000)).all()
+    assert (abs(motion.q.mean(-1) - 0.5) < 6.0 / np.sqrt(12.0 * 2000)).all()

@@ -28,6 +28,7 @@ from repro.pipeline.experiment import (
     disturbance,
     limits,
     program_from_config,
+    program_settings,
     true_parameters,
 )
 from repro.pipeline.job import Config
@@ -113,8 +114,7 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
 
 
 def _program(config: Config) -> ReferenceTrajectory:
-    s, e = config["signals"], config["experiment"]
-    return identification_reference(s["duration_s"], s["sampling_period_s"], e["margin_samples"], e["lead_in_s"])
+    return identification_reference(program_settings(config))
 
 
 def run_loop(

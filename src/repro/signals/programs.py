@@ -14,8 +14,6 @@ from repro.model.dynamics import ArmGeometry, inverse_dynamics
 from repro.model.parameters import Array
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
 from repro.signals.validation_motions import (
-    SAMPLES,
-    T1_BANDS,
     RangeOf,
     circle_motion,
     profile_motion,
@@ -24,10 +22,7 @@ from repro.signals.validation_motions import (
 )
 
 #: Samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms.
-MEMORY_SAMPLES = SAMPLES
-#: What the arm can do (Section III, V-C): torque at full PWM of each joint, N m, and joint speed, rad/s.
-TORQUE_LIMIT = (2.7192, 2.7314)
-SPEED_LIMIT = 8.0
+MEMORY_SAMPLES = 8192
 
 
 @dataclass(frozen=True)
@@ -59,17 +54,18 @@ class TrajectorySettings:
     margin: int = 40  # samples of Eq. 10 before and after the trajectory proper, which take the filter's edges
     lead_in: float = 0.75  # time to bring the hanging arm onto Eq. 10, s
     validation_samples: int = MEMORY_SAMPLES  # length of T1-T4
-    t1_bands: float = T1_BANDS  # DCT-II band at which the filter of T1 has a gain of 1/e
+    # DCT-II band at which the filter of T1 has a gain of 1/e: with 12, and the range that of the motion, least squares
+    # scores on T1 what the paper prints for it, to 1 point
+    t1_bands: float = 12.0
     t1_limit: float = 1.2  # range of T1, -t1_limit to t1_limit, rad
     t1_range_of: RangeOf = "motion"  # what has that range, see `random_motion`
 
 
-def identification_reference(
-    duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 40, lead_in_s: float = 0.75
-) -> ReferenceTrajectory:
-    """Build ID: lead-in of `lead_in_s`, margin, trajectory of Eq. 10 over `duration` (s), margin."""
-    motion = identification_trajectory(duration, h, margin)
-    n = round(lead_in_s / h)
+def identification_reference(settings: TrajectorySettings) -> ReferenceTrajectory:
+    """Build ID: lead-in, margin, trajectory of Eq. 10, margin."""
+    h, margin = settings.h, settings.margin
+    motion = identification_trajectory(settings.duration, h, margin)
+    n = round(settings.lead_in / h)
     state = np.stack([motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0]])  # one sample after the lead-in from rest
     lead = quintic(h * np.arange(n, dtype=np.float64), n * h, np.zeros((3, 2)), state)
     n1 = n + margin
@@ -104,7 +100,7 @@ SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
 def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random.Generator) -> ReferenceTrajectory:
     """Build the reference trajectory of this name; only a random motion uses `rng`."""
     if name == "ID":
-        return identification_reference(settings.duration, settings.h, settings.margin, settings.lead_in)
+        return identification_reference(settings)
     motion = VALIDATION[name].make(settings, rng)
     return ReferenceTrajectory(name, motion.q, 0, motion.q.shape[1], settings.h)
 
@@ -119,10 +115,7 @@ def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
 
 
 def check_limits(
-    desired: ReferenceTrajectory,
-    beta: Array,
-    torque_limit: tuple[float, float] = TORQUE_LIMIT,
-    speed_limit: float = SPEED_LIMIT,
+    desired: ReferenceTrajectory, beta: Array, torque_limit: tuple[float, float], speed_limit: float
 ) -> None:
     """Raise InputError if a joint would exceed its torque (N m) or speed (rad/s); call it before anything is sent."""
     speed, torque = peaks(desired, beta)
@@ -139,8 +132,8 @@ def permitted_trajectory(
     settings: TrajectorySettings,
     rng: np.random.Generator,
     beta: Array,
-    torque_limit: tuple[float, float] = TORQUE_LIMIT,
-    speed_limit: float = SPEED_LIMIT,
+    torque_limit: tuple[float, float],
+    speed_limit: float,
     draws: int = 100,
 ) -> ReferenceTrajectory:
     """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times.

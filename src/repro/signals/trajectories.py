@@ -56,19 +56,16 @@ def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, 
     return Motion(t, q, rate * dq, rate**2 * ddq)
 
 
-def random_trajectory(
-    rng: np.random.Generator,
-    duration: float,
-    h: float,
-    c_f: float,
-    unit: FrequencyUnit,
-    span: tuple[float, float] = RANDOM_RANGE,
-) -> Motion:
-    """Filter uniform random positions over a span, rad, with Eq. 14 (Section V-B); derivatives by Eq. 6 unfiltered."""
-    t = sample_times(duration, h)
-    q = dct2low(rng.uniform(*span, (2, t.size)), h, c_f, unit)
+def sampled_motion(q: Array, h: float) -> Motion:
+    """Add times and derivatives, by Eq. 6 unfiltered, to positions (2, N), rad, every `h` seconds."""
     dq = dct2dev(q, h, 0.0)
-    return Motion(t, q, dq, dct2dev(dq, h, 0.0))
+    return Motion(h * np.arange(q.shape[1], dtype=np.float64), q, dq, dct2dev(dq, h, 0.0))
+
+
+def random_trajectory(rng: np.random.Generator, duration: float, h: float, c_f: float, unit: FrequencyUnit) -> Motion:
+    """Filter uniform random positions with Eq. 14 (Section V-B)."""
+    n = sample_times(duration, h).size
+    return sampled_motion(dct2low(rng.uniform(*RANDOM_RANGE, (2, n)), h, c_f, unit), h)
 
 
 # Rows: second and first derivative, and value, of s^3, s^4, s^5 at s = 1. In this order elimination needs no pivoting.

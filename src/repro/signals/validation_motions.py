@@ -11,14 +11,10 @@ import numpy as np
 
 from repro.model.dynamics import ArmGeometry, inverse_kinematics
 from repro.model.parameters import Array
-from repro.signals.dct import dct2dev
-from repro.signals.trajectories import Motion, quintic, random_trajectory, sample_times
+from repro.signals.dct import dct2low
+from repro.signals.trajectories import Motion, quintic, sample_times, sampled_motion
 
-#: Samples of T1-T4, as many as the board's memory holds: 20.48 s at 2.5 ms.
-SAMPLES = 8192
-
-# T1: with the range of the motion and 12 bands, least squares scores on T1 what the paper prints for it, to 1 point.
-T1_BANDS = 12.0
+#: What has the range of T1 that Section VI gives: each joint's filtered motion, or the numbers before the filter.
 RangeOf = Literal["motion", "numbers"]
 
 # T2: turns, and distance of the centre over the reach. At 0.8 straight below joint 1 the circle stays
@@ -48,42 +44,26 @@ def start_and_end_window(time: Array) -> Array:
     return np.asarray(1.0 - np.exp(-a * time**2) - np.exp(-a * (time.max() - time) ** 2))
 
 
-def _sampled(time: Array, q: Array, h: float) -> Motion:
-    """Add derivatives by Eq. 6, without filtering, to positions (2, N)."""
-    dq = dct2dev(q, h, 0.0)
-    return Motion(time, q, dq, dct2dev(dq, h, 0.0))
-
-
 def random_motion(
-    rng: np.random.Generator,
-    bands: float = T1_BANDS,
-    limit: float = 1.2,
-    range_of: RangeOf = "motion",
-    samples: int = SAMPLES,
-    h: float = 2.5e-3,
+    rng: np.random.Generator, bands: float, limit: float, range_of: RangeOf, samples: int, h: float
 ) -> Motion:
-    """Compute T1: uniform random numbers, filtered by Eq. 14 and windowed.
-
-    `bands` is the DCT-II band at which the gain of Eq. 14 is 1/e. The range of Section VI, -limit to limit (rad), is of
-    each joint's filtered motion, or of the numbers before the filter (`range_of`).
-    """
-    motion = random_trajectory(rng, samples * h, h, bands**-2.0, "index", (-limit, limit))
-    q = motion.q
+    """Compute T1: random numbers in -limit to limit, rad, filtered by Eq. 14 (gain 1/e at band `bands`), windowed."""
+    q = dct2low(rng.uniform(-limit, limit, (2, samples)), h, bands**-2.0, "index")
     if range_of == "motion":
         q = limit * q / np.abs(q).max(axis=1, keepdims=True)
-    return _sampled(motion.time, q * start_and_end_window(motion.time), h)
+    return sampled_motion(q * start_and_end_window(sample_times(samples * h, h)), h)
 
 
-def circle_motion(geometry: ArmGeometry, samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+def circle_motion(geometry: ArmGeometry, samples: int, h: float) -> Motion:
     """Compute T2: a circle of the tip, windowed in joint space, so that the arm swings out of rest onto it and back."""
     time = sample_times(samples * h, h)
     angle = 2.0 * np.pi * CIRCLE_TURNS * time / (samples * h)
     circle = CIRCLE_RADIUS * np.stack([np.sin(angle), -np.cos(angle)])
     tip = geometry.reach * (circle + np.array([[0.0], [-CIRCLE_CENTRE]]))
-    return _sampled(time, inverse_kinematics(tip, geometry) * start_and_end_window(time), h)
+    return sampled_motion(inverse_kinematics(tip, geometry) * start_and_end_window(time), h)
 
 
-def profile_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+def profile_motion(samples: int, h: float) -> Motion:
     """Compute T3: quintic moves from rest to rest, with a hold after each; at rest at q = 0 at both ends."""
     time = sample_times(samples * h, h)
     total = samples * h
@@ -99,11 +79,11 @@ def profile_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
         start, end = np.vstack([levels[:, k], still]), np.vstack([levels[:, k + 1], still])
         q[:, move] = quintic(since[move], duration, start, end)
         q[:, since >= duration] = levels[:, k + 1, None]
-    return _sampled(time, q, h)
+    return sampled_motion(q, h)
 
 
-def sinusoidal_motion(samples: int = SAMPLES, h: float = 2.5e-3) -> Motion:
+def sinusoidal_motion(samples: int, h: float) -> Motion:
     """Compute T4: a sinusoid for each joint, windowed."""
     time = sample_times(samples * h, h)
     q = SINE_AMPLITUDE * np.sin(2.0 * np.pi * SINE_FREQUENCY * time)
-    return _sampled(time, q * start_and_end_window(time), h)
+    return sampled_motion(q * start_and_end_window(time), h)
