@@ -24,7 +24,7 @@ def tcp():
 
 
 def recorded(port, silence=0.2):
-    return record(port, metadata(DESIRED, board=None), silence=silence)
+    return record(port, metadata(DESIRED, board=None), 115200, silence, lambda piece: None)
 
 
 @pytest.mark.slow
@@ -155,7 +155,7 @@ class Line:
 
 def receive(*pieces, samples=200):
     progress = []
-    receiver = Receiver(samples, silence=0.1)
+    receiver = Receiver(samples, 0.1, lambda piece: None)
     receiver.run(Line(*pieces), lambda done, total: progress.append((done, total)))
     return receiver, receiver.close(), progress
 
@@ -223,7 +223,7 @@ class Ticking:
 )
 def test_a_device_that_sends_no_frame_ends_a_recording(piece, seconds):
     line, kept = Ticking(piece, seconds), []
-    receiver = Receiver(200, 2.0, line.clock, kept.append)
+    receiver = Receiver(200, 2.0, kept.append, line.clock)
     receiver.run(line, lambda done, total: None)
     assert (receiver.close(), receiver.good) == ("overrun", 0)
     assert line.now < 15.0  # a motion of 0.5 s

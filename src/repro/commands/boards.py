@@ -119,8 +119,8 @@ def record_arguments(parser: argparse.ArgumentParser) -> None:
 def record(arguments: argparse.Namespace) -> int:
     """Record a motion from a board, real or simulated, into a capture file."""
     from repro.config import load_config
-    from repro.fpga import link
-    from repro.fpga.capture import check_target, write_capture
+    from repro.fpga.capture import check_target
+    from repro.fpga.link import record_capture
     from repro.pipeline.experiment import metadata_for
 
     check_target(arguments.out, arguments.overwrite)
@@ -132,10 +132,7 @@ def record(arguments: argparse.Namespace) -> int:
     baud = defaults["baud"] if arguments.baud is None else arguments.baud
     if "://" in port and not _is_address(port):
         raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
-    with link.raw_file(arguments.out, metadata, arguments.overwrite) as raw:
-        data, metadata = link.record(port, metadata, baud, arguments.timeout, raw.add)
-        raw.close()
-        capture = write_capture(arguments.out, data, metadata, arguments.overwrite)
+    capture = record_capture(arguments.out, port, metadata, baud, arguments.timeout, arguments.overwrite)
     print(summarise_capture(capture))
     if capture.complete:
         return 0

@@ -18,8 +18,8 @@ import serial
 
 from repro.errors import InputError
 from repro.files import writing
-from repro.fpga.capture import CaptureMetadata, EndReason, Host
-from repro.fpga.frames import BAUD, FRAME_BYTES, SAMPLING_PERIOD
+from repro.fpga.capture import Capture, CaptureMetadata, EndReason, Host, write_capture
+from repro.fpga.frames import FRAME_BYTES, SAMPLING_PERIOD
 from repro.fpga.messages import MessageDecoder, MessageKind, encode_message, encode_start, parse_identity
 from repro.fpga.parser import StreamParser
 from repro.progress import Progress
@@ -46,11 +46,7 @@ def most_bytes(samples: int) -> int:
 
 
 def record(
-    port: str,
-    metadata: CaptureMetadata,
-    baud: int = BAUD,
-    silence: float = 2.0,
-    keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
+    port: str, metadata: CaptureMetadata, baud: int, silence: float, keep: Callable[[bytes], object]
 ) -> tuple[bytes, CaptureMetadata]:
     """Record one motion; gives the bytes received and the metadata with board, host and end of the recording.
 
@@ -58,7 +54,7 @@ def record(
     arm is sent the command to stop, and what arrived is kept. `keep` is called with each piece as it arrives.
     """
     line = _open(port, baud)
-    receiver = Receiver(metadata.samples, silence, keep=keep)
+    receiver = Receiver(metadata.samples, silence, keep)
     reason: EndReason = "interrupted"
     try:
         with _reported(port):
@@ -167,13 +163,13 @@ class Receiver:
         self,
         samples: int,
         silence: float,
+        keep: Callable[[bytes], object],
         clock: Callable[[], float] = time.monotonic,
-        keep: Callable[[bytes], object] = lambda piece: None,  # noqa: ARG005
     ) -> None:
         self.data = bytearray()
         self.stamps: list[tuple[int, float]] = []
         self.good = 0
-        self._samples, self._silence, self._clock, self._keep = samples, silence, clock, keep
+        self._samples, self._silence, self._keep, self._clock = samples, silence, keep, clock
         self._parser = StreamParser()
         self._ended: EndReason = ""
 
@@ -283,26 +279,30 @@ class RawFile:
         return ""
 
 
-@contextmanager
-def raw_file(capture: Path, metadata: CaptureMetadata, overwrite: bool) -> Iterator[RawFile]:
-    """Store the bytes of a recording in ``NAME.bin.part`` until its capture ``NAME.bin`` is written.
+def record_capture(
+    out: Path, port: str, metadata: CaptureMetadata, baud: int, silence: float = 2.0, overwrite: bool = False
+) -> Capture:
+    """Record one motion into a capture ``NAME.bin``, with the bytes in ``NAME.bin.part`` until it is written.
 
     If that fails, the message names the file with the bytes received.
     """
-    folder = next(parent for parent in capture.absolute().parents if parent.exists())
-    path = folder / f"{capture.name}.part"
+    folder = next(parent for parent in out.absolute().parents if parent.exists())
+    path = folder / f"{out.name}.part"
     if path.exists() and not overwrite:
         expected = "none: move it away, or give --overwrite"
         raise InputError.at(str(path), "bytes that an earlier recording left", expected)
-    with writing(capture):
+    with writing(out):
         path.unlink(missing_ok=True)
         raw = RawFile(path, 2 * most_bytes(metadata.samples) + len(metadata.program) + _SIDECAR)
     try:
-        with writing(capture):
-            yield raw
+        with writing(out):
+            data, metadata = record(port, metadata, baud, silence, raw.add)
+            raw.close()
+            capture = write_capture(out, data, metadata, overwrite)
     except InputError as error:
         raise InputError(f"{error}{raw.rescue()}") from error
     except BaseException:
         raw.rescue()
         raise
     raw.remove()
+    return capture

@@ -13,7 +13,7 @@ from repro.files import atomic_write
 from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.link import raw_file, record
+from repro.fpga.link import record_capture
 from repro.fpga.logic import logic_board
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
@@ -194,11 +194,7 @@ def acquire(motion: str, out: Path, config: Config) -> None:
     elif e["source"] == "rtl":
         simulate_capture(out, program, config, logic_board())
     elif e["source"] == "serial":
-        metadata = metadata_for(program, config)
-        with raw_file(out, metadata, overwrite=True) as raw:
-            data, metadata = record(e["port"], metadata, e["baud"], keep=raw.add)
-            raw.close()
-            write_capture(out, data, metadata, overwrite=True)
+        record_capture(out, e["port"], metadata_for(program, config), e["baud"], overwrite=True)
     else:
         stored = Path(e["captures"]) / f"{motion}.bin"
         capture = read_capture(stored)
