@@ -15,7 +15,6 @@ from strategies import seeds
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import encode
 from repro.fpga.messages import (
-    RAM_SAMPLES,
     Message,
     MessageDecoder,
     MessageKind,
@@ -30,6 +29,7 @@ from repro.fpga.messages import (
     parse_start,
     parse_trajectory,
 )
+from repro.signals.programs import MEMORY_SAMPLES
 
 STOP = encode_message(MessageKind.STOP)
 
@@ -123,8 +123,8 @@ def test_identity():
 
 
 def test_a_trajectory_fills_the_ram():
-    start, last = parse_trajectory(split(encode_trajectory(np.zeros((2, RAM_SAMPLES))))[-1])
-    assert start + last.shape[1] == RAM_SAMPLES
+    start, last = parse_trajectory(split(encode_trajectory(np.zeros((2, MEMORY_SAMPLES))))[-1])
+    assert start + last.shape[1] == MEMORY_SAMPLES
 
 
 NAN = np.array([np.nan, 0], dtype=">f4").tobytes()

@@ -20,8 +20,8 @@ from repro.documents import read_bytes, read_json, spelled, violation
 from repro.errors import InputError
 from repro.files import atomic_write, write_json
 from repro.fpga.controller import ControlConstants, PDController
-from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array
-from repro.fpga.messages import SingleArray, parse_program
+from repro.fpga.frames import RADIANS_PER_COUNT, Int16Array, SingleArray
+from repro.fpga.messages import parse_program
 from repro.fpga.parser import Counts, Gap, StreamParser
 from repro.model.parameters import Array
 
@@ -177,8 +177,6 @@ def metadata_from(content: Mapping[str, Any], program: bytes) -> CaptureMetadata
     return metadata
 
 
-#: Suffix of the file with the bytes sent to the board.
-PROGRAM = ".program"
 #: Largest file of a capture, bytes: the board's memory contains a motion of 64 KiB.
 LARGEST = 4 << 20
 
@@ -234,10 +232,11 @@ def write_capture(path: Path, data: bytes, metadata: CaptureMetadata, overwrite:
     """Write ``NAME.bin``, ``NAME.program`` and ``NAME.json``, all or none, and give the decoded capture."""
     check_target(path, overwrite)
     capture = decode_capture(data, metadata, str(path))
+    _, program_file, sidecar_file = files_of(path)
     _write_bytes(path, data)
     try:
-        _write_bytes(path.with_suffix(PROGRAM), metadata.program)
-        write_json(path.with_suffix(".json"), sidecar(metadata, data, capture.counts))
+        _write_bytes(program_file, metadata.program)
+        write_json(sidecar_file, sidecar(metadata, data, capture.counts))
     except BaseException:
         for file in files_of(path):  # the rest of a capture that was to be replaced no longer fits
             if file.is_file():
@@ -248,7 +247,7 @@ def write_capture(path: Path, data: bytes, metadata: CaptureMetadata, overwrite:
 
 def files_of(path: Path) -> tuple[Path, Path, Path]:
     """Name the files of a capture: ``NAME.bin``, ``NAME.program`` and ``NAME.json``."""
-    return path, path.with_suffix(PROGRAM), path.with_suffix(".json")
+    return path, path.with_suffix(".program"), path.with_suffix(".json")
 
 
 def _write_bytes(path: Path, data: bytes) -> None:
@@ -338,17 +337,11 @@ def _check_bytes(path: Path, data: bytes, stated: Mapping[str, Any]) -> None:
 LONGEST_GAP = 4
 
 
-@dataclass(frozen=True)
-class Recording:
-    """Positions and torques of a motion, one sample for every sampling instant."""
+def recording_of(capture: Capture) -> tuple[Array, Array]:
+    """Give positions (rad) and torques (N m), each (2, N), of all samples of a complete capture.
 
-    q: Array  # (2, N), joint positions, rad
-    tau: Array  # (2, N), joint torques, N m
-    n_interpolated: int  # samples that were lost
-
-
-def recording_of(capture: Capture) -> Recording:
-    """Resample a complete capture to even instants; gaps of few samples are interpolated linearly."""
+    Gaps of few samples are interpolated linearly.
+    """
     n, good = capture.metadata.samples, len(capture.index)
     if not capture.complete:
         raise InputError.at(capture.place, f"an incomplete recording ({capture.metadata.end_reason})", "a complete one")
@@ -365,7 +358,7 @@ def recording_of(capture: Capture) -> Recording:
     q, tau = (
         np.stack([np.interp(instants, capture.index, joint) for joint in rows]) for rows in (capture.q, capture.tau)
     )
-    return Recording(q, tau, n - good)
+    return q, tau
 
 
 def verify_control(capture: Capture) -> tuple[int, NDArray[np.int64]]:

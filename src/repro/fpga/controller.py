@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
+from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT, Int16Array, SingleArray
 from repro.model.parameters import Array
 
 if TYPE_CHECKING:
     from repro.fpga.plant import Plant
 
-Single = NDArray[np.float32]
 Counts = NDArray[np.int32]
 
 #: One encoder count in rad, in the board's arithmetic.
@@ -36,12 +35,12 @@ class ControlConstants:
         return np.array(self.full_torque) / PWM_LIMIT
 
     @property
-    def kp_counts(self) -> Single:
+    def kp_counts(self) -> SingleArray:
         """K_p as sent to the board (2,), PWM counts per rad."""
         return (np.array(self.kp) / self.torque_per_count).astype(np.float32)
 
     @property
-    def kv_counts(self) -> Single:
+    def kv_counts(self) -> SingleArray:
         """K_v as sent to the board (2,), PWM counts per rad between two samples."""
         return (np.array(self.kv) / self.torque_per_count).astype(np.float32)
 
@@ -56,9 +55,9 @@ class PDController:
     def __init__(self, kp: ArrayLike, kv: ArrayLike) -> None:
         self._kp = np.asarray(kp, dtype=np.float32).reshape(2, 1)
         self._kv = np.asarray(kv, dtype=np.float32).reshape(2, 1)
-        self._previous: Single | None = None
+        self._previous: SingleArray | None = None
 
-    def __call__(self, desired: Single, position: Counts) -> Counts:
+    def __call__(self, desired: SingleArray, position: Counts) -> Counts:
         """Compute the PWM (2, B) of one sample from q_d (2, 1 or B), rad, and encoder counts (2, B)."""
         q = position.astype(np.float32) * RESOLUTION
         before = q if self._previous is None else self._previous  # q_0 - q_-1 = 0: the arm starts at rest
@@ -76,7 +75,7 @@ class ControlLoop:
         self._plant, self._controller = plant, controller
         self._torque = np.asarray(torque_per_count, dtype=np.float64)
 
-    def step(self, desired: Single) -> tuple[Counts, Counts]:
+    def step(self, desired: SingleArray) -> tuple[Counts, Counts]:
         """Read the encoders, set the PWM and let the arm move for one period; gives both in counts (2, B)."""
         position = np.rint(self._plant.state[:2] / RADIANS_PER_COUNT).astype(np.int32)
         pwm = self._controller(desired, position)
@@ -89,7 +88,7 @@ def simulate(
     constants: ControlConstants,
     desired: Array,
     progress: Callable[[int, int], None] | None = None,
-) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+) -> tuple[Int16Array, Int16Array]:
     """Run the closed loop along q_d, (2, N) or (B, 2, N) in rad; gives encoder and PWM counts (B, 2, N)."""
     batch = plant.state.shape[1]
     q_d = np.moveaxis(np.atleast_3d(desired.T).T, 0, -1).astype(np.float32)  # (2, N, 1 or B)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Int16Array = NDArray[np.int16]
+SingleArray = NDArray[np.float32]
 WordArray = NDArray[np.uint64]
 
 IDENTIFIER: Final = 0xA5

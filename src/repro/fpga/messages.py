@@ -5,6 +5,7 @@ length and payload. This layout is ours: the paper describes the content, not th
 """
 
 import json
+import math
 import struct
 import zlib
 from dataclasses import dataclass
@@ -12,29 +13,24 @@ from enum import IntEnum
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from repro.documents import parse_json
 from repro.fpga.controller import ControlConstants
-from repro.fpga.frames import PWM_LIMIT
+from repro.fpga.frames import PWM_LIMIT, SingleArray
 from repro.signals.programs import MEMORY_SAMPLES
 
 SYNC: Final = 0x5A
 #: Samples of both joints in a trajectory block at most.
 BLOCK_SAMPLES: Final = 256
-#: Samples of both joints that the board's RAM contains as single-precision numbers.
-RAM_SAMPLES: Final = MEMORY_SAMPLES
 #: Bytes of the board's description of itself at most.
 IDENTITY_BYTES: Final = 4096
-
-SingleArray = NDArray[np.float32]
 
 _HEADER = struct.Struct(">BBH")
 _CHECKSUM = struct.Struct(">I")
 _FRAMING = _HEADER.size + _CHECKSUM.size
 _GAINS = struct.Struct(">6f")
 _SAMPLE = struct.Struct(">H")
-_LARGEST_SINGLE = float(np.finfo(np.float32).max)
 
 
 class MessageKind(IntEnum):
@@ -178,7 +174,7 @@ def parse_gains(message: Message) -> ControlConstants:
     counts = (float(PWM_LIMIT), float(PWM_LIMIT))
     gains = ControlConstants(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6], full_torque=counts)
     for name, values in (("kp", gains.kp), ("kv", gains.kv), ("pwm_hz", gains.pwm_hz)):
-        if not all(0.0 <= value <= _LARGEST_SINGLE for value in values):
+        if not all(0.0 <= value < math.inf for value in values):
             raise ValueError(f"{name}: must be finite in single precision and not negative, got {values}.")
     if min(gains.pwm_hz) == 0.0:
         raise ValueError(f"pwm_hz: must be positive, got {gains.pwm_hz}.")
@@ -190,7 +186,7 @@ def parse_trajectory(message: Message) -> tuple[int, SingleArray]:
     _check_kind(message, MessageKind.TRAJECTORY)
     (start,) = _SAMPLE.unpack_from(message.payload)
     samples = np.frombuffer(message.payload, dtype=">f4", offset=_SAMPLE.size).reshape(-1, 2)
-    if start + len(samples) > RAM_SAMPLES:
+    if start + len(samples) > MEMORY_SAMPLES:
         raise ValueError(f"trajectory: samples {start} ... {start + len(samples) - 1} are beyond the RAM.")
     if not np.isfinite(samples).all():
         raise ValueError("trajectory: every sample must be finite.")
@@ -200,8 +196,8 @@ def parse_trajectory(message: Message) -> tuple[int, SingleArray]:
 def parse_start(message: Message) -> int:
     """Read the number of samples to run for; ValueError if the RAM cannot contain them."""
     (samples,) = _SAMPLE.unpack(message.payload)
-    if not 1 <= samples <= RAM_SAMPLES:
-        raise ValueError(f"trajectory: the board's RAM contains 1 ... {RAM_SAMPLES} samples, got {samples}.")
+    if not 1 <= samples <= MEMORY_SAMPLES:
+        raise ValueError(f"trajectory: the board's RAM contains 1 ... {MEMORY_SAMPLES} samples, got {samples}.")
     return int(samples)
 
 

@@ -28,8 +28,6 @@ class Unmodelled:
 
 #: Coefficients of the classic method of order 4.
 _A4, _B4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
-#: Fields of `Unmodelled` that may differ between the arms of a batch.
-LEVELS = ("stribeck", "ripple")
 #: No such effects: Eq. 1 alone.
 NOTHING = Unmodelled()
 
@@ -70,7 +68,8 @@ class Plant:
             replace(e, stribeck=effects.stribeck, ripple=effects.ripple) != effects for e in each
         ):
             raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
-        stribeck, ripple = (np.array([getattr(e, level) for e in each]).T for level in LEVELS)  # (2, batch)
+        stribeck = np.array([e.stribeck for e in each]).T  # (2, batch)
+        ripple = np.array([e.ripple for e in each]).T
         i1, i2, i3, g1, g2, b1, b2, k1, k2 = np.ascontiguousarray(arms.T)
         self._effects, self.state = effects, np.zeros((4, batch))
         # Arguments of sin and tanh and the velocities are linear in the state (q1, q2, dq1, dq2).

@@ -27,8 +27,9 @@ from repro.fpga import messages
 from repro.fpga.channel_errors import ErrorInjector
 from repro.fpga.controller import ControlConstants, ControlLoop, PDController
 from repro.fpga.frames import SAMPLING_PERIOD, encode
-from repro.fpga.messages import RAM_SAMPLES, Message, MessageDecoder, MessageKind
+from repro.fpga.messages import Message, MessageDecoder, MessageKind
 from repro.fpga.plant import Plant
+from repro.signals.programs import MEMORY_SAMPLES
 
 _LOG = logging.getLogger(__name__)
 
@@ -53,8 +54,8 @@ class Board:
         self._torque = np.asarray(torque_per_count, dtype=np.float64)
         self.identity = dict(identity)  # description that the board answers to IDENTIFY
         self._decoder = MessageDecoder()
-        self._ram = np.zeros((2, RAM_SAMPLES), dtype=np.float32)
-        self._written = np.zeros(RAM_SAMPLES, dtype=np.bool_)
+        self._ram = np.zeros((2, MEMORY_SAMPLES), dtype=np.float32)
+        self._written = np.zeros(MEMORY_SAMPLES, dtype=np.bool_)
         self._gains: ControlConstants | None = None
         self._loop: ControlLoop | None = None
         self._sample = self._samples = 0

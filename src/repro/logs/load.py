@@ -100,16 +100,16 @@ def _from_arrays(log: Log, arm: Arm) -> Log:
 def _from_capture(path: Path, arm: Arm) -> Log:
     """Read a capture, which states its units itself."""
     capture = read_capture(path)
-    metadata, recording = capture.metadata, recording_of(capture)
+    metadata, (q, tau) = capture.metadata, recording_of(capture)
     t = np.asarray(metadata.h * np.arange(metadata.samples), dtype=np.float64)
     _check_time(t, t, "s", str(path), range(1, metadata.samples + 1))
     notes = [f"capture of the motion {metadata.motion}"]
     if arm.columns or arm.units:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
-    if recording.n_interpolated:
-        notes.append(f"{recording.n_interpolated} lost samples are interpolated")
+    if lost := metadata.samples - capture.counts.good:
+        notes.append(f"{lost} lost samples are interpolated")
     simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
-    log = Log(name=path.name, t=t, q=recording.q, tau=recording.tau, notes=tuple(notes), simulated=simulated)
+    log = Log(name=path.name, t=t, q=q, tau=tau, notes=tuple(notes), simulated=simulated)
     return replace(log, torque_limit=limit)
 
 

@@ -46,19 +46,11 @@ class StabilityConstants:
     conditions: dict[str, bool]  # whether ``potential``, ``energy``, ``dissipation`` and ``rate`` hold
 
 
-def eigenvalue_range(a: Array) -> tuple[float, float]:
-    """Compute the smallest and the largest eigenvalue in a stack of symmetric matrices (..., 2, 2)."""
-    mean = 0.5 * (a[..., 0, 0] + a[..., 1, 1])
-    radius = np.hypot(0.5 * (a[..., 0, 0] - a[..., 1, 1]), a[..., 0, 1])
+def eigenvalue_range(a: Array | float, b: Array | float, d: Array | float) -> tuple[float, float]:
+    """Compute the smallest and the largest eigenvalue of the matrices [[a, b], [b, d]]."""
+    mean = 0.5 * (a + d)
+    radius = np.hypot(0.5 * (a - d), b)
     return float((mean - radius).min()), float((mean + radius).max())
-
-
-def dissipation_matrix(x: Array, beta: Array, epsilon: float) -> Array:
-    """Compute H(q) of Eq. 18 (..., 2, 2), N m s, for x = q2 sin q2 (...), rad, and one parameter set (9,)."""
-    beta = check_beta(beta)
-    cross = 0.25 * epsilon * beta[1] * np.asarray(x, dtype=np.float64)
-    b1, b2 = np.broadcast_to(beta[5], cross.shape), beta[6] + 2.0 * cross
-    return np.stack([np.stack([b1, -cross], -1), np.stack([-cross, b2], -1)], -2)
 
 
 def stability_constants(beta: Array) -> StabilityConstants:
@@ -68,18 +60,20 @@ def stability_constants(beta: Array) -> StabilityConstants:
     parameter set exists that gives all the printed numbers at once (`repro.paper.appendix`).
     """
     s, beta = LyapunovSettings(), check_beta(beta)
-    g1, g2, b1, b2, k1, k2 = beta[3:].tolist()
-    m_min, m_max = eigenvalue_range(mass_matrix(np.array([[0.0, 0.0], [0.0, np.pi]]), beta))
-    q_min, _ = eigenvalue_range(np.array([[g1 + g2, g2], [g2, g2]]))
-    h_min, _ = eigenvalue_range(dissipation_matrix(np.array([0.0, MAX_X_SIN_X]), beta, s.epsilon))
+    _, i2, _, g1, g2, b1, b2, k1, k2 = beta.tolist()
+    m = mass_matrix(np.array([[0.0, 0.0], [0.0, np.pi]]), beta)
+    m_min, m_max = eigenvalue_range(m[:, 0, 0], m[:, 0, 1], m[:, 1, 1])
+    q_min, _ = eigenvalue_range(g1 + g2, g2, g2)
+    h = 0.25 * s.epsilon * i2 * np.array([0.0, MAX_X_SIN_X])  # H = [[b1, -h], [-h, b2 + 2 h]]
+    h_min, _ = eigenvalue_range(b1, -h, b2 + 2.0 * h)
     b_max, k_min, k_max = max(b1, b2), min(k1, k2), max(k1, k2)
 
     corner = s.rho * s.epsilon * q_min
     cross = 0.5 * s.epsilon * (b_max + k_max)
     speed = h_min - s.epsilon * m_max + s.gamma * s.friction_steepness * k_min
-    r1_min, r1_max = eigenvalue_range(np.array([[corner, cross], [cross, speed]]))
+    r1_min, r1_max = eigenvalue_range(corner, cross, speed)
     r2_max = s.rho * s.epsilon * r1_max
-    s1_min, _ = eigenvalue_range(np.array([[s.rho * q_min, 0.5 * s.epsilon * m_max], [0.5 * s.epsilon * m_max, m_min]]))
+    s1_min, _ = eigenvalue_range(s.rho * q_min, 0.5 * s.epsilon * m_max, m_min)
     energy = 0.5 * s.rho * q_min * m_min - 0.25 * (s.epsilon * m_max) ** 2
     dissipation, coupling = corner * speed, cross**2
     return StabilityConstants(

@@ -174,11 +174,11 @@ def read_recording(path: Path, config: Config) -> Recording:
     capture = read_capture(path)
     program = program_from_config(config, path.stem)
     check_recorded(capture, program)
-    measured = recording_of(capture)
-    still = np.ptp(measured.q, axis=1) < 10 * RADIANS_PER_COUNT
+    q, tau = recording_of(capture)
+    still = np.ptp(q, axis=1) < 10 * RADIANS_PER_COUNT
     if still.any():
         raise InputError.at(f"{path}: joint {int(still.argmax()) + 1}", "no motion", "a joint that moves")
-    return Recording(replace(program, q=capture.metadata.desired.astype(np.float64)), measured.q, measured.tau)
+    return Recording(replace(program, q=capture.metadata.desired.astype(np.float64)), q, tau)
 
 
 def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Recording]:
