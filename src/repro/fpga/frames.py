@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 
 Int16Array = NDArray[np.int16]
 SingleArray = NDArray[np.float32]
-WordArray = NDArray[np.uint64]
 
 IDENTIFIER: Final = 0xA5
 FRAME_BYTES: Final = 8
@@ -55,7 +54,7 @@ def encode(position: ArrayLike, pwm: ArrayLike) -> bytes:
     return data
 
 
-def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
+def split_words(words: NDArray[np.uint64]) -> tuple[Int16Array, Int16Array]:
     """Extract positions and torques (2, N) from frames (N,), without checks."""
     # Each field is shifted to the low 16 bits, a torque to the top of those so that its sign is kept, and cut out.
     fields = (words << 3 >> _SHIFTS).astype(np.int16)
@@ -63,10 +62,10 @@ def split_words(words: WordArray) -> tuple[Int16Array, Int16Array]:
     return fields[:2], fields[2:]
 
 
-def valid_words(words: WordArray) -> NDArray[np.bool_]:
-    """Mask the words whose identifier and zero bits are right and whose torques are not -1024."""
-    first, second = (words & bits != never for bits, never in zip(TORQUE_BITS, TORQUE_NEVER, strict=True))
-    return np.asarray((words & FIXED_BITS == FIXED_VALUE) & first & second)
+def is_valid(word: int) -> bool:
+    """Whether the identifier and zero bits of a frame are right and its torques are not -1024."""
+    (first, second), (never1, never2) = TORQUE_BITS, TORQUE_NEVER
+    return word & FIXED_BITS == FIXED_VALUE and word & first != never1 and word & second != never2
 
 
 def _within(name: str, values: ArrayLike, low: int, high: int) -> NDArray[np.int64]:

@@ -27,7 +27,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.fpga.frames import FRAME_BYTES, IDENTIFIER, MAX_STEP, Int16Array, split_words, valid_words
+from repro.fpga.frames import FRAME_BYTES, IDENTIFIER, MAX_STEP, Int16Array, is_valid, split_words
 
 #: Why no frame begins at a byte, in the order of the checks; see `Counts`.
 REASONS: Final = ("identifier", "zero_bits", "torque", "step", "unconfirmed", "incomplete")
@@ -37,12 +37,7 @@ _MARK: Final = bytes([IDENTIFIER])
 # Bytes in which a pair of another alignment must begin to be a rival, bytes over which rivals are compared, and the
 # lead in frames that outweighs the alignment at which the search began.
 _RIVAL_SPAN, _CONTEST_SPAN, _CONTEST_LEAD = 2 * FRAME_BYTES, 64 * FRAME_BYTES, 3
-# Frames tried at once, for speed alone: few after an error, then more and more.
-_SMALLEST_BLOCK, _LARGEST_BLOCK = 16, 65536
-# Frames from which on arrays are faster than a loop.
-_ARRAY_ROWS = 24
-# Identifier, two positions, then joint-1 torque (11 bit), joint-2 torque (11 bit) and two zero bits in 16 + 8 bits.
-_FRAME = struct.Struct(">BhhHB")
+_WORD, _POSITION = struct.Struct(">Q"), struct.Struct(">hh")
 
 #: Encoder counts of both joints.
 Position = tuple[int, int]
@@ -106,7 +101,6 @@ class StreamParser:
         self._last: Position | None = None
         self._expected = 0
         self._reason = ""
-        self._block = _SMALLEST_BLOCK
         # Accepted runs of frames since the last call: their bytes and their places in the stream.
         self._runs: list[tuple[bytes, int]] = []
 
@@ -171,9 +165,7 @@ class StreamParser:
         """Find the frame after the last good one, or lose the lock; False if more bytes are needed."""
         data, p, last = self._data, self._place, self._last
         assert last is not None  # a lock has a last good frame
-        rows = min((len(data) - p) // FRAME_BYTES, self._block)
-        run = _count_run(data, p, rows, last)
-        self._block = min(4 * self._block, _LARGEST_BLOCK) if run == rows else _SMALLEST_BLOCK
+        run = _count_run(data, p, last)
         if run > 1:  # each but the last is closed by the next
             self._accept(run - 1)
             return True
@@ -314,10 +306,9 @@ def _find_pair(data: bytes, start: int, stop: int) -> int:
 
 def _candidate(data: bytes, o: int) -> Position | None:
     """Read the position of the frame at `o`; None if the frame by itself breaks a rule."""
-    mark, q1, q2, high, low = _FRAME.unpack_from(data, o)
-    # A torque of -1024 is a one and ten zeros: the top of `high`, or its last five bits and the top of `low`.
-    if mark != IDENTIFIER or low & 0b11 or high >> 5 == 0x400 or (low == 0 and high & 0x1F == 0x10):
+    if not is_valid(_WORD.unpack_from(data, o)[0]):
         return None
+    q1, q2 = _POSITION.unpack_from(data, o + 1)
     return q1, q2
 
 
@@ -326,19 +317,12 @@ def _distance(a: Position, b: Position) -> int:
     return max(abs(a[0] - b[0]), abs(a[1] - b[1]))
 
 
-def _count_run(data: bytes, o: int, rows: int, last: Position) -> int:
-    """Count candidates among the `rows` frames from `o` on, each near the one before it, the first near `last`."""
-    if rows < _ARRAY_ROWS:  # one by one is faster then, with the same result
-        before = last
-        for n in range(rows):
-            position = _candidate(data, o + n * FRAME_BYTES)
-            if not position or _distance(before, position) > MAX_STEP:
-                return n
-            before = position
-        return rows
-    words = np.frombuffer(data, ">u8", rows, o).astype(np.uint64)
-    joints = np.empty((2, rows + 1), dtype=np.int32)
-    joints[:, 0] = last
-    joints[:, 1:] = split_words(words)[0]
-    good = valid_words(words) & (np.abs(np.diff(joints)) <= MAX_STEP).all(axis=0)
-    return rows if good.all() else int(np.argmin(good))
+def _count_run(data: bytes, o: int, last: Position) -> int:
+    """Count candidates from `o` on, each near the one before it, the first near `last`."""
+    places = range(o, len(data) - FRAME_BYTES + 1, FRAME_BYTES)
+    for n, place in enumerate(places):
+        position = _candidate(data, place)
+        if not position or _distance(last, position) > MAX_STEP:
+            return n
+        last = position
+    return len(places)
