@@ -157,8 +157,8 @@ def test_a_program_longer_than_the_memory_is_refused():
 
 def test_every_program_keeps_the_limits():
     for name in PROGRAMS:
-        p = permitted_trajectory(name, SETTINGS, rng(0), ARM, *LIMITS)
-        check_limits(p, ARM, *LIMITS)
+        p = permitted_trajectory(name, SETTINGS, rng(0), ARM, LIMITS)
+        check_limits(p, ARM, LIMITS)
         speed, torque = peaks(p, ARM)
         assert (speed < 3.0).all(), name
         assert (torque > 0.3).all(), name  # both joints overcome their friction
@@ -168,15 +168,15 @@ def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
     """With 45 bands, of which a fifth of the draws keep the torque limit; with the default 12 all do."""
     fast = replace(SETTINGS, t1_bands=45.0)
     with pytest.raises(InputError, match="trajectory T1: joint 1 torque"):
-        check_limits(reference_trajectory("T1", fast, rng(0)), ARM, *LIMITS)
+        check_limits(reference_trajectory("T1", fast, rng(0)), ARM, LIMITS)
     generator = rng(0)
     draws = [reference_trajectory("T1", fast, generator) for _ in range(10)]
     kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
-    np.testing.assert_array_equal(permitted_trajectory("T1", fast, rng(0), ARM, *LIMITS).q, kept.q)
+    np.testing.assert_array_equal(permitted_trajectory("T1", fast, rng(0), ARM, LIMITS).q, kept.q)
     with pytest.raises(InputError, match="T1: joint 1 torque"):
-        permitted_trajectory("T1", fast, rng(0), ARM, *LIMITS, draws=1)
+        permitted_trajectory("T1", fast, rng(0), ARM, LIMITS, draws=1)
     for seed in range(20):
-        check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM, *LIMITS)
+        check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM, LIMITS)
 
 
 def test_peaks_of_a_motion_known_exactly():
@@ -201,7 +201,7 @@ def test_a_jump_at_any_sample_is_refused(joint, at, seed):
     with pytest.raises(
         InputError, match=f"trajectory T4: joint {joint + 1} speed: found 8.0.* rad/s, expected at most 8"
     ):
-        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM, *LIMITS)
+        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM, LIMITS)
 
 
 @pytest.mark.parametrize("joint", [0, 1])
@@ -211,10 +211,10 @@ def test_torque_limit_of_each_joint(joint):
     limits = list(TORQUE_LIMIT)
     limits[joint] = 0.99 * needed[joint]
     with pytest.raises(InputError, match=f"trajectory T4: joint {joint + 1} torque: found .* N m, expected") as caught:
-        check_limits(p, ARM, (limits[0], limits[1]), SPEED_LIMIT)
+        check_limits(p, ARM, ((limits[0], limits[1]), SPEED_LIMIT))
     assert "\n" not in str(caught.value)
     limits[joint] = 1.01 * needed[joint]
-    check_limits(p, ARM, (limits[0], limits[1]), SPEED_LIMIT)
+    check_limits(p, ARM, ((limits[0], limits[1]), SPEED_LIMIT))
 
 
 # Trajectories of Eq. 10 and random ones.

@@ -219,7 +219,7 @@ def decode_arguments(parser: argparse.ArgumentParser) -> None:
 
 def decode(arguments: argparse.Namespace) -> int:
     """Decode a capture file: what is in it, and its samples as a table."""
-    from repro.files import CSV_FLOAT_FORMAT, write_csv, writing
+    from repro.files import csv_text, write_csv, writing
     from repro.fpga.capture import files_of, read_capture, to_table
 
     out = arguments.out
@@ -233,7 +233,7 @@ def decode(arguments: argparse.Namespace) -> int:
     capture = read_capture(arguments.file)
     if out == "-":
         print(summarise_capture(capture), file=sys.stderr)
-        to_table(capture).to_csv(sys.stdout, index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
+        sys.stdout.write(csv_text(to_table(capture)))
         return 0
     if out is not None:
         with writing(out):
@@ -246,10 +246,8 @@ def summarise_capture(capture: "Capture") -> str:
     """Summarise a capture in three lines."""
     metadata, counts = capture.metadata, capture.counts
     state = "complete" if capture.complete else f"incomplete ({metadata.end_reason})"
-    return "\n".join(
-        (
-            f"{capture.place}: {metadata.motion}, source {metadata.source}, {state}",
-            f"frames: {counts.good} good of {metadata.samples} expected ({metadata.samples * metadata.h:g} s)",
-            f"gaps: {counts.gaps}, about {counts.lost} frames lost, {counts.skipped} bytes skipped",
-        )
+    return (
+        f"{capture.place}: {metadata.motion}, source {metadata.source}, {state}\n"
+        f"frames: {counts.good} good of {metadata.samples} expected ({metadata.samples * metadata.h:g} s)\n"
+        f"gaps: {counts.gaps}, about {counts.lost} frames lost, {counts.skipped} bytes skipped"
     )

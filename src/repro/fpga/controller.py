@@ -71,8 +71,8 @@ class PDController:
 class ControlLoop:
     """A plant behind its encoders, its PD controller and its PWM."""
 
-    def __init__(self, plant: "Plant", controller: PDController, torque_per_count: ArrayLike) -> None:
-        self._plant, self._controller = plant, controller
+    def __init__(self, plant: "Plant", constants: ControlConstants, torque_per_count: ArrayLike) -> None:
+        self._plant, self._controller = plant, PDController(constants.kp_counts, constants.kv_counts)
         self._torque = np.asarray(torque_per_count, dtype=np.float64)
 
     def step(self, desired: SingleArray) -> tuple[Counts, Counts]:
@@ -93,7 +93,7 @@ def simulate(
     batch = plant.state.shape[1]
     q_d = np.moveaxis(np.atleast_3d(desired.T).T, 0, -1).astype(np.float32)  # (2, N, 1 or B)
     n = q_d.shape[1]
-    loop = ControlLoop(plant, PDController(constants.kp_counts, constants.kv_counts), constants.torque_per_count)
+    loop = ControlLoop(plant, constants, constants.torque_per_count)
     position, pwm = (np.empty((n, 2, batch), dtype=np.int16) for _ in range(2))
     for i in range(n):
         position[i], pwm[i] = loop.step(q_d[:, i])

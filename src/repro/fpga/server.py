@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from repro.errors import InputError
 from repro.fpga import messages
 from repro.fpga.channel_errors import ErrorInjector
-from repro.fpga.controller import ControlConstants, ControlLoop, PDController
+from repro.fpga.controller import ControlConstants, ControlLoop
 from repro.fpga.frames import SAMPLING_PERIOD, encode
 from repro.fpga.messages import Message, MessageDecoder, MessageKind
 from repro.fpga.plant import Plant
@@ -101,8 +101,7 @@ class Board:
         missing = int(np.count_nonzero(~self._written[:samples]))
         if missing:
             raise ValueError(f"{missing} of {samples} samples of the trajectory have not been received.")
-        controller = PDController(self._gains.kp_counts, self._gains.kv_counts)
-        self._loop = ControlLoop(self._make_plant(), controller, self._torque)
+        self._loop = ControlLoop(self._make_plant(), self._gains, self._torque)
         self._sample, self._samples = 0, samples
 
     def tick(self) -> bytes:

@@ -76,7 +76,7 @@ def limits(config: Config) -> tuple[tuple[float, float], float]:
 
 def check_program(config: Config, program: ReferenceTrajectory) -> None:
     """Refuse a motion that the arm cannot follow; see `repro.signals.programs.check_limits`."""
-    check_limits(program, true_parameters(config), *limits(config))
+    check_limits(program, true_parameters(config), limits(config))
 
 
 def program_from_config(
@@ -89,7 +89,7 @@ def program_from_config(
     if duration is not None:
         settings = replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
-    return permitted_trajectory(name, settings, rng, true_parameters(config), *limits(config))
+    return permitted_trajectory(name, settings, rng, true_parameters(config), limits(config))
 
 
 def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadata:

@@ -21,6 +21,8 @@ from repro.signals.validation_motions import (
     sinusoidal_motion,
 )
 
+#: Torque of each joint, N m, and joint speed, rad/s, that a motion may need at most.
+Limits = tuple[tuple[float, float], float]
 #: Samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms.
 MEMORY_SAMPLES = 8192
 
@@ -114,13 +116,11 @@ def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
     return np.abs(step).max(-1), np.abs(torque).max(-1)
 
 
-def check_limits(
-    desired: ReferenceTrajectory, beta: Array, torque_limit: tuple[float, float], speed_limit: float
-) -> None:
-    """Raise InputError if a joint would exceed its torque (N m) or speed (rad/s); call it before anything is sent."""
-    speed, torque = peaks(desired, beta)
-    limits = (("speed", "rad/s", speed, (speed_limit, speed_limit)), ("torque", "N m", torque, torque_limit))
-    for quantity, unit, needed, allowed in limits:
+def check_limits(desired: ReferenceTrajectory, beta: Array, limits: Limits) -> None:
+    """Raise InputError if a joint would exceed its torque or speed; call it before anything is sent."""
+    (torque_limit, speed_limit), (speed, torque) = limits, peaks(desired, beta)
+    rows = (("speed", "rad/s", speed, (speed_limit, speed_limit)), ("torque", "N m", torque, torque_limit))
+    for quantity, unit, needed, allowed in rows:
         for joint in range(2):
             if not needed[joint] <= allowed[joint]:
                 place = f"trajectory {desired.name}: joint {joint + 1} {quantity}"
@@ -128,13 +128,7 @@ def check_limits(
 
 
 def permitted_trajectory(
-    name: str,
-    settings: TrajectorySettings,
-    rng: np.random.Generator,
-    beta: Array,
-    torque_limit: tuple[float, float],
-    speed_limit: float,
-    draws: int = 100,
+    name: str, settings: TrajectorySettings, rng: np.random.Generator, beta: Array, limits: Limits, draws: int = 100
 ) -> ReferenceTrajectory:
     """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times.
 
@@ -144,8 +138,8 @@ def permitted_trajectory(
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = reference_trajectory(name, settings, rng)
         with suppress(InputError):
-            check_limits(desired, beta, torque_limit, speed_limit)
+            check_limits(desired, beta, limits)
             return desired
     desired = reference_trajectory(name, settings, rng)
-    check_limits(desired, beta, torque_limit, speed_limit)
+    check_limits(desired, beta, limits)
     return desired
