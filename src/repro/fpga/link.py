@@ -160,11 +160,7 @@ class Receiver:
     """Receives bytes until all samples have come or no more do; `good` counts the frames so far."""
 
     def __init__(
-        self,
-        samples: int,
-        silence: float,
-        keep: Callable[[bytes], object],
-        clock: Callable[[], float] = time.monotonic,
+        self, samples: int, silence: float, keep: Callable[[bytes], object], clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.data = bytearray()
         self.stamps: list[tuple[int, float]] = []
