@@ -1,6 +1,7 @@
 """One method on one problem: verdicts, intervals, consistency and scores."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -111,7 +112,7 @@ def test_intervals_are_doubted_from_their_limits_on(monkeypatch, left, by_fricti
     shares = {True: np.array(left), False: np.array(by_friction)}
     monkeypatch.setattr(prepare, "unexplained", lambda _, subset=None: shares[subset is None].copy())
     monkeypatch.setattr(prepare, "saturated", lambda _: np.arange(1000) < 1000.0 * np.array(at_limit)[:, None])
-    monkeypatch.setattr(prepare, "quiet_joints", lambda _: [])
+    monkeypatch.setattr(prepare, "smoothed", lambda _: SimpleNamespace(noisy_joints=list))
     found = prepare._interval_doubt(None, None, delay, ARM)
     assert found.startswith(why) and bool(found) == bool(why)
 

@@ -92,13 +92,8 @@ class _Fit:
     """Least squares of Eq. 1 with the columns read by a convention."""
 
     error: Array  # squared error of each joint over its squared torque (2,), in the order of the convention
-    torque: Array  # squared torque of each joint (2,)
+    residual: float  # torque error of both joints over their torque, RMS
     n_impossible: int  # noticeable terms of an impossible sign
-
-    @property
-    def residual(self) -> float:
-        """Torque error of both joints over their torque, RMS."""
-        return float(np.sqrt(self.error @ self.torque / self.torque.sum()))
 
     def ratio(self, other: "_Fit") -> float:
         """Product of both joints' squared errors over that of another fit: noise of one joint does not change it."""
@@ -133,11 +128,6 @@ class Smoothed:
 _AS_GIVEN: Final = Convention("", "")
 
 
-def quiet_joints(log: Log) -> list[int]:
-    """List joints whose torque does not exceed its noise."""
-    return smoothed(log).noisy_joints()
-
-
 def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
@@ -163,11 +153,8 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
     if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
         best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
-        yield _advice(
-            convention,
-            f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %",
-            log.dq is not None,
-        )
+        reason = f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
+        yield _advice(convention, reason, log.dq is not None)
     elif noisy:
         return
     elif given.residual > _USELESS_RESIDUAL:
@@ -265,15 +252,15 @@ def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
     # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
     sense = position / np.abs(position).max(axis=1, keepdims=True)
     y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
-    (beta, error), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
+    (beta, left), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
+    error = left / size
     terms = y * beta  # (2, n, 9): torque of each parameter
     share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)
     negative = (beta[:5] < 0.0) & (share[:5] > _NOTICEABLE_TERM)
     friction = terms[..., 5:].sum(-1)
-    drives = (np.sum(friction * dq, axis=1) < 0.0) & (
-        np.linalg.norm(friction, axis=1) > _NOTICEABLE_TERM * np.linalg.norm(tau, axis=1)
-    )
-    return _Fit(error / size, size, int(negative.sum() + drives.sum()))
+    noticeable = np.linalg.norm(friction, axis=1) > _NOTICEABLE_TERM * np.linalg.norm(tau, axis=1)
+    drives = noticeable & (np.sum(friction * dq, axis=1) < 0.0)
+    return _Fit(error, float(np.sqrt(error @ size / size.sum())), int(negative.sum() + drives.sum()))
 
 
 def _residual(basis: Array, torque: Array) -> float:

@@ -69,7 +69,7 @@ def _runs(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 def _at_extremes(tau: Array) -> Mask:
     """Find the samples (N,) at the extreme values, if they accumulate there."""
     largest, found = float(np.abs(tau).max()), np.zeros(tau.size, dtype=np.bool_)
-    if largest == 0.0 or np.unique(tau).size <= _MOST_LEVELS:
+    if np.unique(tau).size <= _MOST_LEVELS:
         return found
     step = quantisation_step(tau) or 1e-6 * largest
     typical = float(np.median(np.subtract(*_runs(tau)[::-1])))
@@ -109,11 +109,8 @@ def unreliable_torque(log: Log) -> Mask:
     Eq. 1 is fitted to the other samples. A drive that reports the torque it gives at its limit agrees with it there,
     and a torque of zero before the drives are switched on or after they are switched off is no stuck one.
     """
-    return np.concatenate([_unreliable(piece) for piece in log.pieces], axis=1)
-
-
-def _unreliable(log: Log) -> Mask:
-    """Find unreliable samples of a log in one piece."""
+    if log.breaks:
+        return np.concatenate([unreliable_torque(piece) for piece in log.pieces], axis=1)
     h, on = period(log), np.any(log.tau != 0.0, axis=0)
     driven = np.logical_or.accumulate(on) & np.logical_or.accumulate(on[::-1])[::-1]
     stuck = np.stack([_stuck(tau, q, h) for tau, q in zip(log.tau, log.q, strict=True)])

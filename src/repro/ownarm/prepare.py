@@ -41,7 +41,7 @@ from repro.identification.regression import Prior, Regression, drop_idle_joints,
 from repro.identification.scores import unexplained
 from repro.identification.solve import solve
 from repro.logs.armfile import Arm
-from repro.logs.conventions import quiet_joints
+from repro.logs.conventions import smoothed
 from repro.logs.diagnostics import Description, describe, left_out_torque
 from repro.logs.load import Source, read_log
 from repro.logs.log import Log, period, uniform
@@ -284,7 +284,7 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
     left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
     worst = int(np.argmax(left))
     if left[worst] > 1.0 - MIN_EXPLAINED:
-        if quiet := quiet_joints(log):
+        if quiet := smoothed(log).noisy_joints():
             return f"the torque of joint {quiet[0]} is little more than noise"
         explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
         return f"Eq. 1 predicts only {explained} from the rest of the log"
