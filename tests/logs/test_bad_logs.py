@@ -35,8 +35,9 @@ from log_damage import (
 from log_example import BETA, motion, text
 
 from repro.errors import InputError
+from repro.logs import torque_limits
 from repro.logs.armfile import Arm, read_arm
-from repro.logs.diagnostics import describe, diagnose, saturated_fraction
+from repro.logs.diagnostics import describe, diagnose
 from repro.logs.load import read_log
 from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
@@ -290,7 +291,7 @@ def test_a_switched_torque_is_neither_noise_nor_saturated(noise):
         name="log.csv", t=h * np.arange(n), q=q, tau=tau + noise * np.random.default_rng(2).normal(size=tau.shape)
     )
     assert diagnose(log, Arm()) == ()
-    assert saturated_fraction(log) == (0.0, 0.0)
+    assert not torque_limits.saturated(log).any()
 
 
 def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path):

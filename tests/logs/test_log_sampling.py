@@ -10,9 +10,9 @@ from log_example import RATE, assert_same, log_of, recording
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import describe, saturated_fraction
+from repro.logs.diagnostics import describe
 from repro.logs.log import uniform
-from repro.logs.torque_limits import quantisation_step, unreliable_torque
+from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
 from repro.ownarm.prepare import load_log
 
 GOOD = recording()
@@ -111,8 +111,8 @@ def test_saturation_is_measured(limit):
     tau = np.clip(GOOD.tau, -limit, limit)
     truth = np.mean(np.abs(GOOD.tau) >= limit, axis=1)
     known = np.array([limit, limit])
-    np.testing.assert_allclose(saturated_fraction(dataclasses.replace(log_of(GOOD), tau=tau)), truth, atol=1e-9)
-    np.testing.assert_allclose(saturated_fraction(log_of(GOOD, torque_limit=known)), truth, atol=0.002)
+    np.testing.assert_allclose(saturated(dataclasses.replace(log_of(GOOD), tau=tau)).mean(axis=1), truth, atol=1e-9)
+    np.testing.assert_allclose(saturated(log_of(GOOD, torque_limit=known)).mean(axis=1), truth, atol=0.002)
 
 
 #: Noise of a torque sensor, 0.01 N m.
@@ -180,7 +180,7 @@ def test_drives_that_are_off_at_an_end_are_not_stuck():
 def test_a_limit_that_acts_is_not_left_out():
     """The torque that a drive reports at its known limit is the one that moves the arm."""
     log = log_of(GOOD, torque_limit=np.array([2.5, 9.0]))
-    assert saturated_fraction(log)[0] > 0.05
+    assert saturated(log)[0].mean() > 0.05
     assert not unreliable_torque(log).any()
 
 

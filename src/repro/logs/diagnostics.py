@@ -34,12 +34,6 @@ _RATIOS: Final = (
 )
 
 
-def saturated_fraction(log: Log) -> tuple[float, float]:
-    """Fraction of the samples whose torque is at its limit, for each joint."""
-    first, second = np.mean(saturated(log), axis=1)
-    return float(first), float(second)
-
-
 def still_joint(log: Log) -> Iterator[str]:
     """Report the first joint that does not move."""
     still = [(joint, moved) for joint, moved in enumerate(np.ptp(log.q, axis=1), 1) if moved < STILL]
@@ -157,7 +151,7 @@ def odd_torque(log: Log) -> Iterator[str]:
                 "the arm file"
             )
             break
-    fractions = saturated_fraction(log)
+    fractions = saturated(log).mean(axis=1)
     joint = int(np.argmax(fractions))
     if fractions[joint] > 0.05:
         yield (
@@ -211,7 +205,6 @@ def describe(log: Log, arm: Arm) -> Description:
 
 
 def _timing(log: Log) -> Iterator[tuple[str, str]]:
-    """Give samples, length, rate and gaps."""
     h = period(log)
     low, high = 1e3 * np.percentile(np.diff(log.t), (1.0, 99.0))
     missing = missing_samples(log)
@@ -224,7 +217,6 @@ def _timing(log: Log) -> Iterator[tuple[str, str]]:
 
 
 def _motion(log: Log) -> Iterator[tuple[str, str]]:
-    """Give range, speed, rest and encoder steps of each joint."""
     moving = np.abs(speed(log))
     for joint, q in enumerate(log.q):
         low, high = float(q.min()), float(q.max())
@@ -238,9 +230,8 @@ def _motion(log: Log) -> Iterator[tuple[str, str]]:
 
 
 def _torque(log: Log) -> Iterator[tuple[str, str]]:
-    """Give range, step and saturation of each torque."""
     limit = log.torque_limit
-    for joint, (tau, fraction) in enumerate(zip(log.tau, saturated_fraction(log), strict=True)):
+    for joint, (tau, fraction) in enumerate(zip(log.tau, saturated(log).mean(axis=1), strict=True)):
         of = "" if limit is None else f" (limit {limit[joint]:.4g} N m)"
         rms = float(np.sqrt(np.mean(tau**2)))
         yield f"torque of joint {joint + 1}", f"{tau.min():.4g} to {tau.max():.4g} N m, RMS {rms:.4g} N m"
@@ -249,6 +240,5 @@ def _torque(log: Log) -> Iterator[tuple[str, str]]:
 
 
 def _step(x: Array, unit: str) -> str:
-    """Write the quantisation step."""
     step = quantisation_step(x)
     return "none seen" if step is None else f"{step:.3g} {unit}"

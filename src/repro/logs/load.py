@@ -12,9 +12,9 @@ from repro.errors import InputError
 from repro.fpga.capture import read_capture, recording_of
 from repro.logs.armfile import Arm
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
-from repro.logs.diagnostics import saturated_fraction
 from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
+from repro.logs.torque_limits import saturated
 from repro.model.parameters import Array
 
 #: Rates that an arm is recorded at, Hz.
@@ -29,8 +29,6 @@ _SMALLEST = 1e-12
 _ALWAYS = 0.9
 #: Range of a position, rad, beyond which its unit must be stated.
 _FAR = 4.0 * np.pi
-#: Name of a DataFrame in messages.
-FRAME = "data frame"
 #: What a recording is read from.
 Source = Path | pd.DataFrame | Log
 #: Steps within this fraction of a full turn are the wrap of an angle.
@@ -73,7 +71,8 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     if isinstance(source, Log):
         place, raw = source.name, _from_arrays(source, arm)
     elif isinstance(source, pd.DataFrame):
-        place, raw = FRAME, _from_table(table_of(source, FRAME), FRAME, arm)
+        place = "data frame"
+        raw = _from_table(table_of(source, place), place, arm)
     elif source.is_dir() and not is_bag(source):
         raise InputError.at(str(source), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
     elif source.suffix == ".bin":
@@ -133,10 +132,8 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
     if time[0] != 0.0:
         notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
-    pairs: Sequence[tuple[Signal, Signal]] = (("q1", "q2"), ("tau1", "tau2"), ("dq1", "dq2"))
-    q, tau, dq = (np.stack([si[a], si[b]]) if a in si and b in si else None for a, b in pairs)
-    assert q is not None
-    assert tau is not None
+    q, tau = np.stack([si["q1"], si["q2"]]), np.stack([si["tau1"], si["tau2"]])
+    dq = np.stack([si["dq1"], si["dq2"]]) if "dq1" in si and "dq2" in si else None
     simulated = SIMULATED in table.header and bool(np.any(table.numbers([table.header.index(SIMULATED)])[0] != 0.0))
     return Log(name=name, t=time - time[0], q=q, tau=tau, dq=dq, notes=notes, simulated=simulated)
 
@@ -236,7 +233,7 @@ def _check_signals(log: Log, file: str) -> None:
         if np.abs(tau).max() < _SMALLEST:
             found = f"{np.abs(tau).max():.3g} N m at most"
             raise InputError.at(f"{file}: torque of joint {joint}", found, f"a torque of {_SMALLEST:g} N m and more")
-    for joint, fraction in enumerate(saturated_fraction(log), 1):
+    for joint, fraction in enumerate(saturated(log).mean(axis=1), 1):
         if fraction > _ALWAYS:
             found = f"saturated throughout ({100.0 * fraction:.0f} % of the samples at the limit)"
             raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque below the drive's limit")
