@@ -18,13 +18,10 @@ from repro.model.parameters import STANDARD_GRAVITY
 #: One value for each joint.
 Pair = tuple[float, float]
 
-# YAML 1.1 takes 1e-3 for text, because it has no point.
-_EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
 #: Largest number of an arm and smallest limit; their squares must not overflow.
 _LARGEST, _SMALLEST = 1e9, 1e-6
 #: Keys whose numbers divide.
 _POSITIVE = ("speed_limit", "torque_limit", "counts_per_turn", "torque_constant", "torque_scale")
-_FLOAT = "tag:yaml.org,2002:float"
 _SCHEMA: dict[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
 
 
@@ -106,10 +103,11 @@ def _plain(value: object) -> object:
 
 
 class _Loader(Loader):
-    """YAML with numbers such as 1e-3."""
+    """YAML with numbers such as 1e-3, which YAML 1.1 takes for text, because it has no point."""
 
 
-_Loader.add_implicit_resolver(_FLOAT, _EXPONENT, list("-+0123456789"))
+_EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+\Z")
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
 
 
 def read_arm(path: str | Path | None) -> Arm:
@@ -166,15 +164,13 @@ def _check(content: Mapping[str, Any], file: str) -> None:
             raise InputError.at(f"{file}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
     for key in ("position_limit", "workspace"):
         for row, (low, high) in enumerate(content.get(key, ())):
-            if not low < high:
-                raise InputError.at(f"{file}: {key}[{row}]", [low, high], "the lower one first")
             if high - low < _SMALLEST:
-                raise InputError.at(f"{file}: {key}[{row}]", [low, high], f"ends {_SMALLEST:g} and more apart")
+                expected = f"ends {_SMALLEST:g} and more apart" if low < high else "the lower one first"
+                raise InputError.at(f"{file}: {key}[{row}]", [low, high], expected)
     for joint, zero in enumerate(content.get("zero", ())):
         if abs(zero) > 2.0 * np.pi:
-            expected = (
-                f"radians within a turn, whatever the unit of the log (if it is in degrees: {np.radians(zero):.5g})"
-            )
+            converted = f"if it is in degrees: {np.radians(zero):.5g}"
+            expected = f"radians within a turn, whatever the unit of the log ({converted})"
             raise InputError.at(f"{file}: zero.{joint}", zero, expected)
 
 

@@ -93,9 +93,8 @@ class Column:
 
 def _names() -> dict[str, tuple[Signal, str | None]]:
     """List the squeezed names of columns, each with its signal and the unit that the name implies."""
-    names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(
-        ("time", "t", "timestamp", "timestamps"), ("time", None)
-    )
+    times = ("time", "t", "timestamp", "timestamps")
+    names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(times, ("time", None))
     for joint, own in ((1, "shoulder"), (2, "elbow")):
         for signal, words, unit in _WORDS:
             for word in words:
@@ -224,10 +223,8 @@ def _refuse_joint_0(header: Sequence[str], file: str) -> None:
     zero = [name for name in header if _JOINT_0.search(name) and _match(_JOINT_0.sub("1", name))]
     if zero:
         found = f"columns of a joint 0: {_listed(zero)}"
-        expected = (
-            "joints 1 and 2, or each column of the two joints by its signal, columns.q1 and so on, in the arm file"
-        )
-        raise InputError.at(f"{file}: header", found, expected)
+        named = "each column of the two joints by its signal, columns.q1 and so on, in the arm file"
+        raise InputError.at(f"{file}: header", found, f"joints 1 and 2, or {named}")
 
 
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:

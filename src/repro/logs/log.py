@@ -88,10 +88,9 @@ class Log:
             raise InputError.at(f"{self.name}: left_out", found, f"bool of shape {(2, n)}")
         wrong = np.flatnonzero(np.diff(self.t) <= 0.0)
         if wrong.size:
-            now, before = self.t[wrong[0] + 1], self.t[wrong[0]]
-            raise InputError.at(
-                f"{self.name}: t[{wrong[0] + 1}]", f"{now:.10g} after {before:.10g}", "time that increases"
-            )
+            k = int(wrong[0]) + 1
+            found = f"{self.t[k]:.10g} after {self.t[k - 1]:.10g}"
+            raise InputError.at(f"{self.name}: t[{k}]", found, "time that increases")
 
     def piece(self, begin: int, end: int) -> "Log":
         """Cut out samples ``begin ... end - 1``."""
@@ -144,8 +143,8 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
     if array.shape != shape:
         raise InputError.at(place, f"shape {array.shape}", f"shape {shape}")
     numbers = np.asarray(array, dtype=np.float64)
-    if not np.isfinite(numbers).all():
-        bad = np.argwhere(~np.isfinite(numbers))
+    bad = np.argwhere(~np.isfinite(numbers))
+    if bad.size:
         found = f"{len(bad)} numbers that are not finite, the first at index {bad[:, -1].min()}"
         raise InputError.at(place, found, "none; leave these samples out")
     return numbers
@@ -262,10 +261,8 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
 
 def _resolution(t: Array) -> float:
     """Find the power of ten, s, of which all times are multiples, 1 ns at the finest."""
-    for digits in range(1, 9):
-        if float(np.abs(t - np.round(t, digits)).max()) < 1e-9:
-            return 10.0**-digits
-    return 1e-9
+    enough = (digits for digits in range(1, 9) if np.abs(t - np.round(t, digits)).max() < 1e-9)
+    return 10.0 ** -next(enough, 9)
 
 
 def _at_least_apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

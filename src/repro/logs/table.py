@@ -44,8 +44,6 @@ _OTHER_FORMATS = {
 
 #: Line of the file, from 1, and as many cells as the header has, of each row.
 Rows = list[tuple[int, list[str]]]
-#: Line, column and text of a cell.
-_Cell = tuple[int, str, str]
 
 
 @dataclass(frozen=True)
@@ -101,11 +99,10 @@ class _Column:
     values: list[Array] = field(default_factory=list)
     point: bool = False  # whether a cell has one
     grouped: bool = True  # whether each comma could be for groups of digits
-    # Of each kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
-    first: dict[str, _Cell] = field(default_factory=dict)
+    # Line, column and text by kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
+    first: dict[str, tuple[int, str, str]] = field(default_factory=dict)
 
     def add(self, lines: list[int], cells: list[str]) -> None:
-        """Append the cells of some lines."""
         text, values = "".join(cells), np.array([math.nan])
         if "_" not in text and text.isascii():  # the usual case: numbers alone
             with suppress(ValueError):
@@ -246,7 +243,6 @@ def _separator(place: str, header: str, row: str) -> str:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    """Cut a line into cells."""
     if separator == " ":
         line = " ".join(line.split())
     if '"' not in line:
