@@ -68,18 +68,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand."""
     try:
         _check(sys.argv[1:] if argv is None else argv)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    arguments = parser().parse_args(argv)
-    if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    contract.hold(os.environ)
-    gc.set_threshold(500_000)  # modules and figures are many objects that live to the end
-    atexit.register(gc.freeze)  # and need not be searched for cycles there
-    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
-    logging.getLogger("matplotlib").setLevel(logging.WARNING)  # its first run on a machine reports its font cache
-    try:
+        arguments = parser().parse_args(argv)
+        if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
+            signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+        contract.hold(os.environ)
+        gc.set_threshold(500_000)  # modules and figures are many objects that live to the end
+        atexit.register(gc.freeze)  # and need not be searched for cycles there
+        logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr, force=True)
+        logging.getLogger("matplotlib").setLevel(logging.WARNING)  # its first run on a machine reports its font cache
         code: int = COMMANDS[arguments.command][1](arguments)
         sys.stdout.flush()
     except InputError as error:

@@ -3,7 +3,7 @@
 import argparse
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from repro.errors import InputError
@@ -47,10 +47,9 @@ def number(low: float, high: float, what: str) -> Callable[[str], float]:
     """Type of an option that is a number within a range."""
 
     def read(text: str) -> float:
-        try:
+        value = math.nan
+        with suppress(ValueError):
             value = float(text)
-        except ValueError:
-            value = math.nan
         if not (text.isascii() and low <= value <= high):
             raise argparse.ArgumentTypeError(f"found {text[:40]!r}, expected {what} of {low:g} to {high:g}")
         return value
