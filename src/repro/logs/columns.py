@@ -120,7 +120,7 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
     for index, name in enumerate(header):
         match = _match(name)
         if match and match[0] not in chosen and index not in {column.index for column in chosen.values()}:
-            candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, match, arm, file)))
+            candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, *match, arm, file)))
     if candidates.keys() - {"time"}:
         _refuse_joint_0(header, file)
     for signal, columns in candidates.items():
@@ -150,8 +150,8 @@ def _mapped(header: Sequence[str], arm: Arm, file: str) -> dict[Signal, Column]:
             expected = f"a header of {file}: {_listed(header)}" + (f" (perhaps {near[0]!r})" if near else "")
             raise InputError.at(f"{arm.file}: columns.{signal}", repr(name), expected)
         match = _match(name)
-        implied = match if match and KINDS[match[0]] == kind else (signal, *_any_unit(name, kind))
-        chosen[signal] = Column(header.index(name), name, _unit(name, (signal, *implied[1:]), arm, file))
+        spelling = match[1] if match and KINDS[match[0]] == kind else _any_unit(name, kind)
+        chosen[signal] = Column(header.index(name), name, _unit(name, signal, spelling, arm, file))
     return chosen
 
 
@@ -168,40 +168,38 @@ def _split(header: str) -> Iterator[tuple[str, str]]:
         yield header[: place.start()], header[place.end() :]
 
 
-def _match(header: str) -> tuple[Signal, str, bool] | None:
-    """Give signal, spelling of the unit, and whether that is known; None for a header that names no signal."""
-    unknown: tuple[Signal, str, bool] | None = None
+def _match(header: str) -> tuple[Signal, str] | None:
+    """Give signal and spelling of the unit, empty if there is none; None for a header that names no signal."""
+    unknown: tuple[Signal, str] | None = None
     for name, unit in _split(header):
         signal, implied = _NAMES.get(squeeze(name), (None, None))
         if signal is None:
             continue
-        if not unit:
-            return signal, implied or "", True
-        if unit_named(unit, KINDS[signal]):
-            return signal, unit, True
+        if not unit or unit_named(unit, KINDS[signal]):
+            return signal, unit or implied or ""
         # A suffix may be any word, but brackets and slashes enclose a unit.
         if unknown is None and re.search(r"[\[({/]", header):
-            unknown = (signal, unit, False)
+            unknown = signal, unit
     return unknown
 
 
-def _any_unit(header: str, kind: Kind) -> tuple[str, bool]:
-    """Find the unit in a header of any name, and whether it is known; brackets enclose a unit."""
-    units = [unit for _, unit in _split(header) if unit and unit_named(unit, kind)]
+def _any_unit(header: str, kind: Kind) -> str:
+    """Find the spelling of the unit in a header of any name; brackets enclose one, known or not."""
+    units = [unit for _, unit in _split(header) if unit_named(unit, kind)]
     brackets = _BRACKETS.match(header)
-    return (units[0], True) if units else (brackets[2], False) if brackets else ("", True)
+    return units[0] if units else brackets[2] if brackets else ""
 
 
-def _unit(header: str, match: tuple[Signal, str, bool], arm: Arm, file: str) -> str | None:
+def _unit(header: str, signal: Signal, spelling: str, arm: Arm, file: str) -> str | None:
     """Give the unit of a column; None if neither the header nor the arm file states it."""
-    signal, spelling, known = match
     kind = KINDS[signal]
     if kind in arm.units:
         return arm.units[kind]
-    if not known:
+    unit = unit_named(spelling, kind)
+    if spelling and unit is None:
         expected = f"a unit of {kind}: {', '.join(SPELLINGS[kind])}; or units.{kind} in the arm file"
         raise InputError.at(f"{file}: header, column {header}", f"the unit {spelling!r}", expected)
-    return unit_named(spelling, kind) if spelling else None
+    return unit
 
 
 def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) -> Column:
