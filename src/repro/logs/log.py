@@ -194,29 +194,28 @@ def uniform(log: Log) -> Log:
     """Resample to the typical period, each piece between long gaps by itself; `log` itself if it is even."""
     if log.breaks or log.left_out is not None:
         return log
-    pieces, notes = segments(log)
-    resampled = [_even(piece) for piece in pieces]
-    if len(resampled) == 1 and resampled[0][0] is log:
+    pieces = segments(log)
+    if bridged := sum(int(missing_samples(piece).sum()) for piece in pieces):
+        note = f"{bridged} missing samples are bridged by interpolation"
+        pieces = [replace(piece, notes=(*piece.notes, note)) for piece in pieces]
+    even = [_even(piece) for piece in pieces]
+    if even[0] is log:
         return log
-    bridged = sum(int(missing_samples(piece).sum()) for piece in pieces)
-    if bridged:
-        notes.append(f"{bridged} missing samples are bridged by interpolation")
-    notes += max(resampled, key=lambda pair: pair[0].t.size)[1]
-    even = [piece for piece, _ in resampled]
 
     def joined(name: str) -> Array:
         return np.concatenate([getattr(piece, name) for piece in even], axis=-1)
 
     breaks = tuple(int(n) for n in np.cumsum([piece.t.size for piece in even[:-1]]))
     dq, t = None if log.dq is None else joined("dq"), joined("t") - log.t[0]
-    return replace(log, t=t, q=joined("q"), tau=joined("tau"), dq=dq, breaks=breaks, notes=(*log.notes, *notes))
+    notes = max(even, key=lambda piece: piece.t.size).notes
+    return replace(log, t=t, q=joined("q"), tau=joined("tau"), dq=dq, breaks=breaks, notes=notes)
 
 
-def segments(log: Log) -> tuple[list[Log], list[str]]:
-    """Cut a log at its long gaps; gives the pieces that are long enough, and notes."""
+def segments(log: Log) -> list[Log]:
+    """Cut a log at its long gaps; gives the pieces that are long enough, with a note."""
     gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
     if not gaps.size:
-        return [log], []
+        return [log]
     pieces = [log.piece(*edges) for edges in pairwise([0, *(int(k) + 1 for k in gaps), log.t.size])]
     seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
     used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
@@ -228,23 +227,22 @@ def segments(log: Log) -> tuple[list[Log], list[str]]:
     lengths = ", ".join(f"{s:.4g}" for s, kept in zip(seconds, used, strict=True) if kept)
     short = f"; {used.count(False)} too short, left out" if not all(used) else ""
     note = f"{summary}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
-    return [piece for piece, kept in zip(pieces, used, strict=True) if kept], [note]
+    return [replace(piece, notes=(*log.notes, note)) for piece, kept in zip(pieces, used, strict=True) if kept]
 
 
-def _even(piece: Log) -> tuple[Log, list[str]]:
+def _even(piece: Log) -> Log:
     """Resample a piece without long gaps at even times, with notes; itself if it is even."""
-    n, h = piece.t.size, period(piece)
-    notes: list[str] = []
+    n, h, notes = piece.t.size, period(piece), list(piece.notes)
     k = np.arange(n) - 0.5 * (n - 1)
     even = piece.t.mean() + k * (k @ piece.t) / (k @ k)  # the line through the times by least squares
     deviation = float(np.abs(piece.t - even).max())
     step = _resolution(piece.t)
     if deviation <= _EVEN * h:
-        return piece, notes
+        return piece
     if deviation <= 1.01 * step:
         rate = (n - 1) / (even[-1] - even[0])
         notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
-        return replace(piece, t=piece.t[0] + even - even[0]), notes
+        return replace(piece, t=piece.t[0] + even - even[0], notes=tuple(notes))
     kept = _at_least_apart(piece.t, _TOO_CLOSE * h)
     if kept.size < n:
         notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
@@ -256,7 +254,7 @@ def _even(piece: Log) -> tuple[Log, list[str]]:
     tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
     dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
     notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
-    return replace(piece, t=t, q=q, tau=tau, dq=dq), notes
+    return replace(piece, t=t, q=q, tau=tau, dq=dq, notes=tuple(notes))
 
 
 def _resolution(t: Array) -> float:

@@ -69,7 +69,7 @@ def _from_zero(log: Log) -> Log:
 def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) -> LoadedLog:
     """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
     s, log = prepared.settings, _from_zero(prepared.loaded.log.longest)
-    pieces = segments(prepared.loaded.recorded or prepared.loaded.log)[0]
+    pieces = segments(prepared.loaded.recorded or prepared.loaded.log)
     piece = _from_zero(max(pieces, key=lambda one: one.t.size))
     even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
     moved = smooth_motion(log.q, h, s)
