@@ -27,8 +27,9 @@ _LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "ra
 _SMALLEST = 1e-12
 #: Fraction of samples at the torque limit above which a drive is always saturated.
 _ALWAYS = 0.9
+_TURN = 2.0 * np.pi
 #: Range of a position, rad, beyond which its unit must be stated.
-_FAR = 4.0 * np.pi
+_FAR = 2.0 * _TURN
 #: What a recording is read from.
 Source = Path | pd.DataFrame | Log
 #: Steps within this fraction of a full turn are the wrap of an angle.
@@ -124,7 +125,7 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     for joint in ("q1", "q2"):
         if columns[joint].assumed and np.ptp(si[joint]) > _FAR:
             place, turned = f"{table.file}: {columns[joint].header}", float(np.ptp(si[joint]))
-            found = f"no unit, and {turned / (2.0 * np.pi):.3g} turns if it is rad"
+            found = f"no unit, and {turned / _TURN:.3g} turns if it is rad"
             degrees = f"{np.radians(turned):.3g} rad"
             expected = f"in the arm file units: {{position: deg}}, which makes it {degrees}, or counts, or rad"
             raise InputError.at(place, found, expected)
@@ -164,29 +165,20 @@ def _full_rows(
 
 def to_eq1(log: Log, arm: Arm) -> Log:
     """Correct signs, zeros and wraps, and make joint 2 relative to link 1."""
-    sign = np.array(arm.sign)[:, np.newaxis]
-    q, wraps = _unwrapped(log.q)
-    q = sign * (q - np.array(arm.zero)[:, np.newaxis])
-    offset, scale = (np.array(pair)[:, np.newaxis] for pair in (arm.torque_offset, arm.torque_scale))
-    tau = sign * np.array(arm.torque_sign)[:, np.newaxis] * (log.tau - offset) / scale
+    pairs = (arm.sign, arm.zero, arm.torque_offset, arm.torque_scale, arm.torque_sign)
+    sign, zero, offset, scale, torque_sign = (np.array(pair)[:, np.newaxis] for pair in pairs)
+    steps = np.diff(log.q, axis=1, prepend=log.q[:, :1])
+    turns = np.where(np.abs(np.abs(steps) - _TURN) < _WRAP * _TURN, np.sign(steps), 0.0)
+    q = sign * (log.q - _TURN * np.cumsum(turns, axis=1) - zero)
+    tau = sign * torque_sign * (log.tau - offset) / scale
     dq = None if log.dq is None else sign * log.dq
-    notes = list(log.notes)
-    wrapped = ((joint, count) for joint, count in enumerate(wraps, 1) if count)
-    notes += [f"position of joint {joint} wraps by a full turn {count} times; unwrapped" for joint, count in wrapped]
+    wraps = [(joint, count) for joint, count in enumerate(np.count_nonzero(turns, axis=1), 1) if count]
+    notes = [f"position of joint {joint} wraps by a full turn {count} times; unwrapped" for joint, count in wraps]
     if arm.second_joint_absolute:
         q = np.stack([q[0], q[1] - q[0]])
         dq = None if dq is None else np.stack([dq[0], dq[1] - dq[0]])
         notes.append("q2 was measured from the vertical; q1 is subtracted")
-    return replace(log, q=q, tau=tau, dq=dq, notes=tuple(notes))
-
-
-def _unwrapped(q: Array) -> tuple[Array, tuple[int, ...]]:
-    """Remove steps of a full turn between two samples, and count them on each joint."""
-    turn = 2.0 * np.pi
-    steps = np.diff(q, axis=1)
-    turns = np.where(np.abs(np.abs(steps) - turn) < _WRAP * turn, np.sign(steps), 0.0)
-    whole = np.concatenate([np.zeros((2, 1)), np.cumsum(turns, axis=1)], axis=1)
-    return q - turn * whole, tuple(int(n) for n in np.count_nonzero(turns, axis=1))
+    return replace(log, q=q, tau=tau, dq=dq, notes=(*log.notes, *notes))
 
 
 def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:
