@@ -56,8 +56,7 @@ def _check(arguments: Sequence[str]) -> None:
     """Refuse arguments that nothing can be named after, and a closed standard output."""
     for text in arguments:
         if found := _UNWRITABLE.search(text):
-            place = f"argument {text[:80]!r}"
-            raise InputError.at(place, repr(found[0]), "text without control characters, in UTF-8")
+            raise InputError.at(f"argument {text[:80]!r}", repr(found[0]), "text without control characters, in UTF-8")
     if sys.stdout is None:
         raise InputError.at("standard output", "a closed one", "one that can be written to")
     if isinstance(sys.stdout, io.TextIOWrapper):
