@@ -29,9 +29,6 @@ _CONTRADICTION = 1.5
 #: and largest fraction of a joint's samples that may be left out.
 _MOST_LEFT_OUT = 0.5
 
-#: Samples (2, N) or (N,) that have a property.
-Mask = NDArray[np.bool_]
-
 
 def quantisation_step(x: Array) -> float | None:
     """Find the smallest change of which most changes are multiples; None if there is none."""
@@ -49,7 +46,7 @@ def quantisation_step(x: Array) -> float | None:
     return step if float((apart < 0.1).mean()) > 0.9 else None
 
 
-def saturated(log: Log) -> Mask:
+def saturated(log: Log) -> NDArray[np.bool_]:
     """Find the samples (2, N) whose torque is at its limit.
 
     An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
@@ -66,7 +63,7 @@ def _runs(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return np.concatenate([[0], begins]), np.concatenate([begins, [x.size]])
 
 
-def _at_extremes(tau: Array) -> Mask:
+def _at_extremes(tau: Array) -> NDArray[np.bool_]:
     """Find the samples (N,) at the extreme values, if they accumulate there."""
     largest, found = float(np.abs(tau).max()), np.zeros(tau.size, dtype=np.bool_)
     if np.unique(tau).size <= _MOST_LEVELS:
@@ -85,7 +82,7 @@ def _at_extremes(tau: Array) -> Mask:
     return found
 
 
-def _stuck(tau: Array, q: Array, h: float) -> Mask:
+def _stuck(tau: Array, q: Array, h: float) -> NDArray[np.bool_]:
     """Find the samples (N,) of a torque that stays constant for exceptionally long while its joint moves, and jumps.
 
     A torque in coarse steps or one that is rarely updated stays constant as long throughout.
@@ -103,7 +100,7 @@ def _stuck(tau: Array, q: Array, h: float) -> Mask:
     return found
 
 
-def unreliable_torque(log: Log) -> Mask:
+def unreliable_torque(log: Log) -> NDArray[np.bool_]:
     """Find the samples (2, N) of a uniformly sampled log whose torque Eq. 1 contradicts, at a limit or stuck.
 
     Eq. 1 is fitted to the other samples. A drive that reports the torque it gives at its limit agrees with it there,
