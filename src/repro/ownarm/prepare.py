@@ -95,11 +95,11 @@ class LoadedLog:
 
 @dataclass(frozen=True)
 class PreparedLog:
-    """A fitted log, corrected and filtered."""
+    """A fitted log, corrected and filtered; `_finish` subtracts friction, and sets what follows `faults`."""
 
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
     recorded: Log  # as it was loaded
-    regression: Regression  # all samples but those of joints that never move: methods are evaluated on these
+    regression: Regression  # methods are evaluated on it; `_finish` leaves out joints that never move
     settings: FilterSettings  # filters and delay
     cutoff: Cutoff  # how the cut-off was chosen
     delay_error: float  # standard error of the delay, s
@@ -118,6 +118,15 @@ class PreparedLog:
     def taken(self) -> list[ExtraTerm]:
         """Terms that were subtracted from the torque."""
         return [term for term in self.terms if term.taken]
+
+    def change(self, **changes: Any) -> "PreparedLog":  # noqa: ANN401
+        """Replace other fields, and filter the log with them."""
+        changed = replace(self, **changes)
+        return replace(changed, regression=prepare(changed.loaded.log, changed.settings))
+
+    def delayed(self, delay: float, error: float) -> "PreparedLog":
+        """Replace the delay and its standard error."""
+        return self.change(settings=replace(self.settings, delay=delay), delay_error=error)
 
 
 def load_log(source: Source, arm: Arm) -> LoadedLog:
@@ -180,43 +189,14 @@ def _choose_settings(
     return replace(settings, delay=delay), chosen, error
 
 
-@dataclass(frozen=True)
-class _Corrected:
-    """A log with its calibration errors corrected, before terms beyond Eq. 1 are subtracted."""
-
-    recorded: Log
-    loaded: LoadedLog
-    settings: FilterSettings
-    cutoff: Cutoff
-    delay_error: float
-    faults: tuple[CalibrationError, ...]
-
-    def delayed(self, delay: float, error: float) -> "_Corrected":
-        """Replace the delay and its standard error."""
-        return replace(self, settings=replace(self.settings, delay=delay), delay_error=error)
-
-    @cached_property
-    def regression(self) -> Regression:
-        """The log through its filters."""
-        return prepare(self.loaded.log, self.settings)
-
-    @cached_property
-    def moving(self) -> Regression:
-        """The regression without standstill."""
-        return drop_standstill(self.regression)
-
-
 def _correct(
     loaded: LoadedLog,
     arm: Arm,
     options: Options,
     others: Sequence[Regression] = (),
     common: _Common | None = None,
-) -> _Corrected:
-    """Correct the calibration errors of a log.
-
-    Regressions of other logs of the arm reveal errors that this log does not show by itself, and contradict others.
-    """
+) -> PreparedLog:
+    """Correct the calibration errors of a log; regressions of other logs of the arm reveal some and contradict some."""
     recorded = loaded.log
     settings, chosen, delay_error = _choose_settings(recorded, arm, options, common)
     names = common.names if common else CANDIDATES
@@ -226,38 +206,20 @@ def _correct(
         faults = find_calibration_errors(recorded, settings, others, names)
         loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
-    return _Corrected(recorded, loaded, settings, chosen, delay_error, faults)
+    return PreparedLog(loaded, recorded, prepare(loaded.log, settings), settings, chosen, delay_error, faults)
 
 
 def _finish(
-    corrected: _Corrected, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
+    log: PreparedLog, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
 ) -> PreparedLog:
-    """Subtract the terms beyond Eq. 1 from a corrected log, and filter it."""
-    loaded, settings, regression = corrected.loaded, corrected.settings, corrected.regression
-    hidden = calibration_limits(loaded.log, settings, corrected.faults, others)
-    taken = [term for term in terms if term.taken]
-    if taken:
-        loaded = replace(loaded, log=subtract_terms(loaded.log, settings, load, taken))
-        regression = prepare(loaded.log, settings)
-    regression = drop_idle_joints(regression)
-    return PreparedLog(
-        loaded=loaded,
-        recorded=corrected.recorded,
-        regression=regression,
-        settings=settings,
-        cutoff=corrected.cutoff,
-        delay_error=corrected.delay_error,
-        faults=corrected.faults,
-        hidden=hidden,
-        terms=terms,
-        load=load,
-        doubt=_interval_doubt(loaded.log, drop_standstill(regression), settings.delay, arm),
-    )
-
-
-def prepare_log(loaded: LoadedLog, arm: Arm, options: Options) -> PreparedLog:
-    """Correct the calibration errors of a log, choose what is not given, and filter it."""
-    return prepare_logs([loaded], arm, options)[0]
+    """Subtract the terms beyond Eq. 1 from a corrected log."""
+    hidden = calibration_limits(log.loaded.log, log.settings, log.faults, others)
+    log = replace(log, hidden=hidden, terms=terms, load=load)
+    if log.taken:
+        left = subtract_terms(log.loaded.log, log.settings, load, log.taken)
+        log = log.change(loaded=replace(log.loaded, log=left))
+    log = replace(log, regression=drop_idle_joints(log.regression))
+    return replace(log, doubt=_interval_doubt(log.loaded.log, log.moving, log.settings.delay, arm))
 
 
 #: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
@@ -297,25 +259,18 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
     return "the delay of the torque is beyond the search range" if arm.delay is None and delay_at_limit(delay) else ""
 
 
-def _shows_scale(log: _Corrected, size: float) -> bool:
-    """Whether a log would show by itself that the torque constant of a joint is wrong by this fraction."""
-    limit = calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE]
-    return limit is not None and limit < size
-
-
-def _in_common(logs: Sequence[_Corrected]) -> _Common:
-    """Find what several logs of an arm have in common.
-
-    A torque constant is the arm's: its error counts if no log contradicts it that would show it by itself.
-    """
+def _in_common(logs: Sequence[PreparedLog]) -> _Common:
+    """Find what several logs of an arm have in common."""
+    # A torque constant is the arm's: its error counts if no log contradicts it that would show it by itself.
     factor = mean_scale(logs)
     without = [log for log in logs if SCALE not in values_of(log.faults)]
-    scaled = factor is not None and not any(_shows_scale(log, abs(factor - 1.0)) for log in without)
+    shown = (calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE] for log in without)
+    scaled = factor is not None and not any(limit is not None and limit < abs(factor - 1.0) for limit in shown)
     names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
     return _Common(min(log.settings.cutoff for log in logs), *_common_delay(logs), names)
 
 
-def _common_delay(logs: Sequence[_Corrected]) -> tuple[float, float]:
+def _common_delay(logs: Sequence[PreparedLog]) -> tuple[float, float]:
     """Weigh the delays of several logs by their precision; their scatter widens the error (Birge)."""
     delay = np.array([log.settings.delay for log in logs])
     weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
@@ -324,7 +279,7 @@ def _common_delay(logs: Sequence[_Corrected]) -> tuple[float, float]:
     return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))
 
 
-def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm], load: Array) -> list[_Corrected]:
+def _estimate_delay_again(logs: Sequence[PreparedLog], terms: Sequence[ExtraTerm], load: Array) -> list[PreparedLog]:
     """Estimate the delay next to terms beyond Eq. 1: without them it compensates for a part of them."""
     again = []
     for log in logs:
@@ -340,7 +295,7 @@ def _estimate_delay_again(logs: Sequence[_Corrected], terms: Sequence[ExtraTerm]
 COMPARED_ERROR, DECISIVE = 0.05, 4.0
 
 
-def mean_scale(logs: Sequence[_Corrected] | Sequence[PreparedLog]) -> float | None:
+def mean_scale(logs: Sequence[PreparedLog]) -> float | None:
     """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
     values = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
     return float(np.mean(values)) if values else None
@@ -359,15 +314,14 @@ def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
     return None if abs(second - first) < DECISIVE else 1 if first < second else 2
 
 
-def _blame_joint_1(log: _Corrected) -> _Corrected:
+def _blame_joint_1(log: PreparedLog) -> PreparedLog:
     """Correct the torque of joint 1 instead of that of joint 2."""
     faults = blame_joint_1(log.faults)
-    return replace(
-        log, faults=faults, loaded=replace(log.loaded, log=correct_calibration(log.recorded, values_of(faults)))
-    )
+    right = correct_calibration(log.recorded, values_of(faults))
+    return log.change(faults=faults, loaded=replace(log.loaded, log=right))
 
 
-def _find_terms(logs: Sequence[_Corrected], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
+def _find_terms(logs: Sequence[PreparedLog], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
     """Find the terms beyond Eq. 1 of all logs; also the parameters that give the load of friction."""
     moving = joined([log.moving for log in logs])
     terms = find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
@@ -384,10 +338,10 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
     corrected = [_correct(loaded, arm, options) for loaded in logs]
     common = _in_common(corrected) if len(logs) > 1 else None
 
-    def others(one: _Corrected) -> list[Regression]:
+    def others(one: PreparedLog) -> list[Regression]:
         return [log.moving for log in corrected if log is not one]
 
-    def compare(k: int) -> _Corrected:
+    def compare(k: int) -> PreparedLog:
         return _correct(logs[k], arm, options, others(corrected[k]), common)
 
     remaining = []

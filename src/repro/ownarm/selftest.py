@@ -24,7 +24,7 @@ from repro.logs.log import Log, period, segments, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
-from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, prepare_log
+from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, prepare_logs
 from repro.ownarm.problem import IdentificationProblem, join_logs
 from repro.ownarm.result import RecoveredParameter, SelfTest
 from repro.streams import Stream, stream
@@ -99,11 +99,11 @@ def self_test(
     betas, inside, claimed, errors = [], [], [], []
     for draw in range(draws):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
-        logs = []
+        logs: list[PreparedLog] = []
         for log in problem.logs:
             as_real = replace(options, cutoff=log.settings.cutoff, friction=False)
             arm = replace(arm, friction_steepness=log.settings.friction_steepness)
-            logs.append(prepare_log(synthetic_log(log, beta, rng), arm, as_real))
+            logs += prepare_logs([synthetic_log(log, beta, rng)], arm, as_real)
         moving, as_good = join_logs(logs, problem.prior)
         estimate = method.estimate(moving)
         spread = bootstrap(method, moving, estimate, as_good, rng)
