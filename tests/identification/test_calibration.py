@@ -260,8 +260,9 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
         both = problem.moving, *problem.as_good[SCALE_OF_JOINT_1].regressions
         second, first = (METHODS["instrumental"].estimate(replace(r, prior=None)).beta for r in both)
         assert first == pytest.approx(1.4 * second, rel=0.01)
-    assert problem.scale_open is (wrong is None)
-    lines = calibration_lines([fault], ARM, problem.scale_open)
+    scale_open = SCALE_OF_JOINT_1 in problem.as_good
+    assert scale_open is (wrong is None)
+    lines = calibration_lines([fault], ARM, scale_open)
     assert any("torque_scale" in line for line in lines)
     assert any("--prior" in line for line in lines) is (wrong is None)
 

@@ -18,7 +18,8 @@ from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
 from repro.ownarm.prepare import Options
-from repro.ownarm.problem import IdentificationProblem, single_problem
+from repro.ownarm.prior import NOT_NEGATIVE
+from repro.ownarm.problem import SCALE_OF_JOINT_1, IdentificationProblem, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings, wrong_length
 from repro.ownarm.result import (
     HALVES,
@@ -43,8 +44,6 @@ _LOG = logging.getLogger(__name__)
 Progress = Callable[..., None]
 Position = tuple[float, float] | None
 
-#: Parameters that may be negative: they depend on where masses and the zero position are.
-EITHER_SIGN = ("I2", "g1", "g2")
 #: Weight of the prior in an estimate above which the verdict reports it.
 MOSTLY = 0.5
 
@@ -161,7 +160,7 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
         error, low, high = None, None, None
         if spread is not None and determined[k] and not (at_bound or problem.doubt):
             error, low, high = (float(each[k]) for each in (spread.standard_error, spread.low, spread.high))
-        possible, doubt = name in EITHER_SIGN or beta[k] > 0.0, problem.doubt if spread is not None else ""
+        possible, doubt = beta[k] > 0.0 or name not in NOT_NEGATIVE, problem.doubt if spread is not None else ""
         text = verdict(float(beta[k]), low, high, bool(excited[k]), at_bound, determined[k], possible, doubt)
         weight = float(fitted.prior_weight[k])
         if known[k]:
@@ -200,7 +199,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         recommended=recommended,
         reason=reason,
         warnings=(
-            *calibration_warnings(problem.logs, arm, problem.scale_open),
+            *calibration_warnings(problem.logs, arm, SCALE_OF_JOINT_1 in problem.as_good),
             *wrong_length(next(m for m in methods if m.method == recommended), arm),
             *warnings(problem, methods, recommended, excitation),
         ),

@@ -14,12 +14,10 @@ from repro.model.parameters import NAMES, UNITS
 
 #: Largest parameter, and smallest standard deviation that is not zero.
 LARGEST, SMALLEST_SD = 1e9, 1e-6
-#: Parameters that no arm has below zero.
+#: Parameters that no arm has below zero; the signs of the others depend on where masses and the zero position are.
 NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
 #: Half of a 95 % interval over its standard deviation.
 HALF_95 = 1.96
-#: Names of the gravity loads.
-GRAVITY = ("g1", "g2")
 
 
 def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN401
@@ -73,7 +71,7 @@ def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
     """Add that gravity turns no joint in a horizontal plane."""
     if arm.plane != "horizontal":
         return prior
-    gravity = np.isin(NAMES, GRAVITY)
+    gravity = np.isin(NAMES, ("g1", "g2"))
     mean, sd = (np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)) if prior is None else (prior.mean, prior.sd)
     if prior is not None and np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
         raise InputError.at("prior: g1, g2", mean[gravity].tolist(), "none, because the plane of the arm is horizontal")

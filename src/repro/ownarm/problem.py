@@ -36,7 +36,7 @@ from repro.ownarm.prepare import (
 )
 from repro.ownarm.prior import with_plane
 
-#: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2.
+#: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2, if either may be wrong.
 SCALE_OF_JOINT_1 = "scale of joint 1"
 
 
@@ -68,11 +68,6 @@ class IdentificationProblem:
         return tuple(pairs)
 
     @property
-    def scale_open(self) -> bool:
-        """Whether the torque constant of either joint may be the wrong one."""
-        return SCALE_OF_JOINT_1 in self.as_good
-
-    @property
     def doubt(self) -> str:
         """Why no interval is claimed; empty if it is from one of the logs."""
         return self.first.doubt if all(log.doubt for log in self.logs) else ""
@@ -98,10 +93,8 @@ def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared
     taken = list({term.name: term for one in prepared for term in one.taken}.values())
     if not taken:
         return np.empty((*whole.tau.shape, 0))
-    each = [
-        log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken)
-        for log, one in zip(logs, prepared, strict=True)
-    ]
+    pairs = zip(logs, prepared, strict=True)
+    each = [log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken) for log, one in pairs]
     return np.concatenate(each, axis=1)
 
 
