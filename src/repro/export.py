@@ -123,9 +123,9 @@ def horizontal_links_of(beta: Array, lengths: tuple[float, float] | None) -> Lin
     free = links_of(beta, STANDARD_GRAVITY, lengths)
     rest = beta[0] - beta[2] - free.m2 * free.l1**2
     beta[3] = (free.m2 * free.l1 + 1.5 * rest / free.l1) * STANDARD_GRAVITY
-    notes = ("the plane is horizontal: gravity turns no joint and is left out, and link 1 is drawn as a uniform rod",)
     links = links_of(beta, STANDARD_GRAVITY, lengths)
-    return replace(links, gravity=0.0, notes=(*links.notes, *notes))
+    note = "the plane is horizontal: gravity turns no joint and is left out, and link 1 is drawn as a uniform rod"
+    return replace(links, gravity=0.0, notes=(*links.notes, note))
 
 
 def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[float, float] | None = None) -> LinkSet:

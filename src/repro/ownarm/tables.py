@@ -3,9 +3,11 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import pandas as pd
 
+from repro.exhibits.markup import SUPERSCRIPTS, TIMES
 from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
 from repro.ownarm.text import NOTHING
 
@@ -21,7 +23,6 @@ _HEADINGS = {
 }
 #: Powers of ten outside these are written as such.
 _LOWEST_POWER, _HIGHEST_POWER = -4, 5
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def parameters_table(result: Result) -> pd.DataFrame:
@@ -98,18 +99,14 @@ def blocks(result: Result) -> list[Block]:
 
     The best of a column is marked for predictions only, not for the fit, and only if the rounded numbers differ.
     """
-    scores: dict[tuple[int, int], list[tuple[MethodResult, Score]]] = {}
-    kinds = list(_HEADINGS)
-    for method in result.methods:
-        parts = [kinds.index(part) for part, _ in method.scores]
-        for k, (_, score) in enumerate(method.scores):  # by number, because two logs may have one name
-            scores.setdefault((parts[k], parts[:k].count(parts[k])), []).append((method, score))
     filled = []
-    for (part, _), pairs in sorted(scores.items()):
-        kind = kinds[part]
-        columns = [_column(place, [score for _, score in pairs], kind != "fit") for place in range(6)]
-        rows = zip((method for method, _ in pairs), zip(*columns, strict=True), strict=True)
-        filled.append((_HEADINGS[kind].format(pairs[0][1].log), list(rows)))
+    for kind, heading in _HEADINGS.items():
+        scores = [[(method, score) for part, score in method.scores if part == kind] for method in result.methods]
+        for row in zip_longest(*scores):  # by number, because two logs may have one name
+            pairs = [pair for pair in row if pair is not None]
+            columns = [_column(place, [score for _, score in pairs], kind != "fit") for place in range(6)]
+            cells = zip((method for method, _ in pairs), zip(*columns, strict=True), strict=True)
+            filled.append((heading.format(pairs[0][1].log), list(cells)))
     return filled
 
 
@@ -191,11 +188,9 @@ def _power(value: float) -> int:
 
 
 def _print(values: Sequence[float | None], power: int, last: int) -> tuple[list[str], str]:
-    """Print numbers (None is empty) to the digit of a power of ten, over `power` if that is far from 1, and that power.
-
-    No number is a negative zero.
-    """
+    """Print numbers (None is empty) to the digit of a power of ten, over `power` if far from 1, and that power."""
     scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
     scale, decimals = 10.0**power if scaled else 1.0, min(max(0, (power if scaled else 0) - last), 12)
+    # + 0.0: no negative zero
     texts = ["" if value is None else f"{round(value / scale, decimals) + 0.0:.{decimals}f}" for value in values]
-    return texts, f"\N{MULTIPLICATION SIGN}10{str(power).translate(_SUPERSCRIPTS)}" if scaled else ""
+    return texts, f"{TIMES}10{str(power).translate(SUPERSCRIPTS)}" if scaled else ""

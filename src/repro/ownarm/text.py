@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from repro.errors import option
-from repro.identification.calibration import OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
-from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm
+from repro.identification.calibration import CALIBRATION, OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
+from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm, values_of
 from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
@@ -123,7 +123,7 @@ def calibration_lines(
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
             "scale": f"the torque of joint {joint} is {size} what joint {3 - int(joint)} implies",
-        }[fault.name[:-1]]
+        }[fault.kind]
         if fault.instead:
             others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
             problem += f" (this log can hardly distinguish it from {', or '.join(others)})"
@@ -147,22 +147,21 @@ def calibration_lines(
 
 def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
     """Write the lines of the arm file that correct a log, all errors together."""
-    values = {fault.name: fault.value for fault in faults}
-    sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
-    turn = np.array([values.get("zero1", 0.0), values.get("zero2", 0.0)])
+    values = values_of(faults)
+    turn, offset, scale = (
+        np.array([values.get(f"{name}{joint}", kind.neutral) for joint in (1, 2)]) for name, kind in CALIBRATION.items()
+    )
     if arm.second_joint_absolute:  # what is added to joint 1 is subtracted from joint 2 afterwards
         turn[1] += turn[0]
-    offset = np.array([values.get("offset1", 0.0), values.get("offset2", 0.0)])
-    pairs = {
-        "zero": ("zero", np.array(arm.zero) - sign * turn),
-        "offset": ("torque_offset", np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale)),
-        "scale": (
-            "torque_scale",
-            np.array(arm.torque_scale) * [values.get(name, 1.0) for name in (OTHER_SCALE, SCALE)],
-        ),
+    sign, torque_sign = np.array(arm.sign), np.array(arm.sign) * np.array(arm.torque_sign)
+    corrected = {
+        "zero": np.array(arm.zero) - sign * turn,
+        "torque_offset": np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale),
+        "torque_scale": np.array(arm.torque_scale) * scale,
     }
-    kinds = [kind for kind in pairs if any(name.startswith(kind) for name in values)]
-    return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for key, pair in (pairs[kind] for kind in kinds))
+    found = {fault.kind for fault in faults}
+    lines = zip(CALIBRATION, corrected.items(), strict=True)
+    return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for kind, (key, pair) in lines if kind in found)
 
 
 def _size(name: str, value: float, error: float | None = None) -> str:
