@@ -49,10 +49,10 @@ def problem_of(*logs, options=OPTIONS):
     return make_problem(logs, (), ARM, options)
 
 
-def outcome(*logs, seed=1, name="ordinary", draws=5):
+def outcome(*logs, seed=1, name="ordinary"):
     problem, options = problem_of(*logs), replace(OPTIONS, seed=seed)
     beta = METHODS[name].estimate(problem.moving).beta
-    return beta, self_test(problem, METHODS[name], beta, ARM, options, silent, draws)
+    return beta, self_test(problem, METHODS[name], beta, ARM, options, silent)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def test_the_error_is_that_of_the_noise_that_was_put_in(clean):
 
 
 def test_stribeck_friction_is_told_from_noise():
-    _, test = outcome(recorded(stribeck=0.6), draws=3)
+    _, test = outcome(recorded(stribeck=0.6))
     assert test.model_wrong
     assert "The model causes the rest" in self_test_verdict(test)
     assert max(test.noise) < 0.5

@@ -183,7 +183,8 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
     methods = tuple(evaluate(f, problem, tuple(position[k] for position in positions)) for k, f in enumerate(fits))
     methods = compare_networks(methods, NETWORKS)
     recommended, reason = recommend(methods)
-    excitation = _excitation(problem, betas[[m.method for m in methods].index(recommended)])
+    best = [m.method for m in methods].index(recommended)
+    excitation = _excitation(problem, betas[best])
     filtering = (FILTERS[s.name].description, s.cutoff, why, s.delay, s.friction_steepness)
     prior = problem.prior
     known = [] if prior is None else zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
@@ -200,7 +201,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         reason=reason,
         warnings=(
             *calibration_warnings(problem.logs, arm, SCALE_OF_JOINT_1 in problem.as_good),
-            *wrong_length(next(m for m in methods if m.method == recommended), arm),
+            *wrong_length(methods[best], arm),
             *warnings(problem, methods, recommended, excitation),
         ),
         setup=tuple(log.faults for log in problem.logs),

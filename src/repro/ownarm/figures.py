@@ -160,11 +160,7 @@ def _close_up(t: Array) -> tuple[float, float]:
 def draw_spectra(
     signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
 ) -> Figure:
-    """Draw amplitude spectra of the measured and the rebuilt torque.
-
-    Frequencies above the last at which any curve of either joint reaches a thousandth of its largest amplitude are left
-    out.
-    """
+    """Draw amplitude spectra of both torques, up to the last frequency with a thousandth of the largest amplitude."""
     figure = style.new_figure(style.PAGE, 2.5)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in methods)])

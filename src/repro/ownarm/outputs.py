@@ -1,12 +1,12 @@
 """Write the files of a result; the report is one HTML text that opens anywhere and fetches nothing."""
 
 import base64
+import json
 import re
 import struct
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -46,7 +46,8 @@ def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: It
 
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
-    write_json(folder / "parameters.json", _jsonable(asdict(result)))
+    content = json.loads(json.dumps(asdict(result)), parse_constant=lambda _: None)  # null for NaN and infinity
+    write_json(folder / "parameters.json", content)
     write_csv(folder / "parameters.csv", tables.parameters_table(result))
     write_csv(folder / "scores.csv", tables.scores_table(result))
     write_csv(folder / "residuals.csv", tables.residuals_table(result, curves))
@@ -106,17 +107,6 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
             write_text(folder / "arm.xml", mjcf(links, result.arm))
             return
     write_text(folder / "no-links.txt", f"No URDF or MJCF. {reason}\n")
-
-
-def _jsonable(value: Any) -> Any:  # noqa: ANN401
-    """Replace tuples by lists, and numbers that JSON does not know by null."""
-    if isinstance(value, dict):
-        return {key: _jsonable(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_jsonable(item) for item in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
 
 
 #: Contents of the files next to the page.

@@ -237,16 +237,12 @@ def delay_at_limit(delay: float) -> bool:
 
 
 def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
-    """Find a reason to claim no intervals.
-
-    If a joint's torque is below its noise, its rows read 0 = Y beta and bias every estimate towards zero. Where Eq. 1
-    predicts little of a torque, the motion is not the one that this torque caused, or unmodelled effects caused it. A
-    torque that only compensates friction is explained without inertia and gravity, whatever they are.
-    """
+    """Find a reason to claim no intervals."""
     left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
     worst = int(np.argmax(left))
+    # Where Eq. 1 predicts little, the motion is not the one that this torque caused, or unmodelled effects caused it.
     if left[worst] > 1.0 - MIN_EXPLAINED:
-        if quiet := smoothed(log).noisy_joints():
+        if quiet := smoothed(log).noisy_joints():  # rows of noise read 0 = Y beta and bias every estimate towards zero
             return f"the torque of joint {quiet[0]} is little more than noise"
         explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
         return f"Eq. 1 predicts only {explained} from the rest of the log"
@@ -254,6 +250,7 @@ def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str
     worst = int(np.argmax(at_limit))
     if at_limit[worst] > MAX_SATURATED and left[worst] > MAX_LEFT_SATURATED:
         return f"the torque of joint {worst + 1} is at its limit in {100.0 * at_limit[worst]:.0f} % of the samples"
+    # A torque that only compensates friction is explained without inertia and gravity, whatever they are.
     if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
         return "friction alone explains the torque nearly as well as Eq. 1"
     return "the delay of the torque is beyond the search range" if arm.delay is None and delay_at_limit(delay) else ""

@@ -41,8 +41,7 @@ def _level(x: Array, h: float, low: float, high: float) -> Array:
     segment = min(round(SEGMENT / h), x.shape[-1] // 4)
     frequency, density = welch(x, 1.0 / h, window="blackmanharris", nperseg=segment, axis=-1)
     band = (frequency >= low) & (frequency <= high)
-    level: Array = np.sqrt(0.5 / h * np.median(density[:, band], axis=-1, keepdims=True))
-    return level
+    return np.asarray(np.sqrt(0.5 / h * np.median(density[:, band], axis=-1, keepdims=True)))
 
 
 def _measured(signal: Array, recorded: Array, noise: Array, rng: np.random.Generator) -> Array:
@@ -87,17 +86,11 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
 
 
 def self_test(
-    problem: IdentificationProblem,
-    method: Method,
-    beta: Array,
-    arm: Arm,
-    options: Options,
-    report: Callable[..., None],
-    draws: int = DRAWS,
+    problem: IdentificationProblem, method: Method, beta: Array, arm: Arm, options: Options, report: Callable[..., None]
 ) -> SelfTest:
     """Simulate logs with the parameters that a method estimated, and solve them by that method as the real ones."""
     betas, inside, claimed, errors = [], [], [], []
-    for draw in range(draws):
+    for draw in range(DRAWS):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
         logs: list[PreparedLog] = []
         for log in problem.logs:
@@ -111,7 +104,7 @@ def self_test(
         claimed.append(estimate.beta != 0.0)
         inside.append((spread.low <= beta) & (beta <= spread.high) & claimed[-1])
         errors.append(relative_rms(joined([log.regression for log in logs]), estimate.beta))
-        report("self-test", draw + 1, draws)
+        report("self-test", draw + 1, DRAWS)
     real = relative_rms(problem.regression, beta)
     error1, error2 = error = np.median(errors, axis=0)
     noise1, noise2 = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0).tolist()
@@ -119,4 +112,4 @@ def self_test(
     rows = zip(NAMES, *(column.tolist() for column in columns), strict=True)
     parameters = tuple(RecoveredParameter(*row) for row in rows)
     wrong = min(noise1, noise2) < NOISE
-    return SelfTest(method.name, draws, parameters, (float(error1), float(error2)), real, (noise1, noise2), wrong)
+    return SelfTest(method.name, DRAWS, parameters, (float(error1), float(error2)), real, (noise1, noise2), wrong)

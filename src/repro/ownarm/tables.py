@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+from operator import attrgetter
 
 import pandas as pd
 
@@ -12,6 +13,7 @@ from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
 from repro.ownarm.text import NOTHING
 
 PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
+_row = attrgetter("name", *PARAMETER_COLUMNS[2:])
 SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
 
 #: Headings of the scores by their kind.
@@ -30,10 +32,6 @@ def parameters_table(result: Result) -> pd.DataFrame:
     rows = [(method.method, *_row(parameter)) for method in result.methods for parameter in method.parameters]
     numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
     return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
-
-
-def _row(p: Parameter) -> tuple[str | float | None, ...]:
-    return p.name, p.unit, p.estimate, p.standard_error, p.low, p.high, p.verdict
 
 
 def runs_table(result: Result) -> pd.DataFrame:
