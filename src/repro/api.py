@@ -192,15 +192,14 @@ class Identification:
             If there is no such log.
         """
         from repro.exhibits import style  # noqa: PLC0415  (a fit alone needs no drawing)
-        from repro.ownarm.figures import draw_overlay, ordered_titles  # noqa: PLC0415
+        from repro.ownarm.figures import draw_overlay  # noqa: PLC0415
 
         n = len(self._curves.signals)
         if log not in range(-n, n):
             raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
         signals = self._curves.signals[log]
         with style.house_style():
-            titles = ordered_titles(replace(self.details, recommended=self.method))
-            return draw_overlay(signals, [self.method], titles, self.details.simulated)
+            return draw_overlay(signals, {self.method: self._best.title}, self.details.simulated)
 
     def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
         """Write parameters, scores, residuals, report and models of the arm.

@@ -233,10 +233,9 @@ def drawn(make, *arguments, **options) -> Figure:
 def every_figure(simulated=False):
     result, curves = example_result(simulated=simulated), example_curves()
     titles = ordered_titles(result)
-    methods = list(titles)[:3]
     return {
-        "overlay": drawn(draw_overlay, curves.signals[0], methods, titles, simulated),
-        "spectra": drawn(draw_spectra, curves.signals[0], methods, titles, simulated),
+        "overlay": drawn(draw_overlay, curves.signals[0], titles, simulated),
+        "spectra": drawn(draw_spectra, curves.signals[0], titles, simulated),
         "cutoff": drawn(draw_cutoff, curves.cutoff, simulated),
         "parameters": drawn(draw_parameters, result),
     }

@@ -65,7 +65,7 @@ def test_each_piece_is_filtered_as_if_it_were_alone():
 
 def test_no_line_is_drawn_across_a_gap(whole):
     _, _, curves = whole
-    figure = draw_overlay(curves.signals[0], ["ordinary"], {"ordinary": "Ordinary"})
+    figure = draw_overlay(curves.signals[0], {"ordinary": "Ordinary"})
     for axes in figure.axes[::2]:
         for line in axes.lines:
             x, y = line.get_data()

@@ -1,7 +1,8 @@
 """Figures of the report as PNG files in memory: parameters, torques, spectra, and the choice of the cut-off."""
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from itertools import islice
 from typing import Any, Final
 
 import numpy as np
@@ -67,16 +68,14 @@ _REACH = 12.0
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
     titles = ordered_titles(result)
-    methods = list(titles)[:MOST_METHODS]
-    logs = list(zip((*result.fitted_logs, *result.validation_logs), curves.signals, strict=True))[:MOST_LOGS]
+    most, best = (dict(islice(titles.items(), count)) for count in (MOST_METHODS, 1))
     with style.house_style():
         figures = {"parameters": _png(draw_parameters(result))}
         if curves.cutoff is not None:
             figures["cutoff"] = _png(draw_cutoff(curves.cutoff, result.simulated))
-        for place, (log, signals) in enumerate(logs):
-            simulated = log.simulated or result.simulated
-            figures[f"overlay-{place}"] = _png(draw_overlay(signals, methods, titles, simulated))
-            figures[f"spectra-{place}"] = _png(draw_spectra(signals, methods[:1], titles, simulated))
+        for place, signals in enumerate(curves.signals[:MOST_LOGS]):
+            figures[f"overlay-{place}"] = _png(draw_overlay(signals, most, result.simulated))
+            figures[f"spectra-{place}"] = _png(draw_spectra(signals, best, result.simulated))
     return figures
 
 
@@ -113,13 +112,12 @@ def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
     style.legend_above(figure, axes, min(entries, 4), style.SIMULATED if simulated else None)
 
 
-def draw_overlay(
-    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
-) -> Figure:
+def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
     figure = style.new_figure(style.PAGE, 5.3)
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
     grid = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios)
+    methods = list(titles)
     start, end = _close_up(signals.t)
     steps = np.diff(signals.t, prepend=signals.t[0])
     mask = np.where(steps > 3.0 * np.median(steps), np.nan, 1.0)  # no line crosses a gap of the log
@@ -157,13 +155,11 @@ def _close_up(t: Array) -> tuple[float, float]:
     return start, start + part
 
 
-def draw_spectra(
-    signals: Signals, methods: Sequence[str], titles: Mapping[str, str], simulated: bool = False
-) -> Figure:
+def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Draw amplitude spectra of both torques, up to the last frequency with a thousandth of the largest amplitude."""
     figure = style.new_figure(style.PAGE, 2.5)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in methods)])
+    curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in titles)])
     largest = float(curves.max()) or 1.0
     loud = (curves >= 10 * _FLOOR * largest).any(axis=(0, 1))
     last = float(signals.frequency[loud].max(initial=signals.frequency[1]))
@@ -171,7 +167,7 @@ def draw_spectra(
     f = signals.frequency[shown]
     for joint, axes in enumerate(panels):
         axes.plot(f, _above_zero(signals.tau_spectrum[joint, shown]), label="Measured", **style.STROKES["actual"])
-        for method in methods:
+        for method in titles:
             values = _above_zero(signals.rebuilt_spectrum[method][joint, shown])
             axes.plot(f, values, label=label(titles[method]), **stroke(titles, method))
         axes.set_title(style.SERIES_LABELS[JOINTS[joint]])
