@@ -18,7 +18,6 @@ from repro.files import fill_folder, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.identification.extra_terms import ROTOR
 from repro.logs.armfile import Arm
-from repro.logs.diagnostics import Description
 from repro.ownarm import tables, text
 from repro.ownarm.figures import MOST_METHODS, figures_of, ordered_titles
 from repro.ownarm.recommend import unusable
@@ -135,6 +134,7 @@ def render_page(
     best = result.best
     result = replace(result, methods=(best, *(method for method in result.methods if method is not best)))
     package, logs = Path(__file__).parent, (*result.fitted_logs, *result.validation_logs)
+    facts = dict.fromkeys(name for log in logs for name, _ in log.facts)
     # The styles of the reproduction's report, then those of this page.
     paths = (package.parent / "report" / "report.css", package / "page.css")
     style = Markup("".join(path.read_text(encoding="utf-8") for path in paths))
@@ -159,7 +159,7 @@ def render_page(
         logs=logs,
         fitted=len(result.fitted_logs),
         detection_limits=text.detection_limits(result),
-        facts=_facts(logs),
+        facts=[(name, [dict(log.facts).get(name, "") for log in logs]) for name in facts],
         predictions=tables.predictions(best),
         columns=tables.method_columns(result),
         blocks=tables.blocks(result),
@@ -187,9 +187,3 @@ def sentence(text: str) -> str:
 def _picture(png: bytes) -> Picture:
     width, height = (round(_SHOWN * pixels) for pixels in struct.unpack(">II", png[16:24]))
     return Picture(f"data:image/png;base64,{base64.b64encode(png).decode()}", width, height)
-
-
-def _facts(logs: Sequence[Description]) -> list[tuple[str, list[str]]]:
-    """Give the name of every fact and its value in each log, empty where a log has none."""
-    names = dict.fromkeys(name for log in logs for name, _ in log.facts)
-    return [(name, [dict(log.facts).get(name, "") for log in logs]) for name in names]

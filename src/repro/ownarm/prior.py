@@ -73,7 +73,7 @@ def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
         return prior
     gravity = np.isin(NAMES, ("g1", "g2"))
     mean, sd = (np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)) if prior is None else (prior.mean, prior.sd)
-    if prior is not None and np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
+    if np.isfinite(sd[gravity]).any() and np.any(mean[gravity] != 0.0):
         raise InputError.at("prior: g1, g2", mean[gravity].tolist(), "none, because the plane of the arm is horizontal")
     return Prior(np.where(gravity, 0.0, mean), np.where(gravity, 0.0, sd))
 

@@ -88,13 +88,12 @@ def _weights(logs: Sequence[PreparedLog]) -> list[float]:
     return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
 
 
-def _subtracted_columns(whole: Regression, logs: Sequence[WeightedLog], prepared: Sequence[PreparedLog]) -> Array:
+def _subtracted_columns(whole: Regression, logs: Sequence[tuple[WeightedLog, PreparedLog]]) -> Array:
     """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
-    taken = list({term.name: term for one in prepared for term in one.taken}.values())
+    taken = list({term.name: term for _, one in logs for term in one.taken}.values())
     if not taken:
         return np.empty((*whole.tau.shape, 0))
-    pairs = zip(logs, prepared, strict=True)
-    each = [log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken) for log, one in pairs]
+    each = [log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken) for log, one in logs]
     return np.concatenate(each, axis=1)
 
 
@@ -102,20 +101,20 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
     """Join several logs and a prior to one regression without standstill, and its perturbations."""
     weights = _weights(logs)
     weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
+    pairs = list(zip(weighted, logs, strict=True))
     # The values of what was subtracted have errors, so that its columns are projected out.
     whole = joined([log.moving for log in logs], weights)
-    subtracted = _subtracted_columns(whole, weighted, logs)
+    subtracted = _subtracted_columns(whole, pairs)
     moving = project_out(whole, subtracted)
     as_good = perturbations(weighted, whole, max(log.delay_error for log in logs))
     if any(log.faults for log in logs):
         beta = solve(moving.y, moving.tau)
         columns = [
-            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults)
-            for log, one in zip(weighted, logs, strict=True)
+            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults) for log, one in pairs
         ]
         both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
         as_good["set-up"] = Perturbation((project_out(whole, both),))
-        recorded = [replace(log, log=one.recorded) for log, one in zip(weighted, logs, strict=True)]
+        recorded = [replace(log, log=one.recorded) for log, one in pairs]
         instead = unmodelled_effects(recorded, join_filtered(recorded), whole)
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
         factor = mean_scale(logs)

@@ -13,6 +13,7 @@ from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
 from repro.ownarm.text import NOTHING
 
 PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
+#: The same of a parameter, without the method.
 _row = attrgetter("name", *PARAMETER_COLUMNS[2:])
 SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
 
