@@ -57,10 +57,8 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     if len(methods) == 1:
         return best.method, "the only method requested"
     if prediction_error(best) == np.inf:
-        return (
-            best.method,
-            "smallest error on the log it was fitted to; give a log to judge by: --validate LOG (Python: validate=log)",
-        )
+        remedy = "give a log to judge by: --validate LOG (Python: validate=log)"
+        return best.method, f"smallest error on the log it was fitted to; {remedy}"
     on = "the validation logs" if best.validation else "each half from the other"
     return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
 
