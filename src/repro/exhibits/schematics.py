@@ -7,12 +7,11 @@ section. Formulas are in ASCII, between backticks where they are among words; ``
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate
 from math import cos, degrees, pi, radians, sin
 from pathlib import Path
-from textwrap import wrap
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -88,6 +87,7 @@ _FILLS: Mapping[str, str] = {
     "decision": "#f3c77d",
     "end": "white",
     "frame": "0.96",
+    "corner": style.FILL_LIGHT,
 }
 
 #: Strokes of links by flow; a link that is only inferred has `_INFERRED` instead.
@@ -98,8 +98,6 @@ FLOWS: Mapping[str, Mapping[str, Any]] = {
 }
 _INFERRED: Mapping[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1.2))}
 
-_LEADING = 0.0175  # from one line of words to the next, in for each point of type
-_LETTER = 0.0061  # mean width of a letter, in for each point of type
 _WORD = re.compile(r"(?:`[^`]*`|[^\s`])+")
 
 
@@ -110,7 +108,8 @@ class Box(NamedTuple):
     bottom: float
     width: float
     height: float
-    # a decision is a diamond, a frame a dashed rectangle behind other boxes with its words at the top
+    # a decision is a diamond, a frame a dashed rectangle behind other boxes with its words at the top; a corner has
+    # two lines of words in its upper right corner and leaves room for a drawing
     shape: str = "block"
 
 
@@ -129,7 +128,8 @@ def layout_of(name: str) -> dict[str, Any]:
     layout: dict[str, Any] = yaml.safe_load((DIAGRAMS / "layouts.yaml").read_text(encoding="utf-8"))[name]
     boxes = {key: Box(*place) for key, place in layout.get("boxes", {}).items()}
     routes = {key: Route(**route) for key, route in layout.get("routes", {}).items()}
-    return {"junctions": (), "legend": {}, "columns": 5, **layout, "boxes": boxes, "routes": routes}
+    usual = {"junctions": (), "legend": {}, "columns": 5, "headings": {}, "va": "center"}
+    return {**usual, **layout, "boxes": boxes, "routes": routes}
 
 
 def _rendered(word: str) -> tuple[str, int]:
@@ -157,21 +157,21 @@ def _wrap(label: str, letters: int) -> list[str]:
     return lines
 
 
-def _lines(frame: pd.DataFrame, boxes: Mapping[str, Box], size: float) -> dict[str, list[tuple[str, bool]]]:
-    """Lines of each box, each with whether it is only inferred; a label ``-`` stands for nothing."""
-    lines: dict[str, list[tuple[str, bool]]] = {name: [] for name in boxes}
-    for name, label, basis in frame.loc[frame["element"] == "box", ["name", "label", "basis"]].itertuples(index=False):
-        box = boxes[name]
+def _start(layout: Mapping[str, Any], words: Iterable[tuple[str, str, bool]], place: str) -> tuple[Figure, Axes]:
+    """Draw the boxes with their words: name of the box, words (``-`` for none), and whether they are only inferred."""
+    lines: dict[str, list[tuple[str, bool]]] = {name: [] for name in layout["boxes"]}
+    for name, label, inferred in words:
+        box = layout["boxes"][name]
         width = (0.78 if box.shape == "decision" else 1.0) * box.width - 2 * INSET  # most of a diamond in its middle
         if label != "-":
-            lines[name] += [(line, basis == "inferred") for line in _wrap(label, int(width / (_LETTER * size)))]
-        _check_room(f"box {name}: label", lines[name], int((box.height - INSET) / (_LEADING * size)) - 1)
-    return lines
-
-
-def _check_room(place: str, lines: Sequence[object], room: int) -> None:
-    if len(lines) > room:
-        raise InputError.at(place, f"{len(lines)} lines of words", f"at most {room}")
+            lines[name] += [(line, inferred) for line in _wrap(label, int(width / layout["letter"]))]
+        room = 2 if box.shape == "corner" else int((box.height - INSET) / layout["leading"]) - 1
+        if len(lines[name]) > room:
+            raise InputError.at(place.format(name), f"{len(lines[name])} lines of words", f"at most {room}")
+    figure, axes = style.inches(*layout["size"])
+    for name in layout["boxes"]:
+        _draw_box(axes, layout, name, lines[name])
+    return figure, axes
 
 
 def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:
@@ -187,15 +187,19 @@ def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:
     return FancyBboxPatch(corner, width, height, boxstyle=f"round,pad=0,rounding_size={radius}", **look)
 
 
-def _draw_box(axes: Axes, name: str, box: Box, lines: Sequence[tuple[str, bool]], size: float) -> None:
-    """Draw a box, its name in bold, and its lines; what is only inferred stands in italics."""
+def _draw_box(axes: Axes, layout: Mapping[str, Any], name: str, lines: Sequence[tuple[str, bool]]) -> None:
+    """Draw a box, its heading in bold, and its lines; what is only inferred stands in italics."""
+    box, step = layout["boxes"][name], layout["leading"]
     axes.add_patch(_patch(box))
-    step = _LEADING * size
-    x, y = box.left + box.width / 2, box.bottom + (box.height + step * len(lines)) / 2
-    if box.shape == "frame":
+    x, y, side = box.left + box.width / 2, box.bottom + (box.height + step * len(lines)) / 2, "center"
+    if box.shape in ("frame", "corner"):
         y = box.bottom + box.height - INSET - step / 2
-    text: dict[str, Any] = {"fontsize": size, "ha": "center", "va": "center"}
-    axes.text(x, y, name, weight="bold", **text)
+    if box.shape == "corner":
+        x, side = box.left + box.width - INSET, "right"
+    if layout["va"] == "top":
+        y += step / 2
+    text: dict[str, Any] = {"fontsize": layout["type_size"], "ha": side, "va": layout["va"]}
+    axes.text(x, y, layout["headings"].get(name, name), weight="bold", **text)
     for row, (line, inferred) in enumerate(lines, start=1):
         axes.text(x, y - step * row, line, style="italic" if inferred else "normal", **text)
 
@@ -213,31 +217,34 @@ def _draw_link(axes: Axes, corners: Sequence[Point], stroke: Mapping[str, Any], 
         _arrow(axes, start, end, color=stroke["color"], lw=0.0, mutation_scale=7)
 
 
-def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
-    """Boxes and arrows (Figures 2 to 4)."""
-    layout = layout_of(name)
-    size = layout["type_size"]
-    lines = _lines(frame, layout["boxes"], size)
-    figure, axes = style.inches(*layout["size"])
-    for key, box in layout["boxes"].items():
-        _draw_box(axes, key, box, lines[key], size)
-    links = frame[frame["element"] == "link"].set_index("name")
-    for key, route in layout["routes"].items():
-        label, inferred = links.loc[key, "label"], links.loc[key, "basis"] == "inferred"
-        _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
-        if route.label is not None:
-            look: dict[str, Any] = {"fontsize": size, "va": "center", "style": "italic" if inferred else "normal"}
-            x, y = route.label
-            axes.text(x, y, " ".join(_wrap(label, len(label))), ha=route.side, **look)
-    for place in layout["junctions"]:
-        axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
+def _legend(axes: Axes, layout: Mapping[str, Any], bottom: float = 0.0) -> None:
+    """Say what strokes and fills mean."""
     for key, label in layout["legend"].items():
         if key in _FILLS:
             axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=_FILLS[key], edgecolor=style.INK, lw=0.6, label=label))
         else:
             axes.plot((), (), label=label, **FLOWS.get(key, _INFERRED))
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, bottom), "ncols": layout["columns"]}
+    axes.legend(**place, fontsize=layout["type_size"])
+
+
+def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
+    """Boxes and arrows (Figures 2 to 4)."""
+    layout = layout_of(name)
+    size = layout["type_size"]
+    boxes, links = (frame[frame["element"] == kind].set_index("name") for kind in ("box", "link"))
+    words = zip(boxes.index, boxes["label"], boxes["basis"] == "inferred", strict=True)
+    figure, axes = _start(layout, words, "box {}: label")
+    for key, route in layout["routes"].items():
+        label, inferred = links.loc[key, "label"], links.loc[key, "basis"] == "inferred"
+        _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
+        if route.label is not None:
+            look: dict[str, Any] = {"fontsize": size, "va": "center", "style": "italic" if inferred else "normal"}
+            axes.text(*route.label, _rendered(label)[0], ha=route.side, **look)
+    for place in layout["junctions"]:
+        axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
     if layout["legend"]:
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=layout["columns"], fontsize=size)
+        _legend(axes, layout)
     return figure
 
 
@@ -310,13 +317,11 @@ def _motor(axes: Axes, joint: Point, number: int, place: Point, side: str) -> No
 
 def _key(axes: Axes, table: pd.DataFrame) -> None:
     """Say what the symbols mean: those of one meaning share a line, in two columns."""
-    lines: dict[tuple[str, str], list[str]] = {}
-    for symbol, description, si in table[["symbol", "description", "unit"]].itertuples(index=False):
-        lines.setdefault((description, si), []).append(formula(symbol).tex)
-    rows = (len(lines) + 1) // 2
-    for place, ((description, si), symbols) in enumerate(lines.items()):
+    meanings = table.groupby(["description", "unit"], sort=False)["symbol"]
+    rows = (meanings.ngroups + 1) // 2
+    for place, ((description, si), symbols) in enumerate(meanings):
         column, row = divmod(place, rows)
-        words = f"{', '.join(symbols)}  {plain(description).md} ({unit(si).md})"
+        words = f"{', '.join(formula(symbol).tex for symbol in symbols)}  {plain(description).md} ({unit(si).md})"
         y = _KEY_TOP - _KEY_STEP * row
         axes.text(_KEY[column], y, words, fontsize=style.SMALL_SIZE, ha="left", va="center")
 
@@ -386,45 +391,10 @@ def fig04(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig04")
 
 
-# Measures of the drawing, in.
-_SETUP_LEADING = 0.125  # from one line of words to the next
-_SETUP_LETTER = 0.044  # mean width of a letter
-#: The arm in its box: base, length of a link, q1 and q2 in degrees.
+#: The arm in its box: base and length of a link, in, q1 and q2 in degrees.
 _SETUP_BASE = (6.04, 1.24)
 _SETUP_LINK = 0.44
 _SETUP_BENDS = (30.0, 32.0)
-
-_FLOW_LABELS = {
-    "downlink": "Downlink: gains, trajectory, start",
-    "uplink": "Uplink: position, torque",
-    "inner": "Inside the simulation",
-}
-
-
-def _words_of(frame: pd.DataFrame, boxes: dict[str, Any]) -> dict[str, list[str]]:
-    """Lines of words of each component."""
-    lines: dict[str, list[str]] = {name: [] for name in boxes}
-    for name, label, value, si in frame[["component", "label", "value", "unit"]].itertuples(index=False):
-        text = " ".join(part for part in (label, value, si.replace(" ", "·")) if part != "-")
-        _, _, _, width, height = boxes[name]
-        lines[name] += wrap(text.replace(" x ", style.TIMES), int((width - 2 * INSET) / _SETUP_LETTER))
-        room = 2 if name == "arm" else int((height - INSET) / _SETUP_LEADING) - 1
-        _check_room(f"component {name}", lines[name], room)
-    return lines
-
-
-def _component(axes: Axes, name: str, place: Sequence[Any], words: Sequence[str]) -> None:
-    """Draw a component with its heading and its lines of words."""
-    heading, left, bottom, width, height = place
-    axes.add_patch(_patch(Box(left, bottom, width, height, "outside" if name == "pc" else "block")))
-    x, y = left + width / 2, bottom + (height + _SETUP_LEADING * (len(words) + 1)) / 2
-    if name == "arm":  # its words leave room for the drawing
-        x, y = left + width - INSET, bottom + height - INSET
-    text: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "ha": "right" if name == "arm" else "center", "va": "top"}
-    axes.text(x, y, heading, weight="bold", **text)
-    for row, line in enumerate(words, start=1):
-        shown = re.sub(r"\b([a-z])(\d)\b", r"$\1_\2$", line.replace("$", r"\$"))
-        axes.text(x, y - _SETUP_LEADING * row, shown, **text)
 
 
 def _hanging_arm(axes: Axes) -> None:
@@ -448,26 +418,17 @@ def _hanging_arm(axes: Axes) -> None:
 def draw_setup(frame: pd.DataFrame) -> Figure:
     """Simulated experimental set-up with its components."""
     layout = layout_of("fig18")
-    components = layout["components"]
-    lines = _words_of(frame, components)
-    figure, axes = style.inches(*layout["size"])
-    left, bottom, width, height = layout["board"]
-    axes.add_patch(_patch(Box(left, bottom, width, height, "frame")))
-    heading: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "weight": "bold", "ha": "center", "va": "top"}
-    axes.text(left + width / 2, bottom + height - INSET, "Simulated FPGA board", **heading)
-    for name, words in lines.items():
-        _component(axes, name, components[name], words)
+    words = []
+    for name, label, value, si in frame[["component", "label", "value", "unit"]].itertuples(index=False):
+        text = " ".join(part for part in (label, value, si.replace(" ", "·")) if part != "-")
+        words.append((name, re.sub(r"\b[a-z]\d\b", r"`\g<0>`", text), False))
+    figure, axes = _start(layout, words, "component {}")
     _hanging_arm(axes)
-    for signal in layout["signals"]:
-        _draw_link(axes, signal["corners"], FLOWS[signal["flow"]])
+    for route in layout["routes"].values():
+        _draw_link(axes, route.corners, FLOWS[route.flow])
     for note in layout["notes"]:
-        x, y = note["place"]
-        axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
-    for flow, label in _FLOW_LABELS.items():
-        axes.plot((), (), label=label, **FLOWS[flow])
-    for fill, label in (("white", "Real program"), (style.FILL_LIGHT, "Simulated set-up")):
-        axes.add_patch(Rectangle((0, 0), 0, 0, facecolor=fill, edgecolor=style.INK, lw=0.6, label=label))
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.01), ncols=5, fontsize=style.SMALL_SIZE)
+        axes.text(*note["place"], note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
+    _legend(axes, layout, bottom=0.01)
     return figure
 
 
