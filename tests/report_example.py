@@ -3,7 +3,6 @@
 import csv
 import hashlib
 import io
-import json
 from functools import cache
 
 import exhibit_examples
@@ -118,6 +117,6 @@ def make_example(folder, **changes):
             write_rows(results / "figures" / f"{exhibit.name}.csv", [{"x": 0.0, "y": 1.0}])
     captures = folder / "SHA256SUMS"
     captures.write_text(f"{hashlib.sha256(b'run').hexdigest()}  ID.bin\n", encoding="utf-8")
-    provenance = json.loads('{"commit": "0123abc", "packages": {"numpy": "2.4.6"}}')
+    provenance = {"commit": "0123abc", "packages.numpy": "2.4.6"}
     given = {"config_sha256": hashlib.sha256(b"config").hexdigest(), "provenance": provenance, **changes}
     return ReportInputs(results, figures, captures, **given)

@@ -3,10 +3,10 @@
 import hashlib
 import platform
 import re
-from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
@@ -14,7 +14,7 @@ from markupsafe import Markup
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, shown
-from repro.exhibits.markup import SUPERSCRIPTS, TIMES, Table
+from repro.exhibits.markup import SUPERSCRIPTS, TIMES
 from repro.exhibits.markup import unit as unit_text
 from repro.exhibits.style import METHODS, title_of
 from repro.files import read_csv, read_rows, write_text
@@ -38,7 +38,7 @@ from repro.paper.claims import (
 from repro.pipeline import monte_carlo
 from repro.pipeline.job import Config
 from repro.pipeline.provenance import commit, config_digest, package_versions
-from repro.report.embed import Link, Picture, environment, link, picture, policy, read_bytes
+from repro.report.embed import environment, link, picture, policy, read_bytes
 from repro.signals.programs import SPAN
 
 #: The report must stay below this, so that it can be mailed and opened anywhere.
@@ -53,25 +53,13 @@ class ReportInputs:
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
     captures: Path  # ``SHA256SUMS`` of the recorded runs
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
-    # commit, packages and the like, as JSON would hold them; empty if nobody recorded them
-    provenance: Mapping[str, object] = field(default_factory=dict)
+    provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
 
     @property
     def page(self) -> Path:
         """Where the report goes; links to files beside it start there."""
         return self.results / "report" / "index.html"
-
-
-@dataclass(frozen=True)
-class Shown:
-    """An exhibit with what the page shows of it."""
-
-    exhibit: Exhibit
-    links: list[Link]  # its data
-    missing: bool  # whether a file of it is not there
-    table: Table | None  # of a table that is there
-    picture: Picture | None  # of a figure that is there
 
 
 def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
@@ -92,19 +80,19 @@ def made_on_request(results: Path, figures: Path) -> str:
     return f"results made on request {digest.hexdigest()[:12]}"
 
 
-def show(exhibit: Exhibit, inputs: ReportInputs) -> Shown:
+def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
     """Lay out a table or embed a figure, and link its data; reading refuses a missing file unless it is optional."""
     needed = _files(exhibit, inputs.results, inputs.figures)
     present = [path for path in needed if path.exists() or not exhibit.optional]
     numbers, image = needed[0], needed[-1]
     is_table = exhibit.kind == "table"
-    return Shown(
-        exhibit,
-        [link(path, inputs.page) for path in needed[:2] if path in present],
-        len(present) < len(needed),
-        cast("Table", shown(exhibit, numbers)) if is_table and numbers in present else None,
-        picture(image) if not is_table and image in present else None,
-    )
+    return {
+        "exhibit": exhibit,
+        "links": [link(path, inputs.page) for path in needed[:2] if path in present],
+        "missing": len(present) < len(needed),
+        "table": shown(exhibit, numbers) if is_table and numbers in present else None,
+        "picture": picture(image) if not is_table and image in present else None,
+    }
 
 
 #: What each verdict means, for a reader who has not seen the paper.
@@ -291,7 +279,6 @@ def build_report(inputs: ReportInputs) -> str:
         figures=[show(exhibit, inputs) for exhibit in FIGURES],
         targets=TARGETS,
         captures=_captures(inputs),
-        provenance=list(_flat(inputs.provenance)),
     )
     size = len(text.encode())
     if size > LARGEST_REPORT:
@@ -312,15 +299,6 @@ def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     return hashes
 
 
-def _flat(content: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Every value of a nested mapping with its dotted name."""
-    for name, value in content.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", str(value)
-
-
 #: Where the networks come from, by ``training.source``.
 NETWORKS = {"trained": "trained in this run", "stored": "networks that come with the project, not trained in this run"}
 
@@ -329,10 +307,10 @@ def make_report(captures: str, checkout: str, overlays: Sequence[str], config: C
     """Write ``report/index.html`` in the results folder."""
     source = config["training"]["source"]
     # No times: the same commit, configuration and results give the same page.
-    provenance: Mapping[str, Any] = {
+    provenance = {
         "commit": commit(Path(checkout)),
         "networks": NETWORKS[source],
-        "packages": package_versions(),
+        **{f"packages.{name}": version for name, version in package_versions().items()},
         "python": platform.python_version(),
     }
     names = ", ".join(Path(name).name for name in overlays)
