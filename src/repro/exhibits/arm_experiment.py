@@ -1,6 +1,6 @@
 """The experiment on the simulated arm: Tables 8 to 10, Figures 19 to 24, and the conditions of the appendix."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -25,7 +25,7 @@ from repro.exhibits.markup import (
 )
 from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, similarities
-from repro.model.dynamics import ArmGeometry, forward_kinematics, rebuild_torque
+from repro.model.dynamics import forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
 from repro.pipeline.experiment import (
@@ -39,7 +39,7 @@ from repro.pipeline.identifications import CASE, SCORES, read_identifications, r
 from repro.pipeline.job import Config
 from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
 from repro.settings import metric_settings, signal_settings
-from repro.signals.dct import SignalSettings, spectrum
+from repro.signals.dct import spectrum
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
 _table = partial(table, category=EXPERIMENT)
@@ -59,18 +59,6 @@ _TABLE_10 = partial(
 Runs = Sequence[Mapping[str, Any]]
 
 
-def _recordings(inputs: Inputs, config: Config) -> list[Recording]:
-    return read_recordings(inputs["captures"], config)
-
-
-def _runs(inputs: Inputs) -> list[dict[str, Any]]:
-    return read_identifications(inputs["identifications"])
-
-
-def _scores(inputs: Inputs) -> pd.DataFrame:
-    return read_scores(inputs["scores"], SCORES)
-
-
 def shown_estimates(runs: Runs, scores: pd.DataFrame) -> dict[str, Array]:
     """Estimate that stands for each method: of the seed whose similarity on ID is the median."""
     chosen = median_seeds(scores[scores["case"] == CASE].assign(trajectory="ID"))
@@ -80,6 +68,10 @@ def shown_estimates(runs: Runs, scores: pd.DataFrame) -> dict[str, Array]:
             if chosen[CASE, method] == run["seed"]:
                 estimates[method] = np.array(estimate["beta"], dtype=np.float64)
     return estimates
+
+
+def _estimates(inputs: Inputs) -> dict[str, Array]:
+    return shown_estimates(read_identifications(inputs["identifications"]), read_scores(inputs["scores"], SCORES))
 
 
 def control_layout(frame: pd.DataFrame) -> Table:
@@ -104,7 +96,7 @@ def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Constants of the simulated board and similarity of the desired and the simulated position on the identification
     trajectory (Table 8).
     """
-    (recording,) = _recordings(inputs, config)
+    (recording,) = read_recordings(inputs["captures"], config)
     tracked = tracking(recording, metric_settings(config))
     control, c_f = control_constants(config), config["signals"]["filter_coefficient"]
     pwm_khz = np.array(control.pwm_hz) / 1e3
@@ -141,8 +133,8 @@ def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True parameters of the simulated arm and the parameters identified by each method, median seed (the paper's Table
     9 is an image).
     """
-    on_id = _scores(inputs).query("case == @CASE").assign(trajectory="ID")
-    table = parameter_table(_runs(inputs), on_id, (CASE,))
+    on_id = read_scores(inputs["scores"], SCORES).query("case == @CASE").assign(trajectory="ID")
+    table = parameter_table(read_identifications(inputs["identifications"]), on_id, (CASE,))
     return table[table["method"] != "true"].reset_index(drop=True)
 
 
@@ -152,7 +144,7 @@ def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
     the identification trajectory and on the validation motions: the median of the seeds and the spread over the seeds
     (Table 10). The true parameters' own score is the ceiling; refinement is an extension of ours.
     """
-    return experiment_table(_scores(inputs), CASE)
+    return experiment_table(read_scores(inputs["scores"], SCORES), CASE)
 
 
 def stability_table(estimates: Mapping[str, Array], methods: Sequence[str]) -> pd.DataFrame:
@@ -198,7 +190,7 @@ def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
     """
-    estimates = {**shown_estimates(_runs(inputs), _scores(inputs)), "appendix": mechanical_parameters(config)}
+    estimates = {**_estimates(inputs), "appendix": mechanical_parameters(config)}
     return stability_table(estimates, ("algorithm1", *SHOWN, "true", "appendix"))
 
 
@@ -207,11 +199,10 @@ def _panel(recording: Recording, name: str) -> str:
     return name if recording.program.name == CASE else f"{recording.program.name} {name}"
 
 
-def torque_curves(
-    recordings: Iterable[Recording], signals: SignalSettings, estimates: Mapping[str, Array], in_frequency: bool = False
-) -> Iterator[Curve]:
-    """Torques measured and rebuilt from each estimate, or their spectra."""
-    for recording in recordings:
+def _torques(inputs: Inputs, config: Config, in_frequency: bool = False) -> Iterator[Curve]:
+    """Torques measured and rebuilt from each shown estimate, or their spectra."""
+    signals, estimates = signal_settings(config), _estimates(inputs)
+    for recording in read_recordings(inputs["captures"], config):
         f = recording.regression(signals)
         series = {"measured": f.tau}
         for method in SHOWN_ON_ID if recording.program.name == CASE else SHOWN:
@@ -226,9 +217,10 @@ def torque_curves(
                 yield _panel(recording, f"torque{j + 1}"), name, x[kept], y[kept]
 
 
-def motion_curves(recordings: Iterable[Recording], signals: SignalSettings) -> Iterator[Curve]:
+def _motions(inputs: Inputs, config: Config) -> Iterator[Curve]:
     """Desired position and the motion reached."""
-    for recording in recordings:
+    signals = signal_settings(config)
+    for recording in read_recordings(inputs["captures"], config):
         program, f = recording.program, recording.regression(signals)
         desired = program.q[:, program.n1 : program.n2]
         time: Array = signals.h * np.arange(desired.shape[1], dtype=np.float64)
@@ -240,25 +232,6 @@ def motion_curves(recordings: Iterable[Recording], signals: SignalSettings) -> I
         ):
             for j in (0, 1):
                 yield _panel(recording, panel), f"{series}{j + 1}", time, x[j]
-
-
-def tip_paths(recordings: Iterable[Recording], geometry: ArmGeometry) -> pd.DataFrame:
-    """Figure 21: path of the tip in T1 to T4, m."""
-    parts = []
-    for recording in recordings:
-        for series, q in (("desired", recording.program.q), ("actual", recording.q)):
-            tip = forward_kinematics(q, geometry)[1]
-            parts.append((recording.program.name, series, tip[0], tip[1]))
-    return long_table(parts)
-
-
-def _torques(inputs: Inputs, config: Config, in_frequency: bool = False) -> Iterator[Curve]:
-    estimates = shown_estimates(_runs(inputs), _scores(inputs))
-    return torque_curves(_recordings(inputs, config), signal_settings(config), estimates, in_frequency)
-
-
-def _motions(inputs: Inputs, config: Config) -> Iterator[Curve]:
-    return motion_curves(_recordings(inputs, config), signal_settings(config))
 
 
 #: Title of each torque panel of the identification experiment, and of the validation experiments.
@@ -318,7 +291,12 @@ def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
 @_figure(21, f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
 def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
-    return tip_paths(_recordings(inputs, config), program_settings(config).geometry)
+    geometry, parts = program_settings(config).geometry, []
+    for recording in read_recordings(inputs["captures"], config):
+        for series, q in (("desired", recording.program.q), ("actual", recording.q)):
+            tip = forward_kinematics(q, geometry)[1]
+            parts.append((recording.program.name, series, tip[0], tip[1]))
+    return long_table(parts)
 
 
 @_figure(22, f"Motions of {SPAN}", _draw_motions, inputs=("validation",))

@@ -14,8 +14,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from repro.cnn.architecture import HISTORY_COLUMNS, NetworkSettings, TrainingSettings, read_weights
-from repro.cnn.dataset import DataSettings, sample_motion
+from repro.cnn.architecture import HISTORY_COLUMNS, read_weights
+from repro.cnn.dataset import sample_motion
 from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.exhibits import style
@@ -28,7 +28,6 @@ from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.pipeline.stored_networks import architecture
 from repro.settings import data_settings, network_settings, signal_settings, training_settings
-from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
@@ -36,8 +35,18 @@ from repro.streams import Stream, stream
 _TRAINING = ("signals", "data", "image", "training")
 
 
-def network_features(network: NetworkSettings, training: TrainingSettings) -> pd.DataFrame:
-    """Table 3: features of the network and its training, rebuilt from Section IV-B."""
+def characteristics(frame: pd.DataFrame) -> Table:
+    """Characteristics of the network (Table 3)."""
+    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
+    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
+
+
+@table(
+    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
+)
+def table03(_: Inputs, config: Config) -> pd.DataFrame:
+    """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
+    network, training = network_settings(config), training_settings(config)
     layers = architecture(network)
     numbers = {"fc4": "4", "fc5": "5", "output": "6"}
     rows = [("Input", f"{network.image_size} x {network.image_size} x 2"), ("Output", "9 parametric residuals")]
@@ -57,20 +66,6 @@ def network_features(network: NetworkSettings, training: TrainingSettings) -> pd
         ("Images in an iteration", str(training.batch)),
     ]
     return pd.DataFrame(rows, columns=["feature", "value"])
-
-
-def characteristics(frame: pd.DataFrame) -> Table:
-    """Characteristics of the network (Table 3)."""
-    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
-    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
-
-
-@table(
-    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
-)
-def table03(_: Inputs, config: Config) -> pd.DataFrame:
-    """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
-    return network_features(network_settings(config), training_settings(config))
 
 
 KINDS = ("input", "convolution", "max pool", "fully connected", "output")
@@ -166,32 +161,6 @@ def fig07(_: Inputs, config: Config) -> pd.DataFrame:
 
 _LETTERS = "abcdefghi"
 _COLOURS = ("red", "green", "blue")
-
-
-def example_pixels(signals: SignalSettings, data: DataSettings, seed: int, count: int = 9) -> pd.DataFrame:
-    """Figure 8: images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16.
-
-    Each pair shares its torque. Values are clipped to the displayable range.
-    """
-    rng = stream(seed, Stream.EXAMPLES)
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
-    beta = sample_beta(rng, count, data.prior)
-    tau = rebuild_torque(motion.torque, beta)
-    largest = np.abs(tau).max((-2, -1), keepdims=True)
-    alpha = tau / largest
-    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess.low, data.guess.high, (count, 9))}
-    side = signals.samples
-    row, column = (a.ravel() for a in np.meshgrid(np.arange(side), np.arange(side), indexing="ij"))
-    frames = []
-    for kind, guess in guesses.items():
-        u, v = image_factors(alpha, 2 * alpha - rebuild_torque(motion.model, guess), data.image)
-        for index, rgb in enumerate(colours(assemble(u, v)).reshape(count, -1, 3)):
-            pixels = {"kind": kind, "image": _LETTERS[index], "row": row, "column": column}
-            pixels |= dict(zip(_COLOURS, np.round(rgb.T, 4), strict=True))
-            frames.append(pd.DataFrame(pixels))
-    return pd.concat(frames, ignore_index=True)
-
-
 _KINDS = {"Mp": "$M_p$: the parameters match the torque", "Mn": "$M_n$: they do not match"}
 
 
@@ -229,19 +198,23 @@ def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
     """
-    return example_pixels(signal_settings(config), data_settings(config), training_settings(config).seed)
-
-
-def torque_percentiles(signals: SignalSettings, data: DataSettings, seed: int, arms: int = 10_000) -> pd.DataFrame:
-    """Figure 9: distribution of the training torques, each divided by its largest magnitude."""
-    reference = identification_trajectory(signals.duration, signals.h)
-    motion = sample_motion(reference, signals)
-    tau = rebuild_torque(motion.torque, sample_beta(stream(seed, Stream.TRAINING_ARMS), arms, data.prior))
-    tau = tau / np.abs(tau).max((-2, -1), keepdims=True)
-    time = (np.arange(signals.samples) + 0.5) * signals.duration / signals.samples
-    levels = {f"p{p:02d}": np.percentile(tau, p, axis=0) for p in (5, 25, 50, 75, 95)}
-    levels["mean"] = tau.mean(0)
-    return long_table((f"joint{j + 1}", name, time, y[j]) for j in (0, 1) for name, y in levels.items())
+    signals, data = signal_settings(config), data_settings(config)
+    rng, count = stream(training_settings(config).seed, Stream.EXAMPLES), len(_LETTERS)
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    beta = sample_beta(rng, count, data.prior)
+    tau = rebuild_torque(motion.torque, beta)
+    largest = np.abs(tau).max((-2, -1), keepdims=True)
+    alpha = tau / largest
+    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess.low, data.guess.high, (count, 9))}
+    row, column = np.indices((signals.samples, signals.samples)).reshape(2, -1)
+    frames = []
+    for kind, guess in guesses.items():
+        u, v = image_factors(alpha, 2 * alpha - rebuild_torque(motion.model, guess), data.image)
+        for letter, rgb in zip(_LETTERS, colours(assemble(u, v)).reshape(count, -1, 3), strict=True):
+            pixels = {"kind": kind, "image": letter, "row": row, "column": column}
+            pixels |= dict(zip(_COLOURS, np.round(rgb.T, 4), strict=True))
+            frames.append(pd.DataFrame(pixels))
+    return pd.concat(frames, ignore_index=True)
 
 
 def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
@@ -266,7 +239,15 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
 @figure(9, "Distribution of the training torques", draw_torque_distribution, category=DATA, sections=_TRAINING)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
-    return torque_percentiles(signal_settings(config), data_settings(config), training_settings(config).seed)
+    signals, data = signal_settings(config), data_settings(config)
+    rng = stream(training_settings(config).seed, Stream.TRAINING_ARMS)
+    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    tau = rebuild_torque(motion.torque, sample_beta(rng, 10_000, data.prior))
+    tau = tau / np.abs(tau).max((-2, -1), keepdims=True)
+    time = (np.arange(signals.samples) + 0.5) * signals.duration / signals.samples
+    levels = {f"p{p:02d}": np.percentile(tau, p, axis=0) for p in (5, 25, 50, 75, 95)}
+    levels["mean"] = tau.mean(0)
+    return long_table((f"joint{j + 1}", name, time, y[j]) for j in (0, 1) for name, y in levels.items())
 
 
 def draw_loss(frame: pd.DataFrame) -> Figure:

@@ -41,12 +41,12 @@ from repro.exhibits.panels import (
 from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
-from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS, Array
+from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.summary import median_cells, median_seeds, parameter_table
 from repro.settings import numeric_settings, of_network, signal_settings, training_settings
-from repro.signals.dct import SignalSettings, dct2sub, spectrum
+from repro.signals.dct import dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
 from repro.signals.trajectories import Motion, identification_trajectory
 
@@ -70,23 +70,6 @@ def description(frame: pd.DataFrame) -> Table:
 def table02(_: Inputs, __: Config) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
-
-
-def subsampling_curves(signals: SignalSettings, beta: Array) -> pd.DataFrame:
-    """Figure 5: a torque, its spectrum with the cut, and the subsampled torque."""
-    motion = identification_trajectory(signals.duration, signals.h)
-    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)[0]
-    bands, m = spectrum(x), signals.samples
-    k = np.arange(x.size)
-    time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
-    return long_table(
-        [
-            ("signal", "x", motion.time, x),
-            ("spectrum", "kept", k[:m], bands[:m]),
-            ("spectrum", "dropped", k[m:], bands[m:]),
-            ("subsampled", "xs", time_sub, dct2sub(x, m)),
-        ]
-    )
 
 
 #: Bands in view, as a multiple of the bands kept: enough of the dropped ones to see how small they are.
@@ -155,7 +138,20 @@ def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
     """
-    return subsampling_curves(signal_settings(config), numeric_settings(config).arms["N1"])
+    signals = signal_settings(config)
+    motion = identification_trajectory(signals.duration, signals.h)
+    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, numeric_settings(config).arms["N1"])[0]
+    bands, m = spectrum(x), signals.samples
+    k = np.arange(x.size)
+    time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
+    return long_table(
+        [
+            ("signal", "x", motion.time, x),
+            ("spectrum", "kept", k[:m], bands[:m]),
+            ("spectrum", "dropped", k[m:], bands[m:]),
+            ("subsampled", "xs", time_sub, dct2sub(x, m)),
+        ]
+    )
 
 
 def motion_curves(motion: Motion) -> pd.DataFrame:
@@ -171,12 +167,8 @@ def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     return motion_curves(identification_trajectory(signals.duration, signals.h))
 
 
-def _scores(inputs: Inputs) -> pd.DataFrame:
-    return read_scores(inputs["scores"])
-
-
 def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
-    return parameter_table(read_identifications(inputs["identifications"]), _scores(inputs), cases)
+    return parameter_table(read_identifications(inputs["identifications"]), read_scores(inputs["scores"]), cases)
 
 
 _result_table = partial(table, inputs=("networks",), trained="claims")
@@ -204,7 +196,7 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
     in each cell and the spread over the seeds. The refinement is an extension of ours; the local search is its control.
     """
-    return median_cells(_scores(inputs).query("trajectory == 'ID'"))
+    return median_cells(read_scores(inputs["scores"]).query("trajectory == 'ID'"))
 
 
 @_similarity_table(7, "Similarity on the validation trajectory", VALIDATION, "on the random validation trajectory")
@@ -212,7 +204,7 @@ def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
     seeds. The refinement is an extension of ours; the local search is its control.
     """
-    return median_cells(_scores(inputs).query("trajectory == 'validation'"))
+    return median_cells(read_scores(inputs["scores"]).query("trajectory == 'validation'"))
 
 
 def _torques(
@@ -220,7 +212,7 @@ def _torques(
 ) -> pd.DataFrame:
     """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
     signals, numeric, method = signal_settings(config), numeric_settings(config), "algorithm1"
-    chosen = median_seeds(_scores(inputs))
+    chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
     parts: list[Curve] = []
     for case in cases:
@@ -280,7 +272,7 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 @_of_runs(16, "Validation trajectory", partial(draw_motion, width=style.PAGE), category=VALIDATION, trained="all")
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
-    seed = median_seeds(_scores(inputs))["N1", "algorithm1"]
+    seed = median_seeds(read_scores(inputs["scores"]))["N1", "algorithm1"]
     return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
 
 
@@ -314,7 +306,7 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     network trained by the paper's own schedule, 500,000 iterations of one image each, without and with the printed
     ranges of the parameters, and with ours.
     """
-    numeric = _scores(inputs).query("trajectory == 'ID'")
+    numeric = read_scores(inputs["scores"]).query("trajectory == 'ID'")
     both = pd.concat([numeric, read_scores(inputs["experiment"], SCORES)], ignore_index=True)
     return median_cells(both[both["method"].isin(_RECIPES)])
 
