@@ -56,10 +56,9 @@ _TABLE_10 = partial(
     cases=PROGRAMS,
     of_what="on the identification motion and the validation motions, simulated experiment",
 )
-Runs = Sequence[Mapping[str, Any]]
 
 
-def shown_estimates(runs: Runs, scores: pd.DataFrame) -> dict[str, Array]:
+def shown_estimates(runs: Sequence[Mapping[str, Any]], scores: pd.DataFrame) -> dict[str, Array]:
     """Estimate that stands for each method: of the seed whose similarity on ID is the median."""
     chosen = median_seeds(scores[scores["case"] == CASE].assign(trajectory="ID"))
     estimates = {}

@@ -25,16 +25,14 @@ SMALL_SIZE: Final = 7.0
 
 PNG_DPI: Final = 300
 
-#: Fonts are the ones matplotlib ships, so that every machine draws the same glyphs.
+#: Where it differs from matplotlib's own. Fonts are the ones matplotlib ships: every machine draws the same glyphs.
 RC: Final[dict[RcKeyType, Any]] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": TEXT_SIZE,
     "axes.titlesize": TEXT_SIZE,
-    "axes.labelsize": TEXT_SIZE,
     "xtick.labelsize": SMALL_SIZE,
     "ytick.labelsize": SMALL_SIZE,
-    "legend.fontsize": TEXT_SIZE,
     "axes.titlelocation": "left",
     "axes.titlepad": 3.0,
     "axes.labelpad": 2.0,
@@ -46,7 +44,6 @@ RC: Final[dict[RcKeyType, Any]] = {
     "axes.grid": True,
     "grid.color": "0.90",
     "grid.linewidth": 0.4,
-    "xtick.direction": "out",
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
@@ -56,7 +53,6 @@ RC: Final[dict[RcKeyType, Any]] = {
     "xtick.minor.size": 1.5,
     "ytick.minor.size": 1.5,
     "lines.solid_capstyle": "round",
-    "lines.dash_capstyle": "butt",
     "legend.frameon": False,
     "legend.borderpad": 0.2,
     "legend.borderaxespad": 0.2,
@@ -64,11 +60,9 @@ RC: Final[dict[RcKeyType, Any]] = {
     "legend.columnspacing": 1.6,
     "figure.constrained_layout.h_pad": 0.03,
     "figure.constrained_layout.w_pad": 0.03,
-    "path.simplify": True,
     "path.simplify_threshold": 0.15,  # of a point in a PDF: a fifth of the thinnest line
     "pdf.fonttype": 42,
     "pdf.compression": 9,
-    "svg.hashsalt": "repro",
     "savefig.dpi": PNG_DPI,
 }
 

@@ -94,8 +94,8 @@ def readings_layout(frame: pd.DataFrame) -> Table:
         "squares (LS) and the true parameters (true). A reading that needs no network of its own has the default's. "
         "Held-out losses under different labels or images do not compare."
     )
-    titles = {DEFAULT: DEFAULT.capitalize()}
-    return grid(caption, columns, [(plain(titles.get(name, name)), rows) for name, rows in grouped(frame)])
+    blocks = [(plain(name.capitalize() if name == DEFAULT else name), rows) for name, rows in grouped(frame)]
+    return grid(caption, columns, blocks)
 
 
 @_table("ablation", "Headline numbers under other interpretations", readings_layout, inputs=("readings",))
