@@ -94,7 +94,8 @@ def _key(axes: Axes, table: pd.DataFrame) -> None:
     rows = (meanings.ngroups + 1) // 2
     for place, ((description, si), symbols) in enumerate(meanings):
         column, row = divmod(place, rows)
-        words = f"{', '.join(formula(symbol).tex for symbol in symbols)}  {plain(description).md} ({unit(si).md})"
+        shown = ", ".join(formula(symbol).tex for symbol in symbols)
+        words = f"{shown}  {plain(str(description)).md} ({unit(str(si)).md})"
         y = _KEY_TOP - _KEY_STEP * row
         axes.text(_KEY[column], y, words, fontsize=style.SMALL_SIZE, ha="left", va="center")
 

@@ -81,11 +81,8 @@ def _declare(
     label: str = "",
     target: str = "",
 ) -> Declaration:
-    """Declare the decorated function as the numbers of an exhibit, and its docstring as the caption.
-
-    An exhibit of the paper is named by its number, an addition of ours by its own name.
-    """
-    if isinstance(which, int):
+    """Declare the decorated function as the numbers of an exhibit, and its docstring as the caption."""
+    if isinstance(which, int):  # an exhibit of the paper has a number, an addition of ours a name of its own
         number, name, label = which, f"{kind.removesuffix('ure')}{which:02d}", f"{kind.capitalize()} {which}"
         target = name
     else:

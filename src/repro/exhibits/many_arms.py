@@ -151,10 +151,7 @@ def _spread(inputs: Inputs) -> pd.DataFrame:
 
 
 def verdict_layout(frame: pd.DataFrame) -> Table:
-    """Each method against each of the field's over many simulated arms; columns `COMPARISON_COLUMNS` of the study.
-
-    A block for each opponent and set of arms, a row for each method and duration.
-    """
+    """A block for each opponent and set of arms, a row for each method and duration; columns `COMPARISON_COLUMNS`."""
     columns: list[Column] = [
         ("Method", "l", lambda row: heading_of(row["method"])),
         ("Identified on", "r", lambda row: plain(f"{row['duration']:.4g} s")),

@@ -231,7 +231,8 @@ def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
         _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
         if route.label is not None:
             look: dict[str, Any] = {"fontsize": size, "va": "center", "style": "italic" if inferred else "normal"}
-            axes.text(*route.label, _rendered(label)[0], ha=route.side, **look)
+            x, y = route.label
+            axes.text(x, y, _rendered(label)[0], ha=route.side, **look)
     for place in layout["junctions"]:
         axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
     if layout["legend"]:
@@ -286,7 +287,8 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
     for route in layout["routes"].values():
         _draw_link(axes, route.corners, FLOWS[route.flow])
     for note in layout["notes"]:
-        axes.text(*note["place"], note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
+        x, y = note["place"]
+        axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
     _legend(axes, layout, bottom=0.01)
     return figure
 

@@ -28,10 +28,7 @@ _table, _figure = (partial(kind, category=ABLATION, trained="all", optional=True
 
 
 def both_metrics_layout(frame: pd.DataFrame) -> Table:
-    """Headline rows under both time factors, two rows for each method.
-
-    Columns as `repro.pipeline.summary.BOTH_METRICS`.
-    """
+    """Headline rows under both time factors, two rows for each method; columns `BOTH_METRICS`."""
     names = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4", "Freq., ID", "Freq., T1 to T4")
     formulas = {"mean-square": "mean square", "energy": "energy ratio"}
     columns: list[Column] = [
