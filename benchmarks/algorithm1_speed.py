@@ -18,7 +18,7 @@ from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, search, select
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.pipeline.identifications import mean_training_torque
-from repro.settings import data_settings, network_settings, numeric_settings, search_settings, signal_settings
+from repro.settings import data_settings, network_settings, numeric_arms, search_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory
 
 
@@ -32,16 +32,15 @@ def main() -> None:
     torch.set_num_threads(args.threads)
     config = yaml.safe_load(args.config.read_text(encoding="utf-8"))
     signals, data = signal_settings(config), data_settings(config)
-    settings, numeric = search_settings(config), numeric_settings(config)
+    settings, n1 = search_settings(config), config["numeric"]["margin_samples"]
     network = load_network(args.weights, network_settings(config))
-    motion = identification_trajectory(signals.duration, signals.h, numeric.margin)
+    motion = identification_trajectory(signals.duration, signals.h, n1)
     y = regressor(motion.q, motion.dq, motion.ddq)
     mean = mean_training_torque(signals, data, 1)
-    for name, beta in numeric.arms.items():
+    for name, beta in numeric_arms(config).items():
         seconds, images = [], []
         for seed in range(10):
             began = time.perf_counter()
-            n1 = numeric.margin
             prepared = prepare(
                 filtered(motion.q, rebuild_torque(y, beta), signals, n1, n1 + mean.shape[-1]), mean, signals
             )

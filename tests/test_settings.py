@@ -78,7 +78,7 @@ def test_training_of_a_network(network):
 def test_test_arms_are_of_floats():
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
     config["numeric"]["arms"]["N2"] = [1, 2, 3, 4, 5, 6, 7, 8, 9]
-    arms = settings.numeric_settings(config).arms
+    arms = settings.numeric_arms(config)
     assert list(arms) == ["N1", "N2", "N3", "N4"] and arms["N2"].dtype == np.float64
 
 

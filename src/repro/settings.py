@@ -4,7 +4,6 @@ Each function reads only the sections it names, so that a workflow rule depends 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,20 +16,10 @@ from repro.config import merged
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import Array
-from repro.signals.dct import FrequencyUnit, SignalSettings
+from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 
 Config = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class NumericSettings:
-    """The numeric experiment of Section V-B."""
-
-    margin: int  # samples recorded before and after the trajectory, which **cut** removes
-    validation_reading: FrequencyUnit  # unit of omega in the filter that makes the validation trajectory
-    validation_samples: int  # its length
-    arms: dict[str, Array]  # name of each test arm and its nine parameters, an array of shape (9,)
 
 
 def signal_settings(config: Config) -> SignalSettings:
@@ -101,12 +90,6 @@ def refinement_settings(config: Config) -> RefinementSettings:
     return RefinementSettings(**config["refinement"])
 
 
-def numeric_settings(config: Config) -> NumericSettings:
-    """The numeric experiment, from section ``numeric``."""
-    n = config["numeric"]
-    return NumericSettings(
-        margin=n["margin_samples"],
-        validation_reading=n["validation_frequency_reading"],
-        validation_samples=n["validation_samples"],
-        arms={name: np.array(beta, dtype=np.float64) for name, beta in n["arms"].items()},
-    )
+def numeric_arms(config: Config) -> dict[str, Array]:
+    """Nine parameters of each test arm of Section V-B, from section ``numeric``."""
+    return {name: np.array(beta, dtype=np.float64) for name, beta in config["numeric"]["arms"].items()}

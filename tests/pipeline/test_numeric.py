@@ -17,7 +17,7 @@ from repro.pipeline.identifications import (
     motion_of,
     score_estimates,
 )
-from repro.settings import numeric_settings, signal_settings
+from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
@@ -61,7 +61,7 @@ def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
     scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], CONFIG, METRIC)
     assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
     for row in scores.itertuples():
-        motion = motion_of(row.trajectory, SIGNALS, numeric_settings(CONFIG), row.seed)
+        motion = motion_of(row.trajectory, CONFIG, row.seed)
         tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (ARMS["N1"], estimate))
         expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1])
         assert row.time == pytest.approx(float(expected.time), rel=1e-12)

@@ -13,12 +13,12 @@ from repro.files import write_csv, write_json
 from repro.pipeline.identifications import read_identifications, read_mean_torque, read_scores, score_estimates
 from repro.pipeline.networks import algorithm1_of
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest
-from repro.settings import metric_settings, network_settings, numeric_settings, signal_settings
+from repro.settings import metric_settings, network_settings, numeric_arms, signal_settings
 from repro.signals.trajectories import identification_trajectory
 
 CONFIG = full_config()
 CONFIG["network"]["hidden"] = [4, 3]
-SIGNALS, NUMERIC = signal_settings(CONFIG), numeric_settings(CONFIG)
+SIGNALS, ARMS = signal_settings(CONFIG), numeric_arms(CONFIG)
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +30,8 @@ def original(tmp_path_factory):
     torch.manual_seed(0)
     said = {CONFIGURATION: configuration_digest(CONFIG)}
     save_network(folder / "cnn.safetensors", FactoredCNN(network_settings(CONFIG)), said)
-    estimates = {name: {"algorithm1": {"beta": beta.tolist()}} for name, beta in NUMERIC.arms.items()}
-    arms = {name: {"true": beta.tolist(), "methods": estimates[name]} for name, beta in NUMERIC.arms.items()}
+    estimates = {name: {"algorithm1": {"beta": beta.tolist()}} for name, beta in ARMS.items()}
+    arms = {name: {"true": beta.tolist(), "methods": estimates[name]} for name, beta in ARMS.items()}
     run = {"seed": 1, "variant": "published", "arms": arms}
     write_json(folder / "numeric-seed1.json", run)
     write_csv(folder / "numeric.csv", score_estimates([run], CONFIG, metric_settings(CONFIG)))
@@ -50,7 +50,7 @@ def load(folder, config=CONFIG):
 
 def test_whole_files_are_read(results):
     assert read_mean_torque(results / "mean_torque.csv", SIGNALS).shape == (2, 3770)
-    assert list(read_identifications([results / "numeric-seed1.json"])[0]["arms"]) == list(NUMERIC.arms)
+    assert list(read_identifications([results / "numeric-seed1.json"])[0]["arms"]) == list(ARMS)
     assert len(read_scores([results / "numeric.csv"])) == 4 * 2 * 2  # arms, trajectories, joints
     assert load(results).variant == "published"
 

@@ -45,7 +45,7 @@ from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
 from repro.pipeline.job import Config
 from repro.pipeline.summary import median_cells, median_seeds, parameter_table
-from repro.settings import numeric_settings, of_network, signal_settings, training_settings
+from repro.settings import numeric_arms, of_network, signal_settings, training_settings
 from repro.signals.dct import dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
 from repro.signals.trajectories import Motion, identification_trajectory
@@ -140,7 +140,7 @@ def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """
     signals = signal_settings(config)
     motion = identification_trajectory(signals.duration, signals.h)
-    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, numeric_settings(config).arms["N1"])[0]
+    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, numeric_arms(config)["N1"])[0]
     bands, m = spectrum(x), signals.samples
     k = np.arange(x.size)
     time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
@@ -211,13 +211,13 @@ def _torques(
     inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
 ) -> pd.DataFrame:
     """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
-    signals, numeric, method = signal_settings(config), numeric_settings(config), "algorithm1"
+    signals, method = signal_settings(config), "algorithm1"
     chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
     parts: list[Curve] = []
     for case in cases:
         seed = chosen[case, method]
-        motion = motion_of(trajectory, signals, numeric, seed)
+        motion = motion_of(trajectory, config, seed)
         y = regressor(motion.q, motion.dq, motion.ddq)
         arm = runs[seed][case]
         series = {"actual": arm["true"], "rebuilt": arm["methods"][method]["beta"]}
@@ -273,7 +273,7 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(read_scores(inputs["scores"]))["N1", "algorithm1"]
-    return motion_curves(motion_of("validation", signal_settings(config), numeric_settings(config), seed))
+    return motion_curves(motion_of("validation", config, seed))
 
 
 @_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectra=True, trained="all")

@@ -24,7 +24,7 @@ from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.job import Config
 from repro.progress import over
-from repro.settings import NumericSettings, data_settings, metric_settings, numeric_settings, signal_settings
+from repro.settings import data_settings, metric_settings, numeric_arms, signal_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
@@ -81,21 +81,22 @@ def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
 # --- Numeric arms -------------------------------------------------------------------------------------------------
 
 
-def motion_of(trajectory: str, signals: SignalSettings, numeric: NumericSettings, seed: int) -> Motion:
+def motion_of(trajectory: str, config: Config, seed: int) -> Motion:
     """Motion that estimates are scored on: ``ID`` (Eq. 10) or ``validation``, the random one of a seed (Fig. 16)."""
+    signals, numeric = signal_settings(config), config["numeric"]
     if trajectory == "ID":
         return identification_trajectory(signals.duration, signals.h)
-    rng, duration = stream(seed, Stream.VALIDATION), numeric.validation_samples * signals.h
-    return random_trajectory(rng, duration, signals.h, signals.c_f, numeric.validation_reading)
+    rng, duration = stream(seed, Stream.VALIDATION), numeric["validation_samples"] * signals.h
+    return random_trajectory(rng, duration, signals.h, signals.c_f, numeric["validation_frequency_reading"])
 
 
 def _arms(config: Config) -> Iterator[tuple[str, Array, Regression]]:
     """Every test arm, with its torque and motion on the identification trajectory, cut out of the recorded margin."""
-    signals, numeric = signal_settings(config), numeric_settings(config)
-    samples, margin = sample_times(signals.duration, signals.h).size, numeric.margin
+    signals, margin = signal_settings(config), config["numeric"]["margin_samples"]
+    samples = sample_times(signals.duration, signals.h).size
     recorded = identification_trajectory(signals.duration, signals.h, margin)
     y = regressor(recorded.q, recorded.dq, recorded.ddq)
-    for name, beta in numeric.arms.items():
+    for name, beta in numeric_arms(config).items():
         yield name, beta, filtered(recorded.q, rebuild_torque(y, beta), signals, margin, margin + samples)
 
 
@@ -131,10 +132,10 @@ def _least_squares(regression: Regression, methods: Iterable[str]) -> dict[str, 
 
 def score_estimates(runs: Sequence[Mapping[str, Any]], config: Config, metric: MetricSettings) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding, for every seed."""
-    signals, numeric, frames = signal_settings(config), numeric_settings(config), []
+    frames = []
     for run in runs:
         for trajectory in ("ID", "validation"):
-            motion = motion_of(trajectory, signals, numeric, run["seed"])
+            motion = motion_of(trajectory, config, run["seed"])
             y = regressor(motion.q, motion.dq, motion.ddq)
             for case, arm in run["arms"].items():
                 of_arm = score(y, rebuild_torque(y, np.array(arm["true"])), arm["methods"], metric)
