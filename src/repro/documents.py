@@ -203,12 +203,10 @@ Place = tuple[str | int, ...]
 
 @cache
 def _validator() -> Any:  # noqa: ANN401
-    """Load the library, which most commands do not need, and refuse 60.0 as an integer, which JSON does not."""
-    from jsonschema import Draft202012Validator, validators  # noqa: PLC0415
+    """Load the library, which most commands do not need. 60.0 is no integer, as in draft 4."""
+    from jsonschema import Draft4Validator, Draft202012Validator, validators  # noqa: PLC0415
 
-    types = Draft202012Validator.TYPE_CHECKER.redefine(
-        "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
-    )
+    types = Draft4Validator.TYPE_CHECKER
     return validators.extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
 
 
@@ -242,22 +240,10 @@ def _words(error: "ValidationError", schema: Mapping[str, Any]) -> tuple[Place, 
     if rule == "required":
         missing = next(key for key in limit if key not in instance)  # type: ignore[union-attr,operator]
         return (*place, str(missing)), "nothing", "a value"
-    words = {
-        "type": f"{limit}",
-        "enum": f"one of {limit}",
-        "const": f"{limit}",
-        "minimum": f"at least {limit}",
-        "maximum": f"at most {limit}",
-        "exclusiveMinimum": f"more than {limit}",
-        "exclusiveMaximum": f"less than {limit}",
-        "minItems": f"at least {limit} values",
-        "maxItems": f"at most {limit} values",
-        "uniqueItems": "values that differ",
-        "pattern": f"text like {limit}",
-        "not": "another key",
-    }
     described = own.get("description") if isinstance(own, Mapping) else None
-    return place, repr(instance)[:60], described or _described(schema, place) or words.get(rule, f"{rule} {limit}")
+    # Only the counts of a capture have no description: their rules are the type and the minimum.
+    plain = f"at least {limit}" if rule == "minimum" else f"{limit}"
+    return place, repr(instance)[:60], described or _described(schema, place) or plain
 
 
 def _described(schema: Mapping[str, Any], place: Place) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
-from repro.documents import check_size
+from repro.documents import read_bytes
 from repro.errors import InputError, option
 
 #: Disk space that `check_folder` tests, bytes: more than a usual result needs.
@@ -163,10 +163,7 @@ def read_csv(path: Path, columns: tuple[str, ...] = ()) -> pd.DataFrame:
 
 def _table_text(path: Path) -> str:
     try:
-        check_size(path, LARGEST_TABLE, "a CSV table")
-        return path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", "a CSV table") from error
+        return read_bytes(path, LARGEST_TABLE, "a CSV table").decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError.at(str(path), f"bytes that are not UTF-8 (at {error.start})", "a CSV table") from error
 
