@@ -86,7 +86,7 @@ def calibrate(k1: float) -> None:
     """Solve for the four numbers by Newton's method and print each step."""
     published = load_published()
     printed = [published[f"table10/ID/least-squares/total/joint{j}"].value for j in (1, 2)]
-    level = least_squares_torque().set_index("joint")["mean_square"][1]
+    level = least_squares_torque(published).set_index("joint")["mean_square"][1]
     target = np.array([*printed, level, published["table08/ID/total/joint2"].value])
     x, step = np.array([0.15, 0.2, 3.3, 1.5]), np.diag([0.03, 0.03, 0.2, 0.2])
     print(f"k1 = {k1}: aim {target.round(3)}")

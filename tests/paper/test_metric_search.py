@@ -124,7 +124,7 @@ def test_search_recovers_the_formulas_and_the_motion_that_made_a_table(right):
     }
     rows = tuple(replace(v, printed=made.get(v.id, v.printed)) for v in published)
     motions = (RandomMotion(3770, 5.0), RandomMotion(3770, 10.0), band_number_motion(2000), band_number_motion(3000))
-    table = rank_candidates(score_motions(6, repeats=1, motions=motions, published=Published(rows)))
+    table = rank_candidates(score_motions(Published(rows), seed=6, repeats=1, motions=motions))
     best = table[table["rank"] == 1].set_index("factor")
     assert best["candidate"].to_dict() == wanted
     assert (best[["samples", "bandwidth"]] == [right.samples, right.bandwidth]).all(axis=None)

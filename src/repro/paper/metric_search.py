@@ -20,7 +20,7 @@ import pandas as pd
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
-from repro.paper.published import NUMERIC_CASES, Published, load_published
+from repro.paper.published import NUMERIC_CASES, Published
 from repro.signals.dct import spectrum
 from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
@@ -83,8 +83,10 @@ CHOSEN: dict[Factor, str] = {
 }
 
 
-def _torques(motion: Motion, beta: Array) -> Array:
-    return rebuild_torque(regressor(motion.q, motion.dq, motion.ddq), beta)
+def _torques(motion: Motion, published: Published) -> list[Array]:
+    """Torques of the true parameters of Tables 4 and 5, and of their estimates."""
+    y = regressor(motion.q, motion.dq, motion.ddq)
+    return [rebuild_torque(y, published.parameter_sets(name)) for name in ("true", "algorithm1")]
 
 
 def score_torques(actual: Array, rebuilt: Array) -> Array:
@@ -99,8 +101,7 @@ def score_torques(actual: Array, rebuilt: Array) -> Array:
 
 def score_candidates(motion: Motion, published: Published) -> Array:
     """Similarity of the pairs of Tables 4 and 5 by every candidate, shape (candidates, arms, 2)."""
-    true, estimate = (_torques(motion, published.parameter_sets(name)) for name in ("true", "algorithm1"))
-    return score_torques(true, estimate)
+    return score_torques(*_torques(motion, published))
 
 
 @dataclass(frozen=True)
@@ -121,30 +122,22 @@ class Scores:
         return np.asarray(np.sqrt(np.mean(errors**2, -1)))
 
 
-def score_motions(
-    seed: int,
-    repeats: int = 32,
-    motions: Sequence[RandomMotion] = MOTIONS,
-    published: Published | None = None,
-) -> Scores:
+def score_motions(published: Published, seed: int, repeats: int, motions: Sequence[RandomMotion] = MOTIONS) -> Scores:
     """Score the published pairs of Tables 4 and 5 by every candidate on random motions.
 
     1 - s is kept above `SMALLEST_SHORTFALL`; a similarity floored at 0 gives log(1 - s) = 0.
     """
-    numbers = published or load_published()
-    true, estimate = numbers.parameter_sets("true"), numbers.parameter_sets("algorithm1")
-    printed = np.stack([numbers.similarities(c.factor) for c in CANDIDATES])
+    printed = np.stack([published.similarities(c.factor) for c in CANDIDATES])
     ours = np.zeros((len(motions), *printed.shape))
     mean_square = np.zeros((len(motions), repeats, *printed.shape[1:]))
     for m, motion in enumerate(motions):
         for repeat in range(repeats):
-            drawn = motion.draw(np.random.default_rng([seed, repeat]))
-            actual = _torques(drawn, true)
-            shortfall = 1.0 - score_torques(actual, _torques(drawn, estimate))
+            actual, rebuilt = _torques(motion.draw(np.random.default_rng([seed, repeat])), published)
+            shortfall = 1.0 - score_torques(actual, rebuilt)
             ours[m] += np.log(np.maximum(shortfall, SMALLEST_SHORTFALL)) / repeats
             mean_square[m, repeat] = np.mean(actual**2, -1)
     log_error = ours - np.log(np.maximum(1.0 - printed, SMALLEST_SHORTFALL))
-    return Scores(tuple(motions), log_error, np.median(mean_square, axis=1), numbers)
+    return Scores(tuple(motions), log_error, np.median(mean_square, axis=1), published)
 
 
 def rank_candidates(scores: Scores) -> pd.DataFrame:
@@ -175,9 +168,8 @@ def rank_candidates(scores: Scores) -> pd.DataFrame:
             "abstract_mean_total": [np.mean(s * other[c.factor]) for s, c in zip(on_eq10, CANDIDATES, strict=True)],
         }
     )
-    time_first = {"time": 0, "frequency": 1}
-    order = table.assign(factor=table["factor"].map(time_first)).sort_values(["factor", "rank"], kind="stable").index
-    return table.loc[order].reset_index(drop=True)
+    time_first = [False, True]
+    return table.sort_values(["factor", "rank"], ascending=time_first, kind="stable").reset_index(drop=True)
 
 
 def _ranks(rms: Array) -> pd.Series:
@@ -236,13 +228,13 @@ def _cells(numbers: Published) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def composition(published: Published | None = None) -> pd.DataFrame:
+def composition(published: Published) -> pd.DataFrame:
     """Check the published Totals of Tables 7 and 10 against the factors printed with them.
 
     If the power 0.4 is part of the printed factors, Total = Time x Freq. If it is applied to their product, Total =
     (Time x Freq.)^0.4. A Total agrees if the difference is within the rounding of all three printed numbers.
     """
-    t = _cells(published or load_published())
+    t = _cells(published)
     product = t["time"] * t["frequency"] / 100.0
     power_last = 100.0 * (product / 100.0) ** EXPONENT
     # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
@@ -256,14 +248,12 @@ def composition(published: Published | None = None) -> pd.DataFrame:
     )
 
 
-def abstract_check(published: Published | None = None, settings: MetricSettings = PUBLISHED_METRIC) -> pd.DataFrame:
+def abstract_check(published: Published, settings: MetricSettings = PUBLISHED_METRIC) -> pd.DataFrame:
     """Score the pairs of Tables 4 and 5 on Eq. 10 with ``metr2ev``: ``case, joint, time, frequency, total``, of 1.
 
     Table 6, which contained these eight totals, is lost. According to the abstract they exceed 97.38 %.
     """
-    numbers, motion = published or load_published(), identification_trajectory(h=SAMPLING_PERIOD)
-    true, estimate = (_torques(motion, numbers.parameter_sets(name)) for name in ("true", "algorithm1"))
-    s = metr2ev(true, estimate, settings)
+    s = metr2ev(*_torques(identification_trajectory(h=SAMPLING_PERIOD), published), settings)
     columns = {"time": s.time.ravel(), "frequency": s.frequency.ravel(), "total": s.total.ravel()}
     n = len(NUMERIC_CASES)
     return pd.DataFrame({"case": np.repeat(NUMERIC_CASES, 2), "joint": np.tile([1, 2], n), **columns})
@@ -279,7 +269,7 @@ def _least_energy_error(percent: pd.Series) -> pd.Series:
     return 1.0 - (1.0 - 0.5 * _error(percent) ** 2) ** 2
 
 
-def pair_bounds(published: Published | None = None) -> pd.DataFrame:
+def pair_bounds(published: Published) -> pd.DataFrame:
     """Compute which Time values are possible with the printed Freq. values.
 
     Let the frequency error be d = |X/|X| - Y/|Y||. The DCT-II preserves inner products, so the signals have the cosine
@@ -287,7 +277,7 @@ def pair_bounds(published: Published | None = None) -> pd.DataFrame:
     least 1 - c^2 for any torque. A time error mean((x-y)^2) has no such limit, but it bounds the torque: rms(x) <=
     sqrt(error / (1 - c^2)). With unsigned spectra |X| instead of X the true c is smaller, and both bounds remain valid.
     """
-    t = _cells(published or load_published())
+    t = _cells(published)
     error, least = _error(t["time"] - t["time_step"]), _least_energy_error(t["frequency"] + t["frequency_step"])
     return t[["id", *_CELL, "time", "frequency"]].assign(
         id=t["id"].str.replace("/total/", "/"),
@@ -298,7 +288,7 @@ def pair_bounds(published: Published | None = None) -> pd.DataFrame:
     )
 
 
-def torque_bounds(published: Published | None = None) -> pd.DataFrame:
+def torque_bounds(published: Published) -> pd.DataFrame:
     """Compute the largest mean-square torque of each motion and joint of Table 10, in (N m)^2.
 
     The bound of `pair_bounds` applies to the actual torque, which is the same for both methods, so the smaller bound
@@ -313,7 +303,7 @@ def torque_bounds(published: Published | None = None) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
-def least_squares_torque() -> pd.DataFrame:
+def least_squares_torque(published: Published) -> pd.DataFrame:
     """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
 
     The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
@@ -321,9 +311,8 @@ def least_squares_torque() -> pd.DataFrame:
     best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
     below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
     """
-    numbers = load_published()
-    bound = pair_bounds(numbers).set_index("id")["largest_rms"] ** 2
-    t = _cells(numbers).query("case == 'ID' and method == 'least-squares'")
+    bound = pair_bounds(published).set_index("id")["largest_rms"] ** 2
+    t = _cells(published).query("case == 'ID' and method == 'least-squares'")
     low, estimate, high = (
         _error(t["time"] - s * t["time_step"]) / _least_energy_error(t["frequency"] + s * t["frequency_step"])
         for s in (-1.0, 0.0, 1.0)
