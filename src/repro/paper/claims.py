@@ -202,7 +202,7 @@ def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.D
     Columns ``basis, what, rows, pairs, refused``: the share ``refused / pairs`` is the specificity of the verdict.
     """
     others = other_cases(numbers)
-    called = claims[(claims["verdict"] == REPRODUCED) & claims["basis"].isin([str(basis) for basis in EVIDENCE])]
+    called = claims[(claims["verdict"] == REPRODUCED) & claims["basis"].isin(EVIDENCE)]
     rows = []
     for row in called.to_dict("records"):
         if values := others.get(str(row["id"]).partition(EXTENSION)[0], ()):
@@ -261,8 +261,7 @@ CAUSES: dict[str, Cause] = {
     ),
 }
 
-_COLUMNS = ("id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note")
-_HEADER = tuple("made by" if name == "target" else name for name in _COLUMNS)
+_COLUMNS = ["id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note"]
 #: Column of `by_basis` for rows of extensions, whatever they rest on.
 EXTENSIONS = "extensions"
 
@@ -275,19 +274,19 @@ def _published(row: Mapping[Hashable, Any]) -> str:
     return f"{row['published']} {row['unit']}".removesuffix(" 1").removesuffix(" not printed")
 
 
-def _table(header: tuple[str, ...], rows: list[tuple[object, ...]]) -> list[str]:
-    lines = [f"| {' | '.join(header)} |", f"|{'---|' * len(header)}"]
-    cells = ([str(cell).replace("|", r"\|") for cell in row] for row in rows)
+def _table(frame: pd.DataFrame) -> list[str]:
+    lines = [f"| {' | '.join(frame.columns)} |", f"|{'---|' * frame.shape[1]}"]
+    cells = ([str(cell).replace("|", r"\|") for cell in row] for row in frame.itertuples(index=False))
     return [*lines, *(f"| {' | '.join(row)} |" for row in cells), ""]
 
 
-def _rows(claims: pd.DataFrame) -> list[tuple[object, ...]]:
+def _table_of_claims(claims: pd.DataFrame) -> list[str]:
     shown = claims.assign(
         published=[_published(row) for row in claims.to_dict("records")],
         ours=claims["ours"].map(_number),
         tolerance=claims["tolerance"].map(_number),
     )
-    return list(shown[list(_COLUMNS)].itertuples(index=False, name=None))
+    return _table(shown[_COLUMNS].rename(columns={"target": "made by"}))
 
 
 def by_basis(claims: pd.DataFrame) -> pd.DataFrame:
@@ -325,39 +324,38 @@ def summary(claims: pd.DataFrame) -> list[str]:
 def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
     """The ledger as a page."""
     asserted, satisfied = _asserted(claims)
-    counted = by_basis(claims)
-    counts = zip(counted.index, counted.to_numpy(), strict=True)
-    lines = ["# Claims", "", "Every number that the paper prints as its own, next to ours.", ""]
-    lines += [
+    of_results = (claims["asserted"] != "") & claims["basis"].isin(EVIDENCE)
+    lines = [
+        "# Claims",
+        "",
+        "Every number that the paper prints as its own, next to ours.",
+        "",
         "A match is evidence only in the columns *numeric* (the paper's own arms N1 to N4) and *simulated arm* "
         "(another arm than the paper's). The other columns are adopted, follow from other numbers, or are about the "
         "board, whose design is ours.",
         f"An id with `{EXTENSION}` compares an extension of ours with the same number.",
         "",
-        *_table(("verdict", *counted.columns), [(name, *row) for name, row in counts]),
+        *_table(by_basis(claims).reset_index(names="verdict")),
         "## Specificity",
         "",
         "Of the numbers that are called reproduced: how often the published value of another case lies outside the "
         "tolerance.",
         "",
-        *_table(
-            ("basis", "of", "numbers", "pairs", "outside"),
-            [tuple(row) for row in specific.itertuples(index=False)],
-        ),
+        *_table(specific.set_axis(["basis", "of", "numbers", "pairs", "outside"], axis=1)),
         "## Asserted claims",
         "",
         f"{satisfied} of {asserted} have the asserted verdict. Those about results, and those that fail:",
         "",
+        *_table_of_claims(claims[of_results | claims.index.isin(broken(claims).index)]),
+        "## What differs, by cause",
+        "",
     ]
-    of_results = (claims["asserted"] != "") & claims["basis"].isin([str(Basis.NUMERIC), str(Basis.ARM)])
-    lines += _table(_HEADER, _rows(claims[of_results | claims.index.isin(broken(claims).index)]))
-    lines += ["## What differs, by cause", ""]
     differing = claims[claims["verdict"] == DIFFERS]
     for name, cause in CAUSES.items():
         if len(own := differing[differing["cause"] == name]):
             lines += [f"### {cause.title}", "", f"{cause.why} Evidence: {cause.evidence}.", ""]
-            lines += _table(_HEADER, _rows(own))
+            lines += _table_of_claims(own)
     lines += ["## Every number", ""]
     for place in dict.fromkeys(claims["place"]):
-        lines += [f"### {place}", "", *_table(_HEADER, _rows(claims[claims["place"] == place]))]
+        lines += [f"### {place}", "", *_table_of_claims(claims[claims["place"] == place])]
     return "\n".join(lines)

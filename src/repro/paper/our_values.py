@@ -60,8 +60,8 @@ def _first_key(expression: str, config: Mapping[str, Any]) -> str:
     return next(key for key in keys if key.partition(".")[0] in config)
 
 
-SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
+SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
 PARAMETERS = ("case", "method", "parameter", "true", "estimate", "estimate_sd")
 
 #: Result files by their path in the results folder, and the columns that each must have.
@@ -105,20 +105,22 @@ class Results:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         # As text, so that a message shows what the file has.
-        self._frames = {
+        self.frames = {
             name: pd.DataFrame(read_rows(folder / name, names), columns=names) for name, names in FILES.items()
         }
 
-    def _rows(self, name: str, **wanted: object) -> pd.DataFrame:
-        frame = self._frames[name]
+    def rows(self, name: str, **wanted: object) -> pd.DataFrame:
+        """Rows of a file that have these values: one at least."""
+        frame = self.frames[name]
         for column, value in wanted.items():
             frame = frame[frame[column] == str(value)]
         if frame.empty:
             raise InputError.at(str(self._folder / name), f"no row of {_words(wanted)}", "one")
         return frame
 
-    def _number(self, name: str, column: str, **wanted: object) -> float:
-        text = self._rows(name, **wanted)[column].iloc[0]
+    def number(self, name: str, column: str, **wanted: object) -> float:
+        """Cell of the first row that has these values, a finite number."""
+        text = self.rows(name, **wanted)[column].iloc[0]
         number = pd.to_numeric(text, errors="coerce")
         if not np.isfinite(number):
             place = f"{self._folder / name}: {column} of {_words(wanted)}"
@@ -128,13 +130,13 @@ class Results:
     def _totals(self, table: str, quantity: str = "total", **wanted: object) -> pd.Series:
         """Similarities of every seed behind rows of a table, %, by the seed."""
         name, trajectory = _SEEDS[table]
-        rows = self._rows(name, **wanted, **({"trajectory": trajectory} if trajectory else {}))
+        rows = self.rows(name, **wanted, **({"trajectory": trajectory} if trajectory else {}))
         return 100.0 * pd.to_numeric(rows[quantity], errors="coerce").set_axis(rows["seed"])
 
     def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> Sample:
         """Similarity of a table, %."""
         row = {"case": case, "method": method, "joint": joint}
-        value = 100.0 * self._number(f"tables/{table}.csv", quantity, **row)
+        value = 100.0 * self.number(f"tables/{table}.csv", quantity, **row)
         return _sample(value, self._totals(table, quantity, **row)) if table in _SEEDS else Sample(value)
 
     def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> Sample:
@@ -146,27 +148,9 @@ class Results:
     def parameter(self, table: str, case: str, method: str, name: str) -> tuple[float, Sample]:
         """True value of a parameter, and its estimate, SI units."""
         row = {"case": case, "method": method, "parameter": name}
-        true, estimate, sd = (self._number(f"tables/{table}.csv", c, **row) for c in PARAMETERS[3:])
+        true, estimate, sd = (self.number(f"tables/{table}.csv", c, **row) for c in PARAMETERS[3:])
         seeds = self._totals(table, case=case, method=method).index.nunique() if table in _SEEDS else 1
         return true, Sample(estimate, sd, seeds)
-
-    def stability(self, quantity: str, column: str) -> float:
-        """A number of the appendix for the arm behind the simulated board."""
-        name = "tables/stability.csv"
-        names = self._rows(name, method="appendix")["quantity"]
-        full = next((text for text in names if text.startswith(quantity)), quantity)
-        return self._number(name, column, method="appendix", quantity=full)
-
-    def board(self, block: str, quantity: str) -> tuple[float, float]:
-        """Bounds of a number of the board in logic."""
-        row = {"block": block, "quantity": quantity}
-        least, most = (self._number("tables/board_size.csv", bound, **row) for bound in ("least", "most"))
-        return least, most
-
-    def loss(self) -> float:
-        """Held-out loss at the end of the training."""
-        step = self._frames["model/training.csv"]["step"].iloc[-1]
-        return self._number("model/training.csv", "test_loss", step=step)
 
 
 def _sample(value: float, scores: pd.Series) -> Sample:
@@ -282,15 +266,19 @@ def _extreme(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> 
 
 
 def _stability(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
-    """Number of Appendix A."""
-    quantity, column = number.ours.rpartition(":")[2].split(".")
-    return {"": OurValue(results.stability(quantity, column), "stability", note=number.note)}
+    """Number of Appendix A for the arm behind the simulated board."""
+    file, (quantity, column) = "tables/stability.csv", number.ours.rpartition(":")[2].split(".")
+    names = results.rows(file, method="appendix")["quantity"]
+    full = next((text for text in names if text.startswith(quantity)), quantity)
+    value = results.number(file, column, method="appendix", quantity=full)
+    return {"": OurValue(value, "stability", note=number.note)}
 
 
 def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Number of the board in logic: exact, or the middle of the bounds of its synthesis."""
     block, quantity = number.ours.rpartition(":")[2].split(".")
-    least, most = results.board(block, quantity)
+    row = {"block": block, "quantity": quantity}
+    least, most = (results.number("tables/board_size.csv", bound, **row) for bound in ("least", "most"))
     note = f"{least:g} to {most:g}; {number.note}" if least < most else number.note
     middle, strict = 0.5 * (least + most), number.kind == SETTING
     ours = OurValue(
@@ -301,7 +289,8 @@ def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Va
 
 def _loss(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Held-out loss at the end of the training."""
-    loss, note = results.loss(), number.note
+    file, note = "model/training.csv", number.note
+    loss = results.number(file, "test_loss", step=results.frames[file]["step"].iloc[-1])
     return {"": OurValue(loss, "training", Basis.NUMERIC, better=lower, strict=True, asserted=REPRODUCED, note=note)}
 
 
@@ -374,13 +363,13 @@ def values_of(
     published: Published,
     config: Mapping[str, Any],
     audit: Mapping[str, float],
-    results: Results | None,
+    results: Results,
 ) -> Values:
     """Compute our values of a number; `audit` has the values found, by finding."""
     source, _, expression = number.ours.partition(":")
     if source == "bench":
         return {"": OurValue(None, "", note=number.note)}
-    if results is not None and source == "result":
+    if source == "result":
         return RESULT_SOURCES[expression.partition(":")[0]](number, results, config)
     module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **config}
     if source == "const":
