@@ -259,6 +259,6 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
 
 
 def _describe(d: Difference) -> str:
-    allowed = "its spread was not measured" if d.allowed != d.allowed else f"{d.allowed:.2g} allowed"
-    by = f", by {d.size:.2g}" if d.size not in (float("inf"), 1.0) or d.kind is not Kind.EXACT else ""
+    allowed = "its spread was not measured" if math.isnan(d.allowed) else f"{d.allowed:.2g} allowed"
+    by = "" if d.kind is Kind.EXACT else f", by {d.size:.2g}"
     return f"{d.kind}: {d.place}: {d.a or 'nothing'} and {d.b or 'nothing'}{by} ({allowed})"

@@ -52,7 +52,7 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
     """Compute our value of every published number that is the paper's own."""
     audit = findings(published)
     found = {finding.id: finding.found for finding in audit}
-    refuted = {refuted_number(finding): finding for finding in audit if refuted_number(finding)}
+    refuted = {refuted_number(finding): finding for finding in audit}
     impossible = {id_: _sentence(f) for f in audit if f.verdict == NOT_POSSIBLE for id_ in f.numbers}
     ours: dict[str, OurValue] = {}
     for number in published:

@@ -19,6 +19,7 @@ import operator
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
+from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -80,9 +81,7 @@ class PublishedValue:
     @property
     def half_step(self) -> float:
         """Half a unit of the last printed digit, in `unit`: the value is known no better."""
-        mantissa, _, exponent = self.printed.lower().partition("e")
-        decimals = len(mantissa.partition(".")[2])
-        return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+        return 0.5 * 10.0 ** int(Decimal(self.printed).as_tuple().exponent)
 
 
 def parameter_id(case: str, method: str, name: str) -> str:
