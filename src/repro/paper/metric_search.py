@@ -83,10 +83,11 @@ CHOSEN: dict[Factor, str] = {
 }
 
 
-def _torques(motion: Motion, published: Published) -> list[Array]:
+def _torques(motion: Motion, published: Published) -> tuple[Array, Array]:
     """Torques of the true parameters of Tables 4 and 5, and of their estimates."""
     y = regressor(motion.q, motion.dq, motion.ddq)
-    return [rebuild_torque(y, published.parameter_sets(name)) for name in ("true", "algorithm1")]
+    true, estimate = (rebuild_torque(y, published.parameter_sets(name)) for name in ("true", "algorithm1"))
+    return true, estimate
 
 
 def score_torques(actual: Array, rebuilt: Array) -> Array:
