@@ -8,7 +8,6 @@ import pandas as pd
 from scipy import stats
 
 from repro.identification.algorithm1.conformal import (
-    covered,
     distances,
     normalised_errors,
     novelty_limit,
@@ -86,8 +85,8 @@ def check_coverage(
         return float((distances(own.torque, training) > beyond).mean())
 
     _, estimates, truth = simulated(0, True, draw_arms)
-    known = spread_of(estimates)
-    factors, calibration = stretch_factors(known, truth, levels), normalised_errors(known, truth)
+    calibration = normalised_errors(spread_of(estimates), truth)
+    factors = stretch_factors(calibration, levels)
     together = joint_factors(factors, calibration, levels)
     shares, ranks = [], []
     for which, name, effects, draw in TESTED:
@@ -119,7 +118,8 @@ def coverage_shares(
 ) -> pd.DataFrame:
     """Shares of arms that the intervals of each level cover, of estimates `found` (arms, guesses, 9)."""
     spread = spread_of(found)
-    missed, prior, stretched = normalised_errors(spread, right), right.var(axis=0), covered(spread, right, factors)
+    missed, prior = normalised_errors(spread, right), right.var(axis=0)
+    stretched = (missed <= factors[:, np.newaxis]).mean(axis=1)
     rows = []
     for i, level in enumerate(levels):
         low, high = np.quantile(found, [0.5 - level / 2, 0.5 + level / 2], axis=1)

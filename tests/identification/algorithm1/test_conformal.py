@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from repro.identification.algorithm1.conformal import (
     MIN_WIDTH,
-    covered,
     distances,
+    normalised_errors,
     spread_of,
     stretch_factors,
 )
@@ -19,6 +19,15 @@ def arms(rng, n, bias=0.5, guesses=40):
     truth = rng.uniform(0.1, 1.0, (n, 9))
     shared = truth + bias * 0.1 * rng.standard_normal((n, 9))
     return shared[:, np.newaxis] + 0.05 * rng.standard_normal((n, guesses, 9)), truth
+
+
+def errors_of(estimates, truth):
+    return normalised_errors(spread_of(estimates), truth)
+
+
+def covered(errors, factors):
+    """Share (levels, 9) of arms whose parameter lies within centre +- factor x width."""
+    return (errors <= factors[:, np.newaxis]).mean(axis=1)
 
 
 def test_centre_and_width_are_median_and_central_range():
@@ -34,9 +43,8 @@ def test_calibrated_intervals_cover_arms_drawn_alike_whatever_the_network(bias):
     rng = np.random.default_rng(1)
     levels = (0.5, 0.9, 0.95)
     known, truth = arms(rng, 400, bias)
-    factors = stretch_factors(spread_of(known), truth, levels)
-    tested, right = arms(rng, 4000, bias)
-    share = covered(spread_of(tested), right, factors)
+    factors = stretch_factors(errors_of(known, truth), levels)
+    share = covered(errors_of(*arms(rng, 4000, bias)), factors)
     for row, level in zip(share, levels, strict=True):
         # 400 arms calibrate a share to about sqrt(p (1 - p) / 400).
         assert np.abs(row.mean() - level) < 2 * np.sqrt(level * (1 - level) / 400)
@@ -45,17 +53,16 @@ def test_calibrated_intervals_cover_arms_drawn_alike_whatever_the_network(bias):
 @given(st.integers(20, 200), st.sampled_from([0.5, 0.8, 0.9]), st.integers(0, 2**32 - 1))
 @settings(max_examples=30)
 def test_the_calibration_arms_themselves_are_covered_as_promised(n, level, seed):
-    known, truth = arms(np.random.default_rng(seed), n)
-    spread = spread_of(known)
-    share = covered(spread, truth, stretch_factors(spread, truth, [level]))
+    errors = errors_of(*arms(np.random.default_rng(seed), n))
+    share = covered(errors, stretch_factors(errors, [level]))
     assert (share >= level).all()
     assert (share <= level + 2 / n).all()
 
 
 def test_too_few_arms_for_a_level_are_refused():
-    known, truth = arms(np.random.default_rng(0), 15)
+    errors = errors_of(*arms(np.random.default_rng(0), 15))
     with pytest.raises(ValueError, match=r"15 arms can calibrate shares of 0 to 0\.9375"):
-        stretch_factors(spread_of(known), truth, [0.95])
+        stretch_factors(errors, [0.95])
 
 
 def test_a_motion_is_as_far_as_its_nearest_neighbour():

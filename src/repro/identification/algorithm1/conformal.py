@@ -41,22 +41,16 @@ def normalised_errors(spread: GuessSpread, truth: Array) -> Array:
     return np.abs(truth - spread.centre) / spread.width
 
 
-def stretch_factors(spread: GuessSpread, truth: Array, levels: Sequence[float]) -> Array:
-    """Compute the factors (levels, 9) on the width that cover arms of known parameters (n, 9).
+def stretch_factors(errors: Array, levels: Sequence[float]) -> Array:
+    """Compute the factors (levels, 9) on the width that cover arms with these `normalised_errors` (n, 9).
 
-    They are the ceil((n + 1) level)-th smallest of |truth - centre| / width. A level must be below n / (n + 1).
+    They are the ceil((n + 1) level)-th smallest of the errors. A level must be below n / (n + 1).
     """
-    scores = np.sort(normalised_errors(spread, truth), axis=0)
-    n = len(scores)
+    n = len(errors)
     ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
     if (ranks > n).any() or (ranks < 1).any():
         raise ValueError(f"levels: {n} arms can calibrate shares of 0 to {n / (n + 1):.4g}, got {tuple(levels)}.")
-    return np.asarray(scores[ranks - 1])
-
-
-def covered(spread: GuessSpread, truth: Array, factors: Array) -> Array:
-    """Compute the fraction (levels, 9) of arms whose parameter lies within centre +- factor x width."""
-    return np.asarray((normalised_errors(spread, truth) <= factors[:, np.newaxis]).mean(axis=1))
+    return np.asarray(np.sort(errors, axis=0)[ranks - 1])
 
 
 def distances(motions: Array, others: Array | None = None) -> Array:
