@@ -73,18 +73,16 @@ def _combinations(
 ) -> tuple[str, ...]:
     """Base parameters as text: each independent parameter with those whose columns contain its own."""
     r, order = qr(a, mode="r", pivoting=True)
-    r = r[: a.shape[1]]
     names = [NAMES[k] for k in moved[order]]
-    if rank == a.shape[1]:
-        return tuple(NAMES[k] for k in moved)
     # Columns D = P K of unit length; beta_P s_P + K beta_D s_D is determined, per unit of beta_P.
     size = scale[moved[order]]
     mix = solve_triangular(r[:rank, :rank], r[:rank, rank:])
     ratio = mix * size[rank:] / size[:rank, None]
     lines = []
     for name, row, visible in zip(names[:rank], ratio, np.abs(mix) > MIN_COEFFICIENT, strict=True):
-        others = (f"{c:+.3g} {other}" for c, other, shown in zip(row, names[rank:], visible, strict=True) if shown)
-        lines.append(" ".join([name, *(f"{text[0]} {text[1:]}" for text in others)]))
+        others = zip(row, names[rank:], visible, strict=True)
+        terms = [f"{'-' if c < 0.0 else '+'} {abs(c):.3g} {other}" for c, other, shown in others if shown]
+        lines.append(" ".join([name, *terms]))
     return tuple(sorted(lines, key=lambda text: NAMES.index(text.split()[0])))
 
 
