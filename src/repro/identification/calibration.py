@@ -21,7 +21,6 @@ from repro.identification.extra_terms import (
     fit_with_errors,
     offset,
     other_rows,
-    reduced_rows,
     scale,
     term_columns,
     term_names,
@@ -81,9 +80,9 @@ def blame_joint_1(errors: Sequence[CalibrationError]) -> tuple[CalibrationError,
     )
 
 
-def _nonzero_columns(columns: Array, mask: NDArray[np.bool_]) -> list[int]:
-    """Columns that are not zero throughout."""
-    return [k for k in range(columns.shape[-1]) if np.any(columns[..., k] * mask)]
+def _candidates(columns: Array, mask: NDArray[np.bool_], names: Sequence[str]) -> list[int]:
+    """Number the terms with these names whose columns are not zero throughout."""
+    return [k for k, name in enumerate(CALIBRATION_TERMS) if name in names and np.any(columns[..., k] * mask)]
 
 
 @kept
@@ -98,9 +97,8 @@ def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, flo
     regression = drop_standstill(prepare(correct_calibration(log, values), settings, even_odd=False))
     beta = solve(regression.y, regression.tau)
     if len(others):
-        own = reduced_rows(*weighted_rows(regression, np.empty((*regression.tau.shape, 0))))
-        both = np.concatenate([own, others])
-        beta = solve(both[np.newaxis, :, :-1], both[np.newaxis, :, -1])
+        both = np.concatenate([other_rows([regression]), others])
+        beta = solve(both[:, :-1], both[:, -1])
     error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
     whole = np.linalg.norm(regression.tau, axis=-1)
     return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
@@ -134,13 +132,10 @@ def find_calibration_errors(
     others: Sequence[Regression] = (),
     names: Sequence[str] = CANDIDATES,
 ) -> tuple[CalibrationError, ...]:
-    """Find the calibration errors with these names in a log.
-
-    `others` are correct regressions of the arm, with the same parameters.
-    """
+    """Find the calibration errors with these names in a log; `others` are correct regressions of the same arm."""
     r, columns = _calibration_problem(log, settings)
     rows = other_rows(others)
-    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in names]
+    candidates = _candidates(columns, r.mask, names)
     subset = best_subset(*weighted_rows(r, columns), dict.fromkeys(candidates, MIN_ERROR_REDUCTION), rows)
     names = [CALIBRATION_TERMS[k] for k in subset]
     while names:
@@ -157,9 +152,8 @@ def find_calibration_errors(
 
 def _is_credible(error: CalibrationError) -> bool:
     """Whether a calibration error is well away from none, not too large to be one, and reduces the torque error."""
-    kind = error.name[:-1]
-    away = abs(error.value - CALIBRATION[kind].neutral)
-    small = {"zero": away <= MAX_ZERO, "offset": True, "scale": 1.0 / MAX_SCALE <= error.value <= MAX_SCALE}[kind]
+    away = abs(error.value - CALIBRATION[error.kind].neutral)
+    small = {"zero": away <= MAX_ZERO, "offset": True, "scale": 1.0 / MAX_SCALE <= error.value <= MAX_SCALE}[error.kind]
     return away > MIN_Z_SCORE * error.error and small and error.after < error.before
 
 
@@ -197,8 +191,7 @@ def calibration_limits(
     r, columns = _calibration_problem(log, settings)
     names = [SCALE if error.name == OTHER_SCALE else error.name for error in corrected]
     own = [CALIBRATION_TERMS.index(name) for name in names]
-    free = [name for name in CANDIDATES if name not in names]
-    candidates = [k for k in _nonzero_columns(columns, r.mask) if CALIBRATION_TERMS[k] in free]
+    candidates = _candidates(columns, r.mask, [name for name in CANDIDATES if name not in names])
     a, b = weighted_rows(r, columns)
     first, second = np.abs(log.tau).max(axis=-1)
     most = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
