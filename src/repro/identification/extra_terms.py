@@ -276,11 +276,6 @@ def cross_validation_error(a: Array, b: Array, others: Array = NO_ROWS) -> Array
     return _block_error(_blocks(a, b), range(a.shape[-1]), others)
 
 
-def error_ratio(error: Array, of: Array) -> float:
-    """Product of the ratios of both joints' squared errors: a term that acts on one joint is judged by that joint."""
-    return float(np.exp(np.sum(np.log(error) - np.log(of))))
-
-
 def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tuple[Array, Array]:
     """Fit rows `h` apart; the standard errors are the larger of those by independent samples and by the blocks."""
     blocks = _blocks(a, b)
@@ -363,8 +358,9 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
         others = [other for other in chosen if other != k]
         columns = a[..., _nine_and([k, *others])]
-        without = cross_validation_error(a[..., _nine_and(others)], b)
-        gain = 1.0 - error_ratio(cross_validation_error(columns, b), without)
+        with_it, without = (cross_validation_error(part, b) for part in (columns, a[..., _nine_and(others)]))
+        # The product of both joints' ratios: a term that acts on one joint is judged by that joint.
+        gain = 1.0 - float(np.exp(np.sum(np.log(with_it) - np.log(without))))
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
