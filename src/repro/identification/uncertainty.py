@@ -130,10 +130,7 @@ def elasticity(log: SmoothLog) -> Array:
 
 
 def backlash(log: SmoothLog, width: float) -> Array:
-    """Compute the effect of play behind the encoder, shape (2, N, 2).
-
-    The teeth change sides where the load is within `width` of its largest.
-    """
+    """Compute the effect of play behind the encoder (2, N, 2): teeth change sides below `width` of the largest load."""
     load = gear_load(log)
     largest = np.abs(load).max(axis=-1, keepdims=True)
     return position_error(log, np.tanh(load / (width * np.where(largest > 0.0, largest, 1.0))))
@@ -219,16 +216,24 @@ class WeightedLog:
     settings: FilterSettings
     weight: float = 1.0  # factor on its rows
 
-    def columns(self, forms: Sequence[Columns], beta: Array) -> list[Array]:
-        """Compute the columns of effects at its rows, each of shape (2, n, k)."""
-        return [self.weight * one for one in filtered_columns(forms, self.log, self.settings, beta)]
-
 
 def join_filtered(
-    logs: Sequence[WeightedLog], change: Callable[[FilterSettings], FilterSettings] = lambda settings: settings
+    logs: Sequence[WeightedLog], cutoff: float = 1.0, width: float = 1.0, later: float = 0.0, steeper: float = 1.0
 ) -> Regression:
-    """Filter logs of one arm, each with changed settings, and join them to one regression without standstill."""
-    parts = [drop_standstill(prepare(log.log, change(log.settings))) for log in logs]
+    """Filter logs of one arm and join them to one regression without standstill.
+
+    Both filters and lambda of each log are multiplied by factors, and its torque acts `later`, s.
+    """
+    parts = []
+    for log in logs:
+        changed = replace(
+            log.settings,
+            cutoff=log.settings.cutoff * cutoff,
+            width=log.settings.width * width / cutoff,
+            delay=log.settings.delay + later,
+            friction_steepness=log.settings.friction_steepness * steeper,
+        )
+        parts.append(drop_standstill(prepare(log.log, changed)))
     return joined(parts, [log.weight for log in logs])
 
 
@@ -241,7 +246,8 @@ def unmodelled_effects(logs: Sequence[WeightedLog], own: Regression, plain: Regr
     """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
     beta = solve(own.y, own.tau)
     forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
-    columns_of_forms = zip(*(log.columns(forms, beta) for log in logs), strict=True)
+    of_logs = [[log.weight * one for one in filtered_columns(forms, log.log, log.settings, beta)] for log in logs]
+    columns_of_forms = zip(*of_logs, strict=True)
     results = {}
     for name, each in UNMODELLED_EFFECTS.items():
         parts = [next(columns_of_forms) for _ in each]
@@ -260,21 +266,12 @@ def unmodelled_effects(logs: Sequence[WeightedLog], own: Regression, plain: Regr
 
 def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: float = 0.0) -> dict[str, Perturbation]:
     """Change the regression of logs: filters, delay (if its error is not 0), lambda, `UNMODELLED_EFFECTS`, SIMEX."""
-
-    def filtered(cut: float, width: float) -> Regression:
-        return join_filtered(logs, lambda s: replace(s, cutoff=s.cutoff * cut, width=s.width * width / cut))
-
-    def delayed(by: float) -> Regression:
-        return join_filtered(logs, lambda s: replace(s, delay=s.delay + by))
-
-    def steeper(by: float) -> Regression:
-        return join_filtered(logs, lambda s: replace(s, friction_steepness=s.friction_steepness * by))
-
-    results = {"filters": Perturbation(tuple(filtered(*factors) for factors in FILTER_FACTORS))}
+    results = {"filters": Perturbation(tuple(join_filtered(logs, *factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
-        results["delay"] = Perturbation((delayed(-delay_error), delayed(delay_error)))
+        results["delay"] = Perturbation(tuple(join_filtered(logs, later=by) for by in (-delay_error, delay_error)))
     # A rectangular distribution, as of an unmodelled effect.
-    results["lambda"] = Perturbation(tuple(map(steeper, STEEPNESS_FACTORS)), 1.0 / 3.0)
+    steeper = tuple(join_filtered(logs, steeper=factor) for factor in STEEPNESS_FACTORS)
+    results["lambda"] = Perturbation(steeper, 1.0 / 3.0)
     results |= unmodelled_effects(logs, plain, plain)
     results[SIMEX] = Perturbation((simex(plain),))
     return results
