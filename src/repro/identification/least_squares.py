@@ -28,7 +28,7 @@ ROBUST_ITERATIONS, ROBUST_TOLERANCE = 25, 1e-3
 PENALTIES = (0.0, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0)
 #: Blocks of its cross-validation.
 BLOCKS = 10
-VISCOUS = (5, 6)
+VISCOUS = slice(5, 7)
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MIN_EIGENVALUE_RATIO = 1e-3
 #: Friction torque over the largest torque of a parameter below which friction is set to zero.
@@ -216,22 +216,19 @@ def _known(regression: Regression) -> Array:
 def _shrunk(problem: tuple[Array, Array, Array], penalty: float, known: Array) -> Array:
     """Compute consistent parameters with two rows added that pull the viscous torque to zero."""
     r, c, scale = problem
-    rows = np.zeros((len(VISCOUS), 9))
-    rows[range(len(VISCOUS)), VISCOUS] = np.sqrt(penalty)
-    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(VISCOUS))]), scale, known)[0]
+    rows = np.sqrt(penalty) * np.eye(9)[VISCOUS]
+    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(rows))]), scale, known)[0]
 
 
 def _cross_validation_errors(regression: Regression) -> Array:
     """Squared error of each block (penalties, blocks), from parameters fitted without it."""
-    n = regression.t.size
-    edges = np.linspace(0, n, BLOCKS + 1).astype(int)
+    samples = np.arange(regression.t.size)
+    blocks = np.split(samples, np.linspace(0, samples.size, BLOCKS + 1).astype(int)[1:-1])
     energy = np.mean(regression.tau**2, axis=-1)
     energy = np.where(energy > 0.0, energy, 1.0)
     errors = np.empty((len(PENALTIES), BLOCKS))
-    for k in range(BLOCKS):
-        inside = np.zeros(n, dtype=bool)
-        inside[edges[k] : edges[k + 1]] = True
-        rest, block = regression.take(np.flatnonzero(~inside)), regression.take(np.flatnonzero(inside))
+    for k, inside in enumerate(blocks):
+        rest, block = regression.take(np.delete(samples, inside)), regression.take(inside)
         problem = reduced_problem(rest.y, rest.tau, rest.prior)
         for i, penalty in enumerate(PENALTIES):
             error = block.tau - block.y @ _shrunk(problem, penalty, _known(rest))
