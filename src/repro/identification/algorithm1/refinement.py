@@ -14,7 +14,6 @@ images. The other starts from uniform guesses without any image.
    Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
 """
 
-from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -30,9 +29,6 @@ from repro.signals.metric import TorqueScorer
 
 if TYPE_CHECKING:
     from repro.cnn.network import FactoredCNN
-
-#: Control of the refinement without a network.
-WITHOUT_NETWORK = "differential-evolution"
 
 
 @dataclass(frozen=True)
@@ -61,10 +57,7 @@ def restart(
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Collect the candidates (m, 9) that the refinement and its control start from, in units of the largest torque.
-
-    They are the physically possible ones of `beta_m` (n, 9) and of the network's estimates of fresh guesses.
-    """
+    """Collect what is refined: `beta_m` (n, 9) and the possible ones of the network's estimates of fresh guesses."""
     possible = FEASIBILITY[search.feasibility]
     fresh = estimator.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
     candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
@@ -90,12 +83,10 @@ def refine(
 ) -> Array:
     """Move the best of the candidates (m, 9) pass by pass, and return the ``settings.keep`` most similar, best first.
 
-    Without an estimator it is a control, whose moved guesses are candidates without the network. `rng` is left
-    unchanged: refinement and control make the same moves.
+    Without an estimator it is a control, whose moved guesses are candidates without the network.
     """
     if not len(candidates):
         return candidates
-    rng = deepcopy(rng)
     possible = FEASIBILITY[search.feasibility]
     score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
     similarity = score(candidates).total.mean(-1)
@@ -162,15 +153,14 @@ class Algorithm1:
         if not self.refinement.passes:
             return results, met
         starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
-        moves = [refine_rng, *refine_rng.spawn(self.refinement.starts - 1)]
         # The control runs first, so that the number of images is its own.
         for method, feedback in (("local-search", None), ("refinement", estimator)):
-            chosen = self._refined(feedback, starts, signals, moves)
+            chosen = self._refined(feedback, starts, signals, refine_rng)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, estimator.images)
         if uniform_rng is not None and not suffix:
             guesses = uniform_guesses(self.search, uniform_rng)
-            moves = [uniform_rng, *uniform_rng.spawn(self.refinement.starts - 1)]
-            results[WITHOUT_NETWORK] = _estimate(self._refined(None, guesses, signals, moves), 0)
+            control = self._refined(None, guesses, signals, uniform_rng)
+            results["differential-evolution"] = _estimate(control, images=0)
         return results, met
 
     def _refined(
@@ -178,10 +168,12 @@ class Algorithm1:
         estimator: ResidualEstimator | None,
         candidates: Array,
         signals: PreparedSignals,
-        moves: Sequence[np.random.Generator],
+        rng: np.random.Generator,
     ) -> Selected:
-        """Select the most similar set of all runs of a refinement."""
-        best = [refine(estimator, candidates, signals, self.search, self.refinement, rng) for rng in moves]
+        """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
+        first = deepcopy(rng)
+        moves = [first, *first.spawn(self.refinement.starts - 1)]
+        best = [refine(estimator, candidates, signals, self.search, self.refinement, each) for each in moves]
         return select(np.concatenate(best), signals, self.search)
 
 
