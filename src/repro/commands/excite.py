@@ -2,7 +2,6 @@
 
 import argparse
 import logging
-import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,20 +65,15 @@ def run(arguments: argparse.Namespace) -> int:
     if arm.plane != "vertical":
         raise InputError.at(f"{arguments.arm}: plane", arm.plane, "vertical, for which the motion is designed")
     limits = Envelope(arm, guess)
-    asked = {key: getattr(arguments, key) for key in ("duration", "rate", "harmonics", "noise", "seed")}
-    ours = excite(arm, guess=guess, **asked)
+    asked = {key: getattr(arguments, key) for key in ("harmonics", "rate", "noise", "seed")}
+    ours = excite(arm, guess=guess, duration=arguments.duration, **asked)
     motions = {"optimised": ours, "eq10": published(limits, (steps, h), harmonics / (steps * h), noise)}
-    settings = {key: getattr(arguments, key) for key in ("harmonics", "rate", "noise", "seed")}
     content = {
-        "settings": {
-            **settings,
-            "duration": steps * h,
-            "guess": None if limits.beta is None else limits.beta.tolist(),
-        },
+        "settings": {**asked, "duration": steps * h, "guess": None if guess is None else guess.tolist()},
         "arm": {**asdict(arm), "file": arguments.arm.name},
         **{name: summarise_motion(motion, limits, noise) for name, motion in motions.items()},
     }
-    if not math.isfinite(content["optimised"]["condition"]):
+    if not np.isfinite(content["optimised"]["condition"]):
         found = "limits of position, speed or torque that let no motion separate the parameters"
         raise InputError.at(f"{arguments.arm}: position_limit, speed_limit, torque_limit", found, "wider ones")
     given = [Path(name) for name in (arguments.arm, *(arguments.guess or [])) if name]

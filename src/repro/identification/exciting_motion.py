@@ -5,7 +5,6 @@ determinant of the information Y'Y / sigma^2 of the nine parameters (D-optimal):
 region is smallest, whatever units they are in.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -182,8 +181,7 @@ def excite(
         raise InputError.at("arm", type(arm).__name__, "a path or an Arm")
     beta = None if guess is None else check_beta(guess)
     limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), beta)
-    rng, report = np.random.default_rng(seed), Progress("searching for a motion")
-    return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), rng, report)
+    return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), np.random.default_rng(seed))
 
 
 def check_samples(duration: float, rate: float, harmonics: int) -> int:
@@ -201,19 +199,14 @@ def check_samples(duration: float, rate: float, harmonics: int) -> int:
 
 
 def design(
-    limits: Envelope,
-    times: tuple[int, float],
-    harmonics: int,
-    noise: Array,
-    rng: np.random.Generator,
-    report: Callable[[int, int], None],
+    limits: Envelope, times: tuple[int, float], harmonics: int, noise: Array, rng: np.random.Generator
 ) -> Motion:
     """Find the motion with the largest information from random starts, by L-BFGS with penalties.
 
     It has `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, and
     satisfies the limits between samples too. `harmonics` is the highest multiple of the lowest frequency.
     """
-    (steps, h), rest = times, limits.rest
+    (steps, h), rest, report = times, limits.rest, Progress("searching for a motion")
     # Series that are zero at time 0 with both derivatives are the null space of their values there.
     free = null_space(np.concatenate(_waves(harmonics, 1.0, np.zeros(1)))).T
     free = free[None] * 0.5 * np.ptp(limits.position, axis=0)[:, None, None]

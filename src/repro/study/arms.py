@@ -20,7 +20,6 @@ from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
 from repro.pipeline.job import Config
 from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
-from repro.progress import Progress
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
@@ -138,7 +137,7 @@ def _optimal(config: Config, times: tuple[int, float]) -> Motion:
     arm = Arm(position_limit=((-RANGE, RANGE),) * 2, speed_limit=(SPEED, SPEED), torque_limit=torque)
     envelope = Envelope(arm, true_parameters(config))
     rng = stream(config["study"]["seed"], Stream.STUDY_MOTION)
-    return design(envelope, times, HARMONICS, np.array([0.05, 0.05]), rng, Progress("searching for a motion"))
+    return design(envelope, times, HARMONICS, np.array([0.05, 0.05]), rng)
 
 
 # --- The arms that are tested -------------------------------------------------------------------------------------
