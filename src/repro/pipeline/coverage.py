@@ -85,7 +85,7 @@ def check_coverage(
         return float((distances(own.torque, training) > beyond).mean())
 
     _, estimates, truth = simulated(0, True, draw_arms)
-    calibration = normalised_errors(spread_of(estimates), truth)
+    calibration = normalised_errors(estimates, truth)
     factors = stretch_factors(calibration, levels)
     together = joint_factors(factors, calibration, levels)
     shares, ranks = [], []
@@ -96,9 +96,8 @@ def check_coverage(
         ranks.append(_rank_shares(name, found, right, calibration))
     recordings = read_recordings(captures, config)
     (prepared,), found = read(OWN, recordings)
-    spread = spread_of(found[0])
-    own = {"centre": spread.centre, "low": spread.centre - factors[-1] * spread.width}
-    own["high"] = spread.centre + factors[-1] * spread.width
+    centre, width = spread_of(found[0])
+    own = {"centre": centre, "low": centre - factors[-1] * width, "high": centre + factors[-1] * width}
     own = {name: prepared.to_recorded_time(x * prepared.torque_scale) for name, x in own.items()}
     intervals = pd.DataFrame({"parameter": NAMES, "true": true_parameters(config), **own})
     intervals = intervals.assign(level=levels[-1], warned=int(unlike(recordings)))
@@ -117,14 +116,14 @@ def coverage_shares(
     name: str, found: Array, right: Array, factors: Array, together: Array, levels: tuple[float, ...]
 ) -> pd.DataFrame:
     """Shares of arms that the intervals of each level cover, of estimates `found` (arms, guesses, 9)."""
-    spread = spread_of(found)
-    missed, prior = normalised_errors(spread, right), right.var(axis=0)
+    _, spread = spread_of(found)
+    missed, prior = normalised_errors(found, right), right.var(axis=0)
     stretched = (missed <= factors[:, np.newaxis]).mean(axis=1)
     rows = []
     for i, level in enumerate(levels):
         low, high = np.quantile(found, [0.5 - level / 2, 0.5 + level / 2], axis=1)
         raw = (low <= right) & (right <= high)
-        width = np.median(factors[i] * spread.width, axis=0)
+        width = np.median(factors[i] * spread, axis=0)
         # Variance of the parameter that the interval leaves, as that of a normal error of this width.
         contraction = 1.0 - (width / stats.norm.ppf(0.5 + level / 2)) ** 2 / prior
         each = (NAMES, raw.mean(axis=0), stretched[i], factors[i], width, contraction)
@@ -141,7 +140,7 @@ def _rank_shares(name: str, found: Array, right: Array, calibration: Array) -> p
     Of the range of the guesses that is twice the truth's rank off the middle; of the calibrated interval the rank of
     what it misses by among the arms it was calibrated on. The distribution is uniform where levels are right.
     """
-    n, missed, known = found.shape[1], normalised_errors(spread_of(found), right), np.sort(calibration, axis=0)
+    n, missed, known = found.shape[1], normalised_errors(found, right), np.sort(calibration, axis=0)
     below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
     ranks = [np.searchsorted(known[:, j], missed[:, j]) / len(known) for j in range(len(NAMES))]
     reached = {"raw": np.abs(2 * below - n) / n, "calibrated": np.stack(ranks, axis=1)}

@@ -8,7 +8,6 @@ known parameters, which covers arms drawn like those for any network.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,23 +21,16 @@ MIN_WIDTH = 1e-4
 NOVEL_FRACTION = 0.01
 
 
-@dataclass(frozen=True)
-class GuessSpread:
-    """Estimates of one arm or of many from many guesses, each array (..., 9) in units of the largest torque."""
-
-    centre: Array  # median over the guesses
-    width: Array  # half the range of the central `CENTRAL_FRACTION`
-
-
-def spread_of(estimates: Array) -> GuessSpread:
-    """Compute centre and width of estimates (..., guesses, 9)."""
+def spread_of(estimates: Array) -> tuple[Array, Array]:
+    """Compute median and half the central range, each (..., 9), of estimates from many guesses (..., guesses, 9)."""
     low, middle, high = np.quantile(estimates, [0.5 - CENTRAL_FRACTION / 2, 0.5, 0.5 + CENTRAL_FRACTION / 2], axis=-2)
-    return GuessSpread(middle, np.maximum((high - low) / 2, MIN_WIDTH))
+    return middle, np.maximum((high - low) / 2, MIN_WIDTH)
 
 
-def normalised_errors(spread: GuessSpread, truth: Array) -> Array:
-    """Compute |truth - centre| / width, each (..., 9)."""
-    return np.abs(truth - spread.centre) / spread.width
+def normalised_errors(estimates: Array, truth: Array) -> Array:
+    """Compute |truth - centre| / width (..., 9) of estimates (..., guesses, 9)."""
+    centre, width = spread_of(estimates)
+    return np.abs(truth - centre) / width
 
 
 def stretch_factors(errors: Array, levels: Sequence[float]) -> Array:
