@@ -22,7 +22,7 @@ from repro.cnn.train import fingerprint, train
 from repro.errors import InputError
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
-from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.algorithm1.search import ARM_THRESHOLD, SearchSettings
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import Regression
 from repro.signals.dct import dct2sub
@@ -31,6 +31,7 @@ from repro.streams import Stream, stream
 
 #: Side of the image.
 SAMPLES = 100
+DATA, NETWORK = DataSettings(), NetworkSettings()
 
 
 @dataclass(frozen=True)
@@ -39,12 +40,10 @@ class NetworkSearch:
 
     cache: Path  # folder of trained networks, named by a hash of everything that decides them
     training: TrainingSettings
-    data: DataSettings = field(default_factory=DataSettings)
-    network: NetworkSettings = field(default_factory=NetworkSettings)
     #: What is physically possible is a positive-definite M(q) and positive parameters.
     search: SearchSettings = field(
         default_factory=lambda: SearchSettings(
-            threshold=0.9237, feasibility="positive-definite", metric=UNIT_FREE_METRIC
+            threshold=ARM_THRESHOLD, feasibility="positive-definite", metric=UNIT_FREE_METRIC
         )
     )
     refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
@@ -52,36 +51,50 @@ class NetworkSearch:
 
 
 Report = Callable[[int, int, str], None]
-Run = Callable[[Regression], tuple[dict[str, Estimate], int]]
 
 
 def methods(settings: NetworkSearch, report: Report) -> tuple[Method, Method]:
     """Make Algorithm 1 as published and with the refinement, which share one run."""
-    run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))  # once for both
+    run = lru_cache(maxsize=1)(partial(_run, settings=settings, report=report))
+
+    def literal(regression: Regression) -> Estimate:
+        estimates, met = run(regression)
+        estimate, search = estimates["algorithm1"], settings.search
+        notes = (
+            f"similarity {100.0 * estimate.details['similarity']:.4g} %",
+            f"{met} of {search.executions} executions met the threshold of {100.0 * search.threshold:.4g} %",
+        )
+        return replace(estimate, notes=notes)
+
+    def refined(regression: Regression) -> Estimate:
+        estimates, _ = run(regression)
+        estimate, control = (estimates[f"algorithm1+{step}"] for step in ("refinement", "local-search"))
+        reached, alone = (100.0 * each.details["similarity"] for each in (estimate, control))
+        note = f"similarity {reached:.4g} %; the same moves unread by the network reach {alone:.4g} %"
+        return replace(estimate, notes=(note,))
+
     method = partial(Method, citation="cnn_identification", claims_intervals=False, needs_all_samples=True)
     return (
-        method("algorithm1", "Algorithm 1", estimate=partial(_literal, run=run, search=settings.search)),
-        method("algorithm1+refinement", "Algorithm 1 + refinement", estimate=partial(_refined, run=run)),
+        method("algorithm1", "Algorithm 1", estimate=literal),
+        method("algorithm1+refinement", "Algorithm 1 + refinement", estimate=refined),
     )
 
 
 def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Report) -> FactoredCNN:
     """Load the network of a motion from the cache, or train it, from its checkpoint if there is one, and store it."""
-    s = replace(settings, training=replace(settings.training, precision=on_this_processor(settings.training.precision)))
+    training = replace(settings.training, precision=on_this_processor(settings.training.precision))
     torch.set_num_threads(1)  # sums of several threads are added in another order, and the seed gives another network
     arithmetic = (torch.__version__, torch.backends.cpu.get_cpu_capability())
-    run = fingerprint(motion, s.data, s.network, s.training)
+    run = fingerprint(motion, DATA, NETWORK, training)
     key = hashlib.sha256(repr((run, arithmetic)).encode()).hexdigest()[:24]
-    weights, checkpoint = s.cache / f"{key}.safetensors", s.cache / f"{key}.checkpoint"
+    weights, checkpoint = settings.cache / f"{key}.safetensors", settings.cache / f"{key}.checkpoint"
     if weights.exists():
         try:
-            return load_network(weights, s.network, precision=s.training.precision)
+            return load_network(weights, NETWORK, precision=training.precision)
         except InputError:
             weights.unlink()  # a damaged file of our own cache
-    s.cache.mkdir(parents=True, exist_ok=True)
-    network, _ = train(
-        motion, s.data, s.network, s.training, checkpoint, lambda d, n, loss: report(d, n, f"loss {loss:.2e}")
-    )
+    settings.cache.mkdir(parents=True, exist_ok=True)
+    network, _ = train(motion, DATA, NETWORK, training, checkpoint, lambda d, n, loss: report(d, n, f"loss {loss:.2e}"))
     save_network(weights, network, {"motion": key})
     checkpoint.unlink(missing_ok=True)
     return network
@@ -103,25 +116,6 @@ def _run(regression: Regression, settings: NetworkSearch, report: Report) -> tup
     """Run Algorithm 1 with the network of the regression's motion."""
     motion, signals = _subsampled(regression)
     network = trained_network(motion, settings, report)
-    algorithm1 = Algorithm1("published", network, settings.data.image, settings.search, settings.refinement)
+    algorithm1 = Algorithm1("published", network, DATA.image, settings.search, settings.refinement)
     streams = (stream(settings.seed, kind) for kind in (Stream.OWN_SEARCH, Stream.OWN_REFINE))
     return algorithm1.run(signals, *streams)
-
-
-def _literal(regression: Regression, run: Run, search: SearchSettings) -> Estimate:
-    estimates, met = run(regression)
-    estimate = estimates["algorithm1"]
-    notes = (
-        f"similarity {100.0 * estimate.details['similarity']:.4g} %",
-        f"{met} of {search.executions} executions met the threshold of {100.0 * search.threshold:.4g} %",
-    )
-    return replace(estimate, notes=notes)
-
-
-def _refined(regression: Regression, run: Run) -> Estimate:
-    estimates, _ = run(regression)
-    refined, control = (
-        100.0 * estimates[f"algorithm1+{step}"].details["similarity"] for step in ("refinement", "local-search")
-    )
-    note = f"similarity {refined:.4g} %; the same moves unread by the network reach {control:.4g} %"
-    return replace(estimates["algorithm1+refinement"], notes=(note,))
