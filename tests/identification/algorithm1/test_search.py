@@ -122,8 +122,8 @@ def test_perfect_network_recovers_the_parameters(arm, strength):
 GUESSES = np.random.default_rng(0).uniform(1e-3, 3.0, (20, 9))
 
 
-def reader(scale="shared-max", prepared=None, batch=100):
-    return ResidualEstimator(literal.untrained(), ImageSettings(scale), make() if prepared is None else prepared, batch)
+def reader(scale="shared-max", prepared=None):
+    return ResidualEstimator(literal.untrained(), ImageSettings(scale), make() if prepared is None else prepared)
 
 
 @pytest.mark.parametrize("scale", ["shared-max", "channel-max", "constant"])
@@ -145,5 +145,7 @@ def test_estimates_are_those_of_single_images_and_the_plain_network(scale, norma
 
 
 @pytest.mark.parametrize("batch", [1, 7, 20, 1000])
-def test_size_of_the_batches_does_not_matter(batch):
-    np.testing.assert_allclose(reader(batch=batch).estimate(GUESSES), reader().estimate(GUESSES), rtol=0, atol=1e-5)
+def test_size_of_the_batches_does_not_matter(batch, monkeypatch):
+    expected = reader().estimate(GUESSES)
+    monkeypatch.setattr("repro.identification.algorithm1.search.BATCH", batch)
+    np.testing.assert_allclose(reader().estimate(GUESSES), expected, rtol=0, atol=1e-5)

@@ -38,7 +38,6 @@ class SearchSettings:
     image_motion: ImageMotion = "measured"
 
     def __post_init__(self) -> None:
-        """Check the constants."""
         for name in ("executions", "inner_limit"):
             value = getattr(self, name)
             if not isinstance(value, int) or value < 1:
@@ -69,26 +68,27 @@ class Selected:
     similarity: float  # mean total of both joints on the full-rate signals (line 30)
 
 
+#: Images that the network evaluates at a time.
+BATCH = 100
+
+
 class ResidualEstimator:
     """Lines 17 to 21 for many guesses at once: guess -> image -> CNN -> residual -> estimate, of one torque.
 
-    `image` must have the divisors of Eq. 9 that the network was trained with; `batch` images are evaluated at a time.
+    `image` must have the divisors of Eq. 9 that the network was trained with.
     """
 
-    def __init__(
-        self, network: "FactoredCNN", image: ImageSettings, signals: PreparedSignals, batch: int = 100
-    ) -> None:
+    def __init__(self, network: "FactoredCNN", image: ImageSettings, signals: PreparedSignals) -> None:
         self._network = network
         self._image = image
         self._alpha = signals.alpha.astype(np.float32)
         self._model = signals.model.reshape(-1, 9).T
-        self._batch = batch
         #: Images evaluated so far.
         self.images = 0
 
     def estimate(self, guess: Array) -> Array:
         """Compute estimates beta = r + beta_n (lines 18 to 21) from guesses, (n, 9) in units of the largest torque."""
-        parts = [self._residual(guess[k : k + self._batch]) for k in range(0, len(guess), self._batch)]
+        parts = [self._residual(guess[k : k + BATCH]) for k in range(0, len(guess), BATCH)]
         self.images += len(guess)
         return guess + np.concatenate(parts) if parts else guess
 
