@@ -33,7 +33,8 @@ Moved = tuple[Array, Array, Array]
 
 #: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
 MIN_SHORTENED_SAMPLES = 4096
-#: Squared coherence of the torque, and amplitude of the position over its noise (20 dB), that a frequency needs.
+#: Squared coherence of the torque (mean of both joints), and amplitude of the position over its noise (20 dB, of the
+#: better joint), that a frequency needs.
 MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
 #: Range of the cut-off, Hz.
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0
@@ -59,11 +60,6 @@ SAVITZKY_GOLAY_HALF_POWER = 1.066
 # Zero-phase low-pass filters that differentiate. All take the half-power frequency, so they can be exchanged.
 
 
-def filter_coefficient(cutoff: float) -> float:
-    """Compute c_f of Eq. 6, s^2, whose gain exp(-c_f omega^2) is 1/sqrt(2) at `cutoff`, Hz."""
-    return float(0.5 * np.log(2.0) / (2.0 * np.pi * cutoff) ** 2)
-
-
 def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """Apply the paper's DCT low-pass (Eq. 6, 14) with derivatives that keep the phase.
 
@@ -74,7 +70,8 @@ def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """
     n = x.shape[-1]
     omega = np.pi * np.arange(n) / (n * h)
-    bands = dct(x, type=2, norm="ortho", axis=-1) * np.exp(-filter_coefficient(cutoff) * omega**2)
+    c_f = 0.5 * np.log(2.0) / (2.0 * np.pi * cutoff) ** 2  # s^2; the gain exp(-c_f omega^2) is 1/sqrt(2) at the cut-off
+    bands = dct(x, type=2, norm="ortho", axis=-1) * np.exp(-c_f * omega**2)
     if order == 0:
         return np.asarray(idct(bands, type=2, norm="ortho", axis=-1))
     if order == 2:
@@ -249,8 +246,6 @@ class Cutoff:
     coherence: Array  # squared coherence of recorded and rebuilt torque of each joint, (2, m)
     position: Array  # amplitude of the position over that of its noise, of each joint, (2, m)
     highest: float  # highest cut-off that could have been chosen, Hz
-    explained: float = MIN_COHERENCE  # least coherence, mean of both joints
-    above_noise: float = MIN_SIGNAL_TO_NOISE  # least amplitude ratio, of the better joint
 
 
 def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:

@@ -15,7 +15,7 @@ from PIL import Image
 from repro.exhibits import style
 from repro.exhibits.markup import unit
 from repro.exhibits.panels import JOINTS, TIME, TORQUE
-from repro.identification.filtering import Cutoff
+from repro.identification.filtering import MIN_COHERENCE, MIN_SIGNAL_TO_NOISE, Cutoff
 from repro.model.parameters import Array
 from repro.ownarm.result import Curves, Parameter, Result, Signals
 
@@ -202,7 +202,7 @@ def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
     panels = figure.subplots(1, 2, sharex=True)
     shown = (curve.frequency > 0.0) & (curve.frequency <= _CUTOFF_VIEW * curve.highest)
     f = curve.frequency[shown]
-    drawn = ((curve.position, curve.above_noise), (curve.coherence, curve.explained))
+    drawn = ((curve.position, MIN_SIGNAL_TO_NOISE), (curve.coherence, MIN_COHERENCE))
     for axes, (values, limit) in zip(panels, drawn, strict=True):
         for joint, name in enumerate(("joint1", "joint2")):
             axes.plot(f, _above_zero(values[joint, shown]), label=style.SERIES_LABELS[name], **style.STROKES[name])
