@@ -32,6 +32,8 @@ from repro.streams import Stream, stream
 #: Side of the image.
 SAMPLES = 100
 DATA, NETWORK = DataSettings(), NetworkSettings()
+#: What is physically possible is a positive-definite M(q) and positive parameters.
+SEARCH = SearchSettings(threshold=ARM_THRESHOLD, feasibility="positive-definite", metric=UNIT_FREE_METRIC)
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,7 @@ class NetworkSearch:
 
     cache: Path  # folder of trained networks, named by a hash of everything that decides them
     training: TrainingSettings
-    #: What is physically possible is a positive-definite M(q) and positive parameters.
-    search: SearchSettings = field(
-        default_factory=lambda: SearchSettings(
-            threshold=ARM_THRESHOLD, feasibility="positive-definite", metric=UNIT_FREE_METRIC
-        )
-    )
+    search: SearchSettings = SEARCH
     refinement: RefinementSettings = field(default_factory=lambda: RefinementSettings(starts=8))
     seed: int = 1  # of guesses and moves
 
@@ -100,8 +97,8 @@ def trained_network(motion: SampledMotion, settings: NetworkSearch, report: Repo
     return network
 
 
-def _subsampled(regression: Regression) -> tuple[SampledMotion, PreparedSignals]:
-    """Subsample a regression for the network and for the comparison of candidates."""
+def _run(regression: Regression, settings: NetworkSearch, report: Report) -> tuple[dict[str, Estimate], int]:
+    """Run Algorithm 1 with the network of the regression's motion, both subsampled."""
     if regression.t.size < SAMPLES:
         raise NoSolutionError(f"{regression.t.size} samples after filtering, fewer than the {SAMPLES} of an image")
     columns = dct2sub(np.moveaxis(regression.y, -1, 0), SAMPLES)  # (9, 2, M)
@@ -109,13 +106,7 @@ def _subsampled(regression: Regression) -> tuple[SampledMotion, PreparedSignals]
     tau_sub = dct2sub(regression.tau, SAMPLES)
     torque_scale = float(np.abs(tau_sub).max())
     signals = PreparedSignals(regression, 1.0, torque_scale, tau_sub / torque_scale, y_sub, y_sub)
-    return SampledMotion(y_sub, y_sub), signals
-
-
-def _run(regression: Regression, settings: NetworkSearch, report: Report) -> tuple[dict[str, Estimate], int]:
-    """Run Algorithm 1 with the network of the regression's motion."""
-    motion, signals = _subsampled(regression)
-    network = trained_network(motion, settings, report)
+    network = trained_network(SampledMotion(y_sub, y_sub), settings, report)
     algorithm1 = Algorithm1("published", network, DATA.image, settings.search, settings.refinement)
     streams = (stream(settings.seed, kind) for kind in (Stream.OWN_SEARCH, Stream.OWN_REFINE))
     return algorithm1.run(signals, *streams)
