@@ -40,7 +40,7 @@ def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
 
     A joint that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it.
     """
-    error = np.sqrt(np.mean((regression.tau - regression.y @ beta) ** 2, axis=-1))
+    error = _rms(regression.tau - regression.y @ beta)
     whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
     first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
     return float(first), float(second)
@@ -92,13 +92,10 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
     h = period(log)
     steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])
     feasible = steps <= MAX_STEPS_PER_SAMPLE
-    errors: list[tuple[float, float] | None] = [None] * len(betas)
+    errors = np.full((len(betas), 2), np.inf)
     if feasible.any():
-        simulated = _simulate(log, settings, betas[feasible], int(steps[feasible].max()))
-        for k, error in zip(np.flatnonzero(feasible), simulated, strict=True):
-            if np.isfinite(error).all():
-                errors[k] = (float(error[0]), float(error[1]))
-    return errors
+        errors[feasible] = _simulate(log, settings, betas[feasible], int(steps[feasible].max()))
+    return [(first, second) if np.isfinite([first, second]).all() else None for first, second in errors.tolist()]
 
 
 def integrate(
@@ -161,10 +158,9 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
             torque = np.broadcast_to(np.stack([np.interp(at, log.t, joint) for joint in log.tau], -1), shape)
             for _ in range(steps):
                 x, v = _runge_kutta(x, v, torque, parameters, h / steps, settings.friction_steepness)
-            if not (np.isfinite(x).all() and np.isfinite(v).all()):
-                diverged = ~(np.isfinite(x).all(-1) & np.isfinite(v).all(-1))
-                squares[diverged] = np.inf
-                x[diverged], v[diverged] = 0.0, 0.0
+            diverged = ~(np.isfinite(x).all(-1) & np.isfinite(v).all(-1))
+            squares[diverged] = np.inf
+            x[diverged], v[diverged] = 0.0, 0.0
             squares += (x - q[:, starts + k + 1].T) ** 2
     return np.median(np.sqrt(squares / length), axis=1)
 
