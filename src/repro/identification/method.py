@@ -22,6 +22,8 @@ LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "c
 NETWORKS = ("algorithm1", "algorithm1+refinement")
 #: Names that stand for several methods.
 GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
+#: Baselines of Algorithm 1 in the tables, with the name of the method of least squares.
+BASELINES = {"least-squares": "ordinary", "bounded": "bounded", "consistent": "consistent"}
 #: Methods of the paper's tables, in the order of tables and legends; the first is the paper's as listed.
 TABLE_METHODS = (
     "algorithm1",
@@ -35,14 +37,10 @@ TABLE_METHODS = (
     "differential-evolution",
     "algorithm1+paper-recipe",
     "algorithm1+paper-recipe-ranges",
-    "least-squares",
-    "bounded",
-    "consistent",
+    *BASELINES,
     "true",
     "appendix",
 )
-#: Baselines of Algorithm 1 in the tables, with the name of the method of least squares.
-BASELINES = {"least-squares": "ordinary", "bounded": "bounded", "consistent": "consistent"}
 
 
 def network_cache() -> Path:
