@@ -37,7 +37,6 @@ _NORMAL_95 = 1.959964
 #: Fraction of each limit that is used, so that nothing between two samples exceeds it.
 MAX_UTILISATION = 0.999
 _HALVINGS = 30
-#: Most samples and harmonics of a motion.
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
 #: Fraction of the way from the middle of a range to its end within which a motion may begin.
 _MAX_START = 0.9
@@ -51,7 +50,6 @@ class Envelope:
     beta: Array | None = None  # guess of the parameters (9,), with which the torque limit counts
 
     def __post_init__(self) -> None:
-        """Refuse an arm that lacks a key, or that cannot be at rest within its limits."""
         arm, required = self.arm, {"position_limit": "two ranges, rad", "speed_limit": "two numbers above 0, rad/s"}
         if self.beta is not None:
             required["torque_limit"] = "two numbers above 0, N m, because there is a guess"

@@ -18,7 +18,6 @@ from repro.identification.regression import Regression, joint_variance, without_
 from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
 from repro.model.parameters import NAMES, Array, is_positive_definite
 
-#: Iterations of weighted least squares.
 WEIGHTED_ITERATIONS = 5
 #: Error, in standard deviations, beyond which Huber's loss is linear: 95 % efficient for normal errors.
 HUBER_THRESHOLD = 1.345
@@ -35,7 +34,6 @@ MIN_EIGENVALUE_RATIO = 1e-3
 MIN_FRICTION_RATIO = 1e-6
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-#: No parameter is known.
 NONE_KNOWN = np.zeros(9)
 #: Lower bounds: friction is zero or more, the rest is free.
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)
@@ -204,9 +202,8 @@ def parsimonious(regression: Regression) -> Estimate:
 
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
-    known = _known(regression)
     rest = without_known(regression)
-    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, known)
+    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, _known(rest))
 
 
 def _known(regression: Regression) -> Array:
@@ -245,7 +242,6 @@ def choose_penalty(errors: Array) -> int:
     return int(np.flatnonzero(allowed).max())
 
 
-#: Methods by name.
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (

@@ -81,7 +81,6 @@ STEEPNESS_FACTORS = (2.5**-0.5, 2.5**0.5)
 N_SIMEX_TERMS = 5
 #: Name of `simex` among the perturbations.
 SIMEX = "errors of the motion"
-#: Level of the F-test of further columns.
 F_TEST_LEVEL = 0.05
 
 
