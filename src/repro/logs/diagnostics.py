@@ -29,8 +29,6 @@ _RATIOS: Final = (
     (9.549, "velocity in rpm, taken for rad/s: write into the arm file: units: {velocity: rpm}"),
     (1000.0, "time in ms, taken for s: write into the arm file: units: {time: ms}"),
     (1e-3, "time in s, taken for ms: write into the arm file: units: {time: s}"),
-    (1.0 / 60.0, "time in s, taken for min: write into the arm file: units: {time: s}"),
-    (60.0, "time in min, taken for s: write into the arm file: units: {time: min}"),
 )
 
 
