@@ -8,8 +8,8 @@ import torch
 from scipy.stats import multivariate_normal, norm
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.flow import Flow, load_flow, save_flow
-from repro.cnn.plain import PlainSettings, train_posterior
+from repro.cnn.flow import Flow
+from repro.cnn.plain import PlainSettings, load_posterior, save_posterior, train_posterior
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -55,8 +55,9 @@ def test_its_likelihood_is_above_that_of_the_prior(trained):
 
 
 def test_weights_come_back_from_disk(tmp_path, trained):
-    save_flow(tmp_path / "flow.safetensors", trained)
-    again = load_flow(tmp_path / "flow.safetensors", SIGNALS.samples, QUICK)
+    save_posterior(tmp_path / "flow.safetensors", trained)
+    new = Flow(SIGNALS.samples, QUICK.width, np.zeros(9), np.eye(9))
+    again = load_posterior(tmp_path / "flow.safetensors", new)
     normal = np.random.default_rng(1).standard_normal((4, 9))
     for torque in drawn(2, 3)[0]:
         np.testing.assert_array_equal(again.sample(torque, normal), trained.sample(torque, normal))

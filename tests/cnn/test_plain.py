@@ -6,7 +6,14 @@ import torch
 from scipy.stats import multivariate_normal
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_posterior
+from repro.cnn.plain import (
+    PlainNetwork,
+    PlainSettings,
+    load_posterior,
+    read_torque,
+    save_posterior,
+    train_posterior,
+)
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
@@ -61,8 +68,8 @@ def test_the_first_step_of_a_weight_is_the_learning_rate():
 def test_weights_come_back_from_disk(tmp_path):
     brief = PlainSettings(width=8, steps=3, batch=16)
     network = train_posterior(PlainNetwork, SAMPLED, DATA, brief, 1)
-    save_plain(tmp_path / "plain.safetensors", network)
-    again = load_plain(tmp_path / "plain.safetensors", SIGNALS.samples, brief)
+    save_posterior(tmp_path / "plain.safetensors", network)
+    again = load_posterior(tmp_path / "plain.safetensors", PlainNetwork(SIGNALS.samples, brief.width))
     alpha, _ = drawn(2, 5)
     for torque in alpha:
         np.testing.assert_array_equal(read_torque(again, torque)[0], read_torque(network, torque)[0])

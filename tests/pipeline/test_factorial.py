@@ -10,7 +10,7 @@ import pytest
 from experiment_example import short_config
 
 from repro.cnn.network import load_network
-from repro.cnn.plain import PlainSettings, load_plain, read_torque
+from repro.cnn.plain import PlainNetwork, load_posterior, read_torque
 from repro.files import write_csv
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -223,7 +223,7 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, mean_torque_
     for k, motion, formula in itertools.product((0, 5), cell.image_motions or ("",), TIME_FORMULAS):
         prepared = prepare_recording(blocks[k].recordings[0], tau_mean, signals, motion or "measured")
         if cell.reader == "plain":
-            network = load_plain(weights, signals.samples, PlainSettings(p["width"], p["steps"], p["batch"]))
+            network = load_posterior(weights, PlainNetwork(signals.samples, p["width"]))
             first = read_torque(network, prepared.alpha)[0]
             estimate = prepared.torque_scale * first
         else:

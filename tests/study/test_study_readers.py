@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from repro.cnn.plain import PlainNetwork, save_plain
+from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.config import load_config
 from repro.files import write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
@@ -25,7 +25,7 @@ def readers(tmp_path, error_covariance, prior_mean, prior_covariance):
         {"error_covariance": error_covariance, "prior_mean": prior_mean, "prior_covariance": prior_covariance},
     )
     weights = tmp_path / "posterior.safetensors"
-    save_plain(weights, PlainNetwork(100, CONFIG["study"]["posterior"]["width"]))
+    save_posterior(weights, PlainNetwork(100, CONFIG["study"]["posterior"]["width"]))
     return Readers(training, {"posterior": weights}, CONFIG, signal_settings(CONFIG))
 
 

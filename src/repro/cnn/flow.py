@@ -3,15 +3,12 @@
 A neural spline flow (Durkan and others 2019) of the package zuko, the extra `flow`, on features of the torque samples.
 """
 
-from pathlib import Path
-
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from repro.cnn.plain import PlainSettings, Posterior
+from repro.cnn.plain import Posterior
 from repro.errors import require
-from repro.files import read_tensors, write_tensors
 from repro.model.parameters import NAMES, Array
 
 #: Features of the torque, transforms of the flow, and the width of the two hidden layers of each.
@@ -47,16 +44,3 @@ class Flow(Posterior):
         features = self.body(torch.from_numpy(alpha.reshape(-1).astype(np.float32)))
         scaled = self.flow(features).transform.inv(torch.from_numpy(normal.astype(np.float32)))
         return np.asarray((self.centre + self.spread * scaled).numpy(), dtype=np.float64)
-
-
-def save_flow(path: Path, network: Flow) -> None:
-    """Write the weights."""
-    write_tensors(path, {name: weight.numpy() for name, weight in network.state_dict().items()})
-
-
-def load_flow(path: Path, samples: int, settings: PlainSettings) -> Flow:
-    """Read the weights that `save_flow` wrote."""
-    network = Flow(samples, settings.width, np.zeros(len(NAMES)), np.eye(len(NAMES)))
-    weights, _ = read_tensors(path, "weights of `save_flow`")
-    network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
-    return network.requires_grad_(False)

@@ -107,14 +107,13 @@ def read_torque(network: PlainNetwork, alpha: Array) -> tuple[Array, Array]:
     return mean[0].numpy().astype(np.float64), factor[0].numpy().astype(np.float64)
 
 
-def save_plain(path: Path, network: PlainNetwork) -> None:
+def save_posterior(path: Path, network: Posterior) -> None:
     """Write the weights."""
     write_tensors(path, {name: weight.numpy() for name, weight in network.state_dict().items()})
 
 
-def load_plain(path: Path, samples: int, settings: PlainSettings) -> PlainNetwork:
-    """Read the weights that `save_plain` wrote."""
-    network = PlainNetwork(samples, settings.width)
-    weights, _ = read_tensors(path, "weights of `save_plain`")
+def load_posterior(path: Path, network: P) -> P:
+    """Give a new network the weights that `save_posterior` wrote."""
+    weights, _ = read_tensors(path, "weights of `save_posterior`")
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)

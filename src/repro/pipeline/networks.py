@@ -10,7 +10,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.cnn.network import load_network, on_this_processor, save_network
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_plain, read_torque, save_plain, train_posterior
+from repro.cnn.plain import (
+    PlainNetwork,
+    PlainSettings,
+    load_posterior,
+    read_torque,
+    save_posterior,
+    train_posterior,
+)
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.identification.algorithm1.preprocessing import PreparedSignals
@@ -204,7 +211,7 @@ def train_cell(
     if CELLS[cell].reader == "plain":
         motion, progress = training_motion(c, motions), Progress(f"training, {cell}")
         settings = plain_settings(c["factorial"]["plain"])
-        save_plain(weights, train_posterior(PlainNetwork, motion, data_settings(c), settings, seed, progress))
+        save_posterior(weights, train_posterior(PlainNetwork, motion, data_settings(c), settings, seed, progress))
         return
     train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
 
@@ -243,7 +250,7 @@ def score_cell(
     signals = signal_settings(c)
     tau_mean, blocks = read_mean_torque(mean_torque, signals), read_blocks(recordings, c)
     if levels.reader == "plain":
-        plain = load_plain(weights, signals.samples, plain_settings(c["factorial"]["plain"]))
+        plain = load_posterior(weights, PlainNetwork(signals.samples, c["factorial"]["plain"]["width"]))
     else:
         algorithm1 = for_the_arm(algorithm1_of(cell, weights, c, configuration_digest(c)), c)
     common = {"reader": levels.reader, "training": levels.motions, "omega": levels.omega, "training_seed": seed}

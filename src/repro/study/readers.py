@@ -14,9 +14,9 @@ from scipy import linalg
 from scipy.special import ndtr
 
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
-from repro.cnn.flow import Flow, load_flow, save_flow
+from repro.cnn.flow import Flow
 from repro.cnn.network import save_network
-from repro.cnn.plain import PlainNetwork, load_plain, read_torque, save_plain, train_posterior
+from repro.cnn.plain import PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
@@ -112,10 +112,10 @@ def train_reader(
     posterior = motion, data, plain_settings(s["posterior"]), s["seed"], progress
     if network == FLOW:
         make = partial(Flow, mean=kept["prior_mean"], covariance=kept["prior_covariance"])
-        save_flow(weights, train_posterior(make, *posterior))
+        save_posterior(weights, train_posterior(make, *posterior))
         return
     if network == POSTERIOR:
-        save_plain(weights, train_posterior(PlainNetwork, *posterior))
+        save_posterior(weights, train_posterior(PlainNetwork, *posterior))
         return
     settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
     trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
@@ -144,9 +144,9 @@ class Readers:
         self._signals, self._seed = signals, config["study"]["seed"]
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
-        sizes = signals.samples, plain_settings(config["study"]["posterior"])
-        self._plain = load_plain(weights[POSTERIOR], *sizes) if POSTERIOR in weights else None
-        self._flow = load_flow(weights[FLOW], *sizes) if FLOW in weights else None
+        sizes = signals.samples, config["study"]["posterior"]["width"]
+        self._plain = load_posterior(weights[POSTERIOR], PlainNetwork(*sizes)) if POSTERIOR in weights else None
+        self._flow = load_posterior(weights[FLOW], Flow(*sizes, *self._prior)) if FLOW in weights else None
         self._cnn = {
             name: for_the_arm(algorithm1_of(name, weights[name], config), config)
             for name in SEARCHED
