@@ -18,11 +18,20 @@ from scipy import stats
 
 from repro.paper.published import PublishedValue
 
-#: Verdicts, best first.
 REPRODUCED, BETTER, DIFFERS = "reproduced", "better", "differs"
 INCONCLUSIVE, NOT_COMPARABLE = "inconclusive", "not comparable"
 CONTRADICTS, NOT_RUN, HARDWARE = "contradicts itself", "not run", "needs the hardware"
-VERDICTS = (REPRODUCED, BETTER, DIFFERS, INCONCLUSIVE, NOT_COMPARABLE, CONTRADICTS, NOT_RUN, HARDWARE)
+#: Verdicts, best first, and what each means.
+VERDICTS = {
+    REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
+    BETTER: "better by more than the tolerance, on the paper's own arms",
+    DIFFERS: "different by more than the tolerance",
+    INCONCLUSIVE: "compatible, but our scatter or bounds are too wide, or another case would pass as well",
+    NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
+    CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
+    NOT_RUN: "a setting of the paper that the default run does not use",
+    HARDWARE: "only a measurement on the real arm or board could decide",
+}
 #: Published kind of the numbers that the authors chose and a reproduction adopts.
 SETTING = "setting"
 

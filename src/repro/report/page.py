@@ -21,13 +21,8 @@ from repro.files import read_csv, read_rows, write_text
 from repro.paper.claims import (
     BETTER,
     CAUSES,
-    CONTRADICTS,
     DIFFERS,
     EXTENSION,
-    HARDWARE,
-    INCONCLUSIVE,
-    NOT_COMPARABLE,
-    NOT_RUN,
     REPRODUCED,
     VERDICTS,
     Basis,
@@ -95,17 +90,6 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
     }
 
 
-#: What each verdict means, for a reader who has not seen the paper.
-MEANINGS = {
-    REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
-    BETTER: "better by more than the tolerance, on the paper's own arms",
-    DIFFERS: "different by more than the tolerance",
-    INCONCLUSIVE: "compatible, but our scatter or bounds are too wide, or another case would pass as well",
-    NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
-    CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
-    NOT_RUN: "a setting of the paper that the default run does not use",
-    HARDWARE: "only a measurement on the real arm or board could decide",
-}
 #: Verdicts that the first section counts together; the others are open.
 _GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}
 
@@ -268,7 +252,7 @@ def build_report(inputs: ReportInputs) -> str:
         claims=claims,
         claims_link=link(ledger_file, inputs.page),
         counts=counts[counts.any(axis=1)],
-        meanings=MEANINGS,
+        meanings=VERDICTS,
         grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
