@@ -279,7 +279,7 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     entry = re.search(r"^\((Method\(\"ridge\".*,)\)$", guide, re.M)[1].replace("hoerl1970ridge", "gautier1992exciting")
     folder = tmp_path / "repro" / "identification"
     code = (folder / "least_squares.py").read_text()
-    code = code.replace("#: Methods by name.", f"{function}\n\n#: Methods by name.")
+    code = code.replace("METHODS: dict", f"{function}\n\nMETHODS: dict")
     (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
     names = (folder / "method.py").read_text()
     (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
