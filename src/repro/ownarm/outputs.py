@@ -1,9 +1,7 @@
 """Write the files of a result; the report is one HTML text that opens anywhere and fetches nothing."""
 
-import base64
 import json
 import re
-import struct
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -23,7 +21,7 @@ from repro.ownarm.figures import MOST_METHODS, figures_of, ordered_titles
 from repro.ownarm.recommend import unusable
 from repro.ownarm.result import Curves, Result
 from repro.pipeline.provenance import write_provenance
-from repro.report.embed import Picture, environment, policy
+from repro.report.embed import embedded, environment, policy
 
 #: BibTeX entries of the methods.
 METHODS_FILE = Path(__file__).with_name("methods.bib")
@@ -163,7 +161,7 @@ def render_page(
         predictions=tables.predictions(best),
         columns=tables.method_columns(result),
         blocks=tables.blocks(result),
-        pictures={name: _picture(content) for name, content in figures.items()},
+        pictures={name: embedded(content, _SHOWN) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),
         drawn=list(ordered_titles(result).values())[:MOST_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
@@ -182,8 +180,3 @@ def sentence(text: str) -> str:
     """Begin a text with a capital, unless a parameter's name comes first, and end it with a full stop."""
     start = text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
     return start if not start or start[-1] in ".!?:" else f"{start}."
-
-
-def _picture(png: bytes) -> Picture:
-    width, height = (round(_SHOWN * pixels) for pixels in struct.unpack(">II", png[16:24]))
-    return Picture(f"data:image/png;base64,{base64.b64encode(png).decode()}", width, height)

@@ -73,15 +73,19 @@ class Link:
     download: str  # name to save it under; empty for a file that is only linked
 
 
+def embedded(png: bytes, scale: float) -> Picture:
+    """Embed an image, shown at `scale` CSS pixels for a pixel."""
+    with Image.open(io.BytesIO(png), formats=["PNG"]) as image:
+        width, height = (round(scale * pixels) for pixels in image.size)
+    return Picture(_uri(png, "image/png"), width, height)
+
+
 def picture(path: Path) -> Picture:
     """Embed a PNG file."""
-    content = read_bytes(path, "a PNG image")
     try:
-        with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
-            width, height = (round(_SHOWN * pixels) for pixels in image.size)
+        return embedded(read_bytes(path, "a PNG image"), _SHOWN)
     except (UnidentifiedImageError, OSError) as error:
         raise InputError.at(str(path), "a file that is not an image", "a PNG image") from error
-    return Picture(_uri(content, "image/png"), width, height)
 
 
 def link(path: Path, page: Path) -> Link:
