@@ -16,6 +16,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import IO
 
@@ -39,6 +40,8 @@ TaskPlugin=task/none
 MpiDefault=none
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
+JobCompType=jobcomp/filetxt
+JobCompLoc={folder}/jobs.txt
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 ReturnToService=2
@@ -102,6 +105,7 @@ class Cluster:
 
     variables: dict[str, str]
     log: IO[str]
+    ended_jobs: Path
     commands: dict[str, list[str]]
     daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
 
@@ -114,6 +118,13 @@ class Cluster:
         """Start a daemon."""
         command = self.commands[name]
         self.daemons[name] = subprocess.Popen(command, env=self.environment, stdout=self.log, stderr=self.log)
+
+    def job_seconds(self) -> list[float]:
+        """Seconds that each ended job had a processor, so far."""
+        lines = self.ended_jobs.read_text(encoding="utf-8").splitlines() if self.ended_jobs.exists() else []
+        fields = [dict(part.split("=", 1) for part in line.split() if "=" in part) for line in lines]
+        ends = [[datetime.fromisoformat(job[name]) for name in ("StartTime", "EndTime")] for job in fields]
+        return [(end - start).total_seconds() for start, end in ends]
 
     def kill(self, name: str) -> None:
         """Kill a daemon; jobs run on."""
@@ -157,7 +168,7 @@ def cluster(cpus: int) -> Iterator[Cluster]:
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(1))
         with (folder / "daemons.log").open("w") as log:
-            slurm = Cluster({"PATH": path, "SLURM_CONF": str(conf)}, log, commands)
+            slurm = Cluster({"PATH": path, "SLURM_CONF": str(conf)}, log, folder / "jobs.txt", commands)
             try:
                 for daemon in commands:
                     slurm.start(daemon)

@@ -82,12 +82,18 @@ def compare(folder: Path, expected: dict[str, bytes]) -> None:
     print(f"{folder.name}: all {len(found)} results have the bytes of the local run", flush=True)
 
 
-def tell(folder: Path, seconds: float) -> None:
+def own_seconds(folder: Path) -> dict[str, float]:
+    """Seconds that each job of a run took without Slurm and Snakemake, by the name of its benchmark."""
+    files = [f for pattern in ("benchmarks", "*/benchmarks") for f in folder.glob(f"results/{pattern}/*.tsv")]
+    tables = {f.stem: f.read_text(encoding="utf-8").split() for f in files}
+    return {name: float(table[len(table) // 2]) for name, table in tables.items()}  # a line of names, one of values
+
+
+def print_overhead(folder: Path, seconds: float) -> None:
     """Print what a job cost beyond its own time, as if the processors were never idle."""
-    tables = [f.read_text(encoding="utf-8").split() for f in (folder / "results/smoke/benchmarks").glob("*.tsv")]
-    own = sum(float(table[len(table) // 2]) for table in tables)  # a line of names, and one of values
-    overhead = (seconds - own / CPUS) / len(tables)
-    print(f"{folder.name}: {len(tables)} jobs in {seconds:.0f} s, {overhead:.2f} s a job beyond their own", flush=True)
+    own = own_seconds(folder)
+    overhead = (seconds - sum(own.values()) / CPUS) / len(own)
+    print(f"{folder.name}: {len(own)} jobs in {seconds:.0f} s, {overhead:.2f} s a job beyond their own", flush=True)
 
 
 def jobs_in(states: str, environment: dict[str, str]) -> set[str]:
@@ -136,10 +142,10 @@ def main() -> None:
         folders = [working_folder(Path(name) / kind) for kind in ("local", "slurm", "disturbed")]
         seconds = run(local, folders[0], environment)
         expected = results(folders[0])
-        tell(folders[0], seconds)
+        print_overhead(folders[0], seconds)
         seconds = run(on_slurm, folders[1], environment)
         compare(folders[1], expected)
-        tell(folders[1], seconds)
+        print_overhead(folders[1], seconds)
         disturb(on_slurm, folders[2], environment)
         run(on_slurm, folders[2], environment)
         compare(folders[2], expected)

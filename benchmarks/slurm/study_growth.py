@@ -1,10 +1,13 @@
 """Seconds of a tiny study with 10, 100 and 1,000 conditions: on one core, on two, and on a Slurm of one node.
 
 Usage: ``python benchmarks/slurm/study_growth.py [CONDITIONS...]``, as root, in an environment that has the extra
-``slurm``. Conditions have two arms, no network is searched with, and a job identifies 50 conditions. Prints a line
-a run, and what the larger study costs of the smaller one; results on Slurm have the bytes of those of one core.
+``slurm``. Conditions have two arms, no network is searched with, and a job identifies 200 conditions, so that it takes
+minutes as a job of the default study does. Prints a line a run; how long Slurm's jobs had a processor, and how long
+their rules ran; and what the larger study costs of the smaller one, in processor time on this machine, in wall time on
+Slurm. Results of all kinds of runs have the same bytes.
 """
 
+import resource
 import sys
 import tempfile
 from itertools import pairwise
@@ -12,10 +15,10 @@ from pathlib import Path
 
 import yaml
 from cluster import cluster
-from smoke import CPUS, SMOKE, commands, compare, results, run, with_plugin, working_folder
+from smoke import CPUS, SMOKE, commands, compare, own_seconds, results, run, with_plugin, working_folder
 
 SIZES = (10, 100, 1000)
-CELLS_PER_JOB = 50
+CELLS_PER_JOB = 200
 
 
 def overlay(folder: Path, conditions: int) -> Path:
@@ -36,6 +39,18 @@ def overlay(folder: Path, conditions: int) -> Path:
     return path
 
 
+def processor_seconds() -> float:
+    """What the processes that this one started and waited for have used so far."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def print_shares(jobs: list[float], folder: Path) -> None:
+    """Print what Slurm's jobs took beyond the rules in them."""
+    own = sum(own_seconds(folder).values())
+    print(f"{len(jobs)} Slurm jobs: {sum(jobs):.0f} s, the rules in them {own:.0f} s: {sum(jobs) / own - 1:.1%} more")
+
+
 def main() -> None:
     """Exit code 1 if a byte differs."""
     sizes, environment = [int(size) for size in sys.argv[1:]] or SIZES, with_plugin()
@@ -48,10 +63,15 @@ def main() -> None:
             expected: dict[str, bytes] = {}
             for kind, command in (("one core", one_core), ("two cores", local), ("Slurm", on_slurm)):
                 folder = working_folder(Path(name) / f"{kind}, {size} conditions")
-                seconds[kind, size] = run(command, folder, environment | (slurm.variables if kind == "Slurm" else {}))
+                before, jobs = processor_seconds(), len(slurm.job_seconds())
+                wall = run(command, folder, environment | (slurm.variables if kind == "Slurm" else {}))
+                processor = processor_seconds() - before
+                seconds[kind, size] = wall if kind == "Slurm" else processor
                 expected = expected or results(folder)
                 compare(folder, expected)
-                print(f"{kind}, {size} conditions: {seconds[kind, size]:.0f} s", flush=True)
+                if kind == "Slurm":
+                    print_shares(slurm.job_seconds()[jobs:], folder)
+                print(f"{kind}, {size} conditions: {wall:.0f} s, of processors {processor:.0f} s", flush=True)
     for kind in dict.fromkeys(kind for kind, _ in seconds):
         for less, more in pairwise(sizes):
             ratio = seconds[kind, more] / seconds[kind, less]
