@@ -28,14 +28,20 @@ from repro.pipeline.experiment import (
     disturbance,
     limits,
     program_from_config,
-    program_settings,
     true_parameters,
 )
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.dct import SignalSettings
-from repro.signals.programs import PROGRAMS, VALIDATION, ReferenceTrajectory, identification_reference, peaks
+from repro.signals.programs import (
+    PROGRAMS,
+    VALIDATION,
+    ReferenceTrajectory,
+    TrajectorySettings,
+    identification_reference,
+    peaks,
+)
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 
@@ -114,7 +120,11 @@ def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
 
 
 def _program(config: Config) -> ReferenceTrajectory:
-    return identification_reference(program_settings(config))
+    s, e = config["signals"], config["experiment"]  # without the arm's section, on which no training depends
+    lengths = TrajectorySettings(
+        duration=s["duration_s"], h=s["sampling_period_s"], margin=e["margin_samples"], lead_in=e["lead_in_s"]
+    )
+    return identification_reference(lengths)
 
 
 def run_loop(
