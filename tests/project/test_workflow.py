@@ -358,6 +358,11 @@ def test_each_function_is_given_what_it_names(working):
         assert {name for name, one in parameters.items() if one.default is one.empty} <= given, rule.name
 
 
+def test_inputs_are_named_as_files(rules):
+    """A job of a cluster would check the rule of an input that is named as a rule's output, and run it again."""
+    assert [name for name, rule in rules.items() if rule.dependencies] == []
+
+
 def test_no_script_is_left_over(working):
     assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
 

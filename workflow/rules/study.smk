@@ -1,3 +1,7 @@
+# Inputs are files, not outputs of rules: on a cluster a job checks a rule whose output it names, and runs it again,
+# because the digests of code are known to the main process alone.
+
+
 rule study_arms:
     output:
         out=f"{R}/study/arms.safetensors",
@@ -12,7 +16,7 @@ rule study_arms:
 
 rule study_motions:
     input:
-        choice=rules.study_arms.output.out,
+        choice=f"{R}/study/arms.safetensors",
     output:
         out=f"{R}/study/{{excitation}}-{{law}}/training.safetensors",
     priority: AWAITED
@@ -27,7 +31,7 @@ rule study_motions:
 
 rule study_train:
     input:
-        training=rules.study_motions.output.out,
+        training=f"{R}/study/{{excitation}}-{{law}}/training.safetensors",
     output:
         weights=f"{R}/study/{{excitation}}-{{law}}/{{network}}.safetensors",
     priority: TRAINING
@@ -46,7 +50,7 @@ rule study_train:
 
 rule study_cells:
     input:
-        choice=rules.study_arms.output.out,
+        choice=f"{R}/study/arms.safetensors",
         training=lambda wildcards: f"{study_folder(wildcards)}/training.safetensors",
         weights=study_networks,
     output:
