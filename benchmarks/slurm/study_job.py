@@ -27,7 +27,7 @@ def main() -> None:
         rules = own_seconds(folder)
     own = {"study_arms and study_motions": sum(s for rule, s in rules.items() if rule.startswith(SHARED))}
     own |= {rule: s for rule, s in rules.items() if not rule.startswith(SHARED)}
-    # The jobs differ so much that their order is that of their rules.
+    # Jobs and rules are paired by their length; only the two trainings of Algorithm 1 may be exchanged.
     for seconds, (rule, alone) in zip(jobs, sorted(own.items(), key=lambda item: item[1]), strict=True):
         print(f"{rule}: {seconds:.0f} s, its rules {alone:.0f} s: {seconds / alone - 1:.1%} more")
     print(f"all: {wall:.0f} s; jobs {sum(jobs):.0f} s, their rules {sum(own.values()):.0f} s")

@@ -5,6 +5,7 @@ torque samples, by the likelihood of a normal distribution (amortised Gaussian p
 """
 
 import itertools
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,12 +35,12 @@ class PlainSettings:
     learning_rate: float = 1e-3  # a cosine brings it down to zero
 
 
-class Posterior(nn.Module):
+class Posterior(nn.Module, ABC):
     """A network that claims a distribution of the parameters behind a torque, in units of the largest torque."""
 
+    @abstractmethod
     def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
         """Negative log-likelihood of parameters (n, 9), without its constant, of torques (n, 2 M)."""
-        raise NotImplementedError
 
 
 P = TypeVar("P", bound=Posterior)

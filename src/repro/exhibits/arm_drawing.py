@@ -52,7 +52,7 @@ def _write(axes: Axes, place: Point, symbols: Sequence[str], side: str = "center
 
 
 def _measure(axes: Axes, joint: Point, angle: float, length: float, offset: float, symbol: str) -> None:
-    """Draw a length beside a link, with its extension lines."""
+    """Draw a length next to a link, with its extension lines."""
     for along in (0.0, length):
         axes.plot(*zip(*(_beyond(joint, angle, along, part * offset) for part in (0.0, 1.12)), strict=True), **_THIN)
     ends = (_beyond(joint, angle, 0.0, offset), _beyond(joint, angle, length, offset))

@@ -82,7 +82,7 @@ def _declare(
     target: str = "",
 ) -> Declaration:
     """Declare the decorated function as the numbers of an exhibit, and its docstring as the caption."""
-    if isinstance(which, int):  # an exhibit of the paper has a number, an addition of ours a name of its own
+    if isinstance(which, int):  # an exhibit of the paper has a number, an addition of ours a name
         number, name, label = which, f"{kind.removesuffix('ure')}{which:02d}", f"{kind.capitalize()} {which}"
         target = name
     else:
