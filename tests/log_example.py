@@ -15,8 +15,6 @@ SECONDS = 12.0
 
 @dataclass(frozen=True)
 class Recording:
-    """Signals in SI, one row for each joint."""
-
     t: np.ndarray
     q: np.ndarray
     dq: np.ndarray
@@ -35,14 +33,12 @@ def motion(t):
 
 
 def recording(t=None, beta=BETA):
-    """What a perfect recorder writes at given instants."""
     t = np.arange(round(SECONDS * RATE)) / RATE if t is None else t
     q, dq, ddq = motion(t)
     return Recording(t, q, dq, inverse_dynamics(q, dq, ddq, beta))
 
 
 def columns(r):
-    """Columns by the names that everyone uses."""
     names = ("time", "q1", "q2", "dq1", "dq2", "tau1", "tau2")
     return dict(zip(names, (r.t, *r.q, *r.dq, *r.tau), strict=True))
 
@@ -54,7 +50,6 @@ def text(table, digits=9):
 
 
 def log_of(r, **changes):
-    """The recording as a log."""
     return Log(name="log.csv", t=r.t, q=r.q, tau=r.tau, dq=r.dq, **changes)
 
 

@@ -3,18 +3,20 @@
 import dataclasses
 import hashlib
 import json
+import re
 
 import numpy as np
 import pytest
 from fake_board import CONTROL, IDENTITY, metadata, motion
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from strategies import seeds
 
 from repro.errors import InputError
 from repro.fpga.capture import Host, decode_capture, read_capture, recording_of, to_table, verify_control, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import encode
-from repro.fpga.messages import encode_gains, encode_program, encode_trajectory, parse_program
+from repro.fpga.messages import encode_gains, encode_program, encode_trajectory
 
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)
@@ -24,12 +26,8 @@ HOST = Host("socket://127.0.0.1:5000", 115200, "2026-01-31T12:00:00.000+00:00", 
 
 @pytest.fixture
 def stored(tmp_path):
-    write_capture(tmp_path / "T4.bin", FRAMES, METADATA)
+    write_capture(tmp_path / "T4.bin", FRAMES, metadata(DESIRED, host=HOST))
     return tmp_path / "T4.bin"
-
-
-def content_of(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 @pytest.mark.parametrize("host", [None, HOST])
@@ -51,8 +49,6 @@ def test_what_is_written_is_read(tmp_path, host, board, data, reason):
     np.testing.assert_allclose(capture.q, POSITION[:, :n] * 2 * np.pi / 8400, rtol=1e-12)
     np.testing.assert_allclose(capture.tau.T, PWM[:, :n].T * (np.array([2.7192, 2.7314]) / 1023), rtol=1e-12)
     np.testing.assert_array_equal(capture.metadata.desired, DESIRED.astype(np.float32))
-    gains, _ = parse_program(capture.metadata.program)
-    assert (*gains.kp, *gains.kv) == (*CONTROL.kp_counts, *CONTROL.kv_counts)
     content = json.loads(path.with_suffix(".json").read_text())
     assert content["source"] == ("serial" if board is None else "simulated")
     assert ("host" in content) == (host is not None)
@@ -60,10 +56,9 @@ def test_what_is_written_is_read(tmp_path, host, board, data, reason):
 
 
 def test_a_capture_is_overwritten_only_on_request(stored):
-    before = content_of(stored.parent)
     with pytest.raises(InputError, match=r"T4\.bin: found a file"):
         write_capture(stored, FRAMES[:80], METADATA)
-    assert content_of(stored.parent) == before
+    assert read_capture(stored).data == FRAMES
     write_capture(stored, FRAMES[:80], dataclasses.replace(METADATA, end_reason="silent"), overwrite=True)
     assert read_capture(stored).counts.good == 10
     stored.unlink()
@@ -101,6 +96,10 @@ def test_a_capture_is_whole_or_absent(tmp_path):
         ("counts.good", 399, "counts.good: found 399, expected 400"),
         ("mood", "fine", "mood: found an unknown key"),
         ("host", {}, "host.port: found nothing, expected a value"),
+        ("host.chunks", [], "host.chunks: found "),
+        ("host.chunks", [[800, 0.1], [3201, 0.2]], "host.chunks: found "),
+        ("host.chunks", [[-1, 0.1], [3200, 0.2]], "host.chunks: found "),
+        ("host.chunks", [[9, 0], [3, 0]], "host.chunks: found "),
         ("sha256", "0" * 64, "SHA-256: found"),
         ("motion", None, "motion: found nothing, expected a value"),
         ("motion", "\x1b[2J", r"motion: found '\x1b[2J', expected text without control characters"),
@@ -109,18 +108,14 @@ def test_a_capture_is_whole_or_absent(tmp_path):
 def test_a_wrong_sidecar_is_named_in_one_line(stored, key, value, place):
     sidecar = stored.with_suffix(".json")
     content = json.loads(sidecar.read_text())
-    *parents, last = key.split(".")
-    node = content
-    for parent in parents:
-        node = node[parent]
+    section, _, name = key.rpartition(".")
+    values = content[section] if section else content
+    values[name] = value
     if value is None:
-        del node[last]
-    else:
-        node[last] = value
+        del values[name]
     sidecar.write_text(json.dumps(content))
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=re.escape(place)) as caught:
         read_capture(stored)
-    assert place in str(caught.value)
     assert str(caught.value).startswith(str(stored.with_suffix("")))
     assert "\n" not in str(caught.value)
 
@@ -146,30 +141,17 @@ def test_a_wrong_file_is_named_in_one_line(stored, name, content, place):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("chunks", [[], [[800, 0.1], [3201, 0.2]], [[-1, 0.1], [3200, 0.2]], [[9, 0], [3, 0]]])
-def test_chunks_that_are_not_those_of_the_bytes_are_refused(tmp_path, chunks):
-    path = tmp_path / "T4.bin"
-    write_capture(path, FRAMES, metadata(DESIRED, host=HOST))
-    content = json.loads(path.with_suffix(".json").read_text())
-    content["host"]["chunks"] = chunks
-    path.with_suffix(".json").write_text(json.dumps(content))
-    with pytest.raises(InputError, match=r"T4\.json: host\.chunks: found "):
-        read_capture(path)
-
-
-def test_flipped_bits_of_a_sidecar_are_refused_or_change_nothing(tmp_path):
-    path = tmp_path / "T4.bin"
-    write_capture(path, FRAMES, metadata(DESIRED, host=HOST))
-    sidecar = path.with_suffix(".json")
+def test_flipped_bits_of_a_sidecar_are_refused_or_change_nothing(stored):
+    sidecar = stored.with_suffix(".json")
     whole = sidecar.read_bytes()
-    before = read_capture(path).metadata
+    before = read_capture(stored).metadata
     refused = 0
     for k in np.random.default_rng(4).choice(8 * len(whole), 150, replace=False):
         damaged = bytearray(whole)
         damaged[k // 8] ^= 1 << (k % 8)
         sidecar.write_bytes(damaged)
         try:
-            assert read_capture(path).metadata == before  # a blank became another one
+            assert read_capture(stored).metadata == before  # a blank became another one
         except InputError as error:
             assert "\n" not in str(error)
             refused += 1
@@ -197,9 +179,6 @@ def test_a_program_that_contradicts_the_sidecar_is_refused(stored, program, foun
     with pytest.raises(InputError, match=found) as caught:
         read_capture(stored)
     assert str(caught.value).startswith(f"{sent}: ")
-
-
-# --- Recordings ---------------------------------------------------------------------------------------------------
 
 
 def test_short_gaps_are_interpolated_and_recorded():
@@ -245,9 +224,7 @@ def test_the_table_has_the_frames():
     assert not table["gap"].any()
 
 
-def test_the_control_law_confirms_every_frame():
-    checked, differing = verify_control(decode_capture(FRAMES, METADATA))
-    assert (checked, differing.size) == (400, 0)
+def test_the_control_law_confirms_every_frame_that_it_can():
     # Two frames are damaged, the one before them is not confirmed, and the one behind them has none before it.
     checked, differing = verify_control(decode_capture(FRAMES[:800] + bytes(16) + FRAMES[816:], METADATA))
     assert (checked, differing.size) == (396, 0)
@@ -265,8 +242,7 @@ def test_the_control_law_finds_flipped_bits_that_the_parser_cannot(frame, bit):
 
 
 @pytest.mark.slow
-@settings(max_examples=1000)
-@given(seed=st.integers(0, 2**32 - 1), rates=st.tuples(*[st.sampled_from([0.0, 1e-3, 1e-2])] * 3))
+@given(seed=seeds, rates=st.tuples(*[st.sampled_from([0.0, 1e-3, 1e-2])] * 3))
 def test_channel_errors_never_break_the_reader(seed, rates):
     injector = ErrorInjector(ErrorRates(*rates), np.random.default_rng(seed))
     data = injector.apply(FRAMES)

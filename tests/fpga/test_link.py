@@ -2,8 +2,8 @@
 
 import _thread
 import signal
-import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -28,12 +28,14 @@ def recorded(port, silence=0.2):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("make", "real_time"), [(PtyEndpoint, False), (PtyEndpoint, True), (tcp, False)])
-def test_a_recording_has_the_very_bytes(make, real_time):
-    board = PlayedBoard(FRAMES)
+@pytest.mark.parametrize(
+    ("make", "real_time", "silent"), [(PtyEndpoint, False, True), (PtyEndpoint, True, False), (tcp, False, False)]
+)
+def test_a_recording_has_the_very_bytes(make, real_time, silent):
+    board = PlayedBoard(FRAMES, silent)
     with served(board, make(), real_time=real_time) as port:
         data, received = recorded(port)
-    assert (data, received.board, received.end_reason) == (FRAMES, IDENTITY, "")
+    assert (data, received.board, received.end_reason) == (FRAMES, None if silent else IDENTITY, "")
     kinds = [message.kind for message in board.messages]
     assert kinds == [MessageKind.IDENTIFY, MessageKind.GAINS, MessageKind.TRAJECTORY, MessageKind.START]
     host = received.host
@@ -42,12 +44,6 @@ def test_a_recording_has_the_very_bytes(make, real_time):
     assert offsets[-1] == 1600 and (np.diff(offsets) > 0).all() and (np.diff(seconds) >= 0).all()
     if real_time:  # 0.5 s of motion, a stamp every 50 ms
         assert 2 <= len(host.chunks) <= 12 and seconds[-1] >= 0.49
-
-
-def test_hardware_does_not_answer():
-    with served(PlayedBoard(FRAMES, silent=True), PtyEndpoint(), real_time=False) as port:
-        data, received = recorded(port)
-    assert (data, received.board, received.end_reason) == (FRAMES, None, "")
 
 
 @pytest.mark.slow
@@ -62,31 +58,21 @@ def test_what_an_earlier_recording_left_is_dropped():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("make", "after"), [(PtyEndpoint, 8), (PtyEndpoint, 805), (PtyEndpoint, 1599), (tcp, 805)])
-def test_an_unplugged_cable(make, after):
-    injector = lambda: ErrorInjector(ErrorRates(disconnect_after=after), np.random.default_rng(0))  # noqa: E731
+@pytest.mark.parametrize("make", [PtyEndpoint, tcp])
+def test_an_unplugged_cable_ends_a_recording(make):
+    injector = partial(ErrorInjector, ErrorRates(disconnect_after=805), np.random.default_rng(0))
     with served(PlayedBoard(FRAMES), make(), real_time=False, injector=injector) as port:
-        if after == 8:  # one frame is not enough to be sure of it
-            with pytest.raises(InputError, match="found 8 bytes without a frame"):
-                recorded(port)
-            return
         data, received = recorded(port)
-    assert (data, received.end_reason) == (FRAMES[:after], "disconnected")
+    assert (data, received.end_reason) == (FRAMES[:805], "disconnected")
 
 
-def wait_for_stop(board):
-    deadline = time.monotonic() + 5.0
-    while board.messages[-1].kind != MessageKind.STOP:
-        assert time.monotonic() < deadline
-        time.sleep(0.001)
+class Pressing(PlayedBoard):
+    """Ctrl-C is pressed in the middle of its motion."""
 
-
-def test_a_board_that_stops_in_the_middle():
-    board = PlayedBoard(FRAMES[:800])
-    with served(board, PtyEndpoint(), real_time=False) as port:
-        data, received = recorded(port)
-        wait_for_stop(board)
-    assert (data, received.end_reason) == (FRAMES[:800], "silent")
+    def tick(self):
+        if self.place == 400:
+            _thread.interrupt_main()
+        return super().tick()
 
 
 @pytest.fixture
@@ -98,28 +84,25 @@ def heeding_control_c():
 
 
 @pytest.mark.usefixtures("heeding_control_c")
-def test_control_c_keeps_what_arrived():
-    board = PlayedBoard(FRAMES[:800])  # it waits in the middle, however late the key is pressed
+@pytest.mark.parametrize(("make", "silence", "reason"), [(PlayedBoard, 0.2, "silent"), (Pressing, 60.0, "interrupted")])
+def test_a_recording_that_ends_in_the_middle_stops_the_board_and_keeps_what_arrived(make, silence, reason):
+    board = make(FRAMES[:800])
     with served(board, PtyEndpoint(), real_time=True) as port:
-
-        def press():
-            while board.place < 400:
-                time.sleep(0.001)
-            _thread.interrupt_main()
-
-        presser = threading.Thread(target=press)
-        presser.start()
-        data, received = recorded(port, silence=60.0)
-        presser.join()
-        wait_for_stop(board)
-    assert received.end_reason == "interrupted"
-    assert 0 < len(data) <= 800 and FRAMES.startswith(data)
+        data, received = recorded(port, silence)
+        deadline = time.monotonic() + 5.0
+        while board.messages[-1].kind != MessageKind.STOP:
+            assert time.monotonic() < deadline
+            time.sleep(0.001)
+    assert received.end_reason == reason
+    assert FRAMES.startswith(data)
+    assert len(data) == 800 if reason == "silent" else 0 < len(data) <= 800
 
 
 @pytest.mark.parametrize(
     ("frames", "found"),
     [
         (b"", "found nothing in the 0.2 s after the start .*refused.*, expected 200 frames"),
+        (FRAMES[:8], "found 8 bytes without a frame"),  # one alone is not certain
         (bytes(1600), "found 1600 bytes without a frame .*baud rate 115200.*, expected 200 frames"),
     ],
 )
@@ -137,71 +120,51 @@ def test_a_port_that_cannot_be_opened_is_reported_in_one_line(port):
     assert "\n" not in str(caught.value)
 
 
-# --- The receiver, with a line of its own ----------------------------------------------------------------------------
-
-
 class Line:
-    """A port that gives these pieces, one a look; an exception among them is raised."""
+    """A port that gives these pieces, one a look, and raises an exception among them."""
 
     def __init__(self, *pieces):
         self.pieces = list(pieces)
 
     def read(self, size):
-        piece = self.pieces.pop(0) if self.pieces else b""
+        piece = self.pieces.pop(0) if self.pieces else None
         if isinstance(piece, type):
             raise piece
-        return piece
+        return piece or b""
 
 
-def receive(*pieces, samples=200):
-    progress = []
-    receiver = Receiver(samples, 0.1, lambda piece: None)
-    receiver.run(Line(*pieces), lambda done, total: progress.append((done, total)))
-    return receiver, receiver.close(), progress
-
-
-def cut(data, size):
-    return [data[i : i + size] for i in range(0, len(data), size)]
-
-
-@pytest.mark.parametrize("size", [1, 7, 64, 5000])
-def test_it_ends_when_all_samples_have_come(size):
-    receiver, reason, progress = receive(*cut(FRAMES, size))
-    assert (bytes(receiver.data), reason, receiver.good) == (FRAMES, "", 200)
-    assert progress[-1][1] == 200
-    assert [done for done, _ in progress] == sorted(done for done, _ in progress)
-    assert receiver.stamps[-1][0] == len(FRAMES)
-
-
-def test_what_comes_after_the_last_sample_is_left_out():
-    receiver, reason, _ = receive(*cut(FRAMES, 7), samples=150)
-    assert (bytes(receiver.data), reason, receiver.good) == (FRAMES[:1200], "", 150)
+#: The stream without frame 100, with a byte too many before the last frame or in it, and without the last frame.
+LOST = FRAMES[:800] + bytes(8) + FRAMES[808:]
+LONGER, LONGEST = FRAMES[:1550] + b"\x11" + FRAMES[1550:], FRAMES[:1596] + b"\x11" + FRAMES[1596:]
+SHORT = FRAMES[:1592]
 
 
 @pytest.mark.parametrize(
-    ("end", "expected"), [((), "silent"), ((OSError,), "disconnected"), ((KeyboardInterrupt,), "interrupted")]
+    ("data", "size", "end", "samples", "expected"),
+    [
+        *((FRAMES, size, None, 200, (FRAMES, "", 200)) for size in (1, 7, 64, 5000)),
+        (FRAMES, 7, None, 150, (FRAMES[:1200], "", 150)),
+        (FRAMES[:1001], 100, None, 200, (FRAMES[:1001], "silent", 125)),
+        (FRAMES[:1001], 100, OSError, 200, (FRAMES[:1001], "disconnected", 125)),
+        (FRAMES[:1001], 100, KeyboardInterrupt, 200, (FRAMES[:1001], "interrupted", 125)),
+        (LOST, 64, None, 200, (LOST, "", 199)),
+        (LONGER, 3, None, 200, (LONGER, "", 199)),
+        (LONGEST, 3, None, 200, (LONGEST, "silent", 199)),
+        (SHORT, 5000, None, 200, (SHORT, "silent", 199)),
+        (FRAMES[:-1], 5000, None, 200, (FRAMES[:-1], "silent", 199)),
+        (SHORT + bytes(8), 5000, None, 200, (SHORT + bytes(8), "silent", 198)),
+    ],
 )
-def test_what_arrived_before_a_bad_end_is_kept(end, expected):
-    receiver, reason, _ = receive(*cut(FRAMES[:1001], 100), *end)
-    assert (bytes(receiver.data), reason, receiver.good) == (FRAMES[:1001], expected, 125)
-
-
-def test_lost_frames_within_make_no_recording_incomplete():
-    damaged = FRAMES[:800] + bytes(8) + FRAMES[808:]
-    receiver, reason, _ = receive(*cut(damaged, 64))
-    assert (bytes(receiver.data), reason, receiver.good) == (damaged, "", 199)
-
-
-def test_a_byte_too_many_does_not_cut_off_the_last_frame():
-    for place in (1500, 1550, 1590):
-        longer = FRAMES[:place] + b"\x11" + FRAMES[place:]
-        receiver, _, _ = receive(*cut(longer, 3))
-        assert bytes(receiver.data) == longer
-
-
-@pytest.mark.parametrize("last", [b"", FRAMES[1592:-1], bytes(8)])
-def test_without_the_last_sample_it_is_incomplete(last):
-    assert receive(FRAMES[:1592] + last)[1] == "silent"
+def test_a_recording_ends_with_the_last_sample_or_keeps_what_arrived(data, size, end, samples, expected):
+    pieces = [data[i : i + size] for i in range(0, len(data), size)]
+    progress = []
+    receiver = Receiver(samples, 0.1, lambda piece: None)
+    receiver.run(Line(*pieces, end), lambda done, total: progress.append((done, total)))
+    reason = receiver.close()
+    assert (bytes(receiver.data), reason, receiver.good) == expected
+    assert [done for done, _ in progress] == sorted(done for done, _ in progress)
+    assert progress[-1][1] == samples
+    assert receiver.stamps[-1][0] == len(receiver.data)
 
 
 class Ticking:

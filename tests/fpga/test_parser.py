@@ -28,7 +28,6 @@ def at_rest(n, position=(165, 300), pwm=(40, -7)):
 
 
 def parse(data, sizes=None):
-    """Frames as bytes, with their offsets; gaps; counts."""
     parser = StreamParser()
     pieces, place = [], 0
     for size in sizes or [len(data)]:
@@ -57,37 +56,22 @@ def check_books(data, frames, gaps, counts):
     assert counts.lost == sum(g.lost for g in gaps)
 
 
-@pytest.mark.parametrize("n", [2, 3770])
-def test_clean_stream(n):
-    data = motion(n)
-    frames, offsets, gaps, counts = parse(data)
-    assert b"".join(frames) == data
-    assert offsets == list(range(0, 8 * n, 8))
-    assert gaps == []
-    assert counts.good == n
-
-
-def damaged(seed, n=120):
-    rng = np.random.default_rng(seed)
-    data = motion(n, speed=rng.uniform(0, 25), seed=seed)
-    settings = ErrorRates(drop=0.004, flip=0.004, insert=0.004, stall=0.001, stall_bytes=int(rng.integers(0, 90)))
-    return ErrorInjector(settings, rng).apply(data)
-
-
 @given(seed=seeds, sizes=st.lists(st.integers(0, 300) | st.integers(0, 9), max_size=60))
 def test_cutting_changes_nothing(seed, sizes):
-    data = damaged(seed)
+    rng = np.random.default_rng(seed)
+    rates = ErrorRates(drop=0.004, flip=0.004, insert=0.004, stall=0.001, stall_bytes=int(rng.integers(0, 90)))
+    data = ErrorInjector(rates, rng).apply(motion(120, speed=rng.uniform(0, 25), seed=seed))
     whole = parse(data)
     assert parse(data, sizes) == whole
     check_books(data, whole[0], *whole[2:])
 
 
-STREAMS = {"motion": motion(40), "fast": motion(40, speed=26.0), "rest": at_rest(20) + motion(20)}
+STREAMS = {"motion": motion(24), "fast": motion(24, speed=26.0), "rest": at_rest(12) + motion(12)}
 
 
 @pytest.mark.parametrize("name", STREAMS)
 @pytest.mark.parametrize(
-    "value", [None, *(pytest.param(value, marks=pytest.mark.slow) for value in (0x00, 0xA5, 0xFF, 0x5A, 0x3C))]
+    "value", [None, *(pytest.param(value, marks=pytest.mark.slow) for value in (0x00, 0xA5, 0xFF))]
 )
 def test_one_byte_lost_or_inserted_costs_two_frames_at_most(name, value):
     sent = STREAMS[name]
@@ -153,11 +137,24 @@ def test_short_ambiguity_is_settled_by_what_follows(drop):
     assert b"".join(frames) == sent[8:]
 
 
-def test_a_frame_too_far_from_the_last_one_is_skipped_though_the_next_is_near():
-    position = np.full((2, 20), 100)
-    position[0, 10:] = [140, *[120] * 9]
-    data = encode(position, 0 * position)
-    assert b"".join(parse(data)[0]) == data[:80] + data[88:]
+@pytest.mark.parametrize(
+    ("position", "skipped", "gap"),
+    [
+        # A frame too far from the last one, though the next is near; the gap is its offset, its bytes and frames lost.
+        ([*[100] * 10, 140, *[120] * 9], [10], (80, 8, 1)),
+        # A jump: 540 counts take 20 frames at 27 counts a frame.
+        ([*[100] * 50, *[640] * 50], [], (400, 0, 19)),
+        # At 20 counts a frame a bit of 32 the other way makes a step of -12, which is possible; the next is not near.
+        (20 * np.arange(40) - 32 * (np.arange(40) == 20), [], (168, 0, 1)),
+    ],
+)
+def test_a_step_that_no_joint_can_make_is_a_gap(position, skipped, gap):
+    data = encode([position, np.zeros(len(position), dtype=int)], np.zeros((2, len(position)), dtype=int))
+    frames, _, gaps, counts = parse(data)
+    kept = np.delete(np.arange(len(position)), skipped)
+    assert frames == [data[8 * i : 8 * i + 8] for i in kept]
+    assert [(g.offset, g.skipped, g.lost, g.reason) for g in gaps] == [(*gap, "step")]
+    check_books(data, frames, gaps, counts)
 
 
 def test_false_lock_ends_when_the_arm_moves():
@@ -166,27 +163,6 @@ def test_false_lock_ends_when_the_arm_moves():
     frames, _, gaps, _ = parse(data)
     assert b"".join(frames).endswith(moving[16:])
     assert len(gaps) <= 3
-
-
-def test_jump_keeps_all_frames_and_is_reported():
-    head = at_rest(50, (100, 100))
-    tail = at_rest(50, (640, 100))
-    frames, _, gaps, counts = parse(head + tail)
-    assert b"".join(frames) == head + tail
-    (gap,) = gaps
-    assert (gap.offset, gap.skipped, gap.next_frame, gap.reason) == (400, 0, 50, "step")
-    assert gap.lost == 540 // 27 - 1
-    check_books(head + tail, frames, gaps, counts)
-
-
-def test_flipped_position_bit_that_passes_does_not_drag_others_along():
-    # At 20 counts a frame a bit of 32 the other way makes a step of -12, which is possible; what follows is not near.
-    position = np.stack([20 * np.arange(40), np.zeros(40)]).astype(int)
-    position[0, 20] -= 32
-    data = encode(position, np.zeros((2, 40), dtype=int))
-    frames, _, gaps, _ = parse(data)
-    assert b"".join(frames) == data
-    assert [(g.offset, g.skipped, g.reason) for g in gaps] == [(21 * 8, 0, "step")]
 
 
 def test_each_reason_is_counted():

@@ -26,8 +26,6 @@ OTHER = np.array([0.9, 0.2, 0.15, 2.0, 0.6, 0.1, 0.05, 0.2, 0.1])
 ROUGH = Unmodelled(stribeck=(0.3, 0.8), stribeck_velocity=0.2, ripple=(0.05, 0.12), ripple_cycles=17.0)
 #: The default levels of the arm of the configuration.
 CALIBRATED = Unmodelled(stribeck=(1.03, 0.63), ripple=(0.171, 0.105))
-#: Effects on a single joint.
-ONE_JOINT = [Unmodelled(stribeck=(0.7, 0.0), ripple=(0.0, 0.2)), Unmodelled(stribeck=(0.0, 0.7), ripple=(0.2, 0.0))]
 TABLE_8 = ControlConstants((180.4817, 30.6819), (1270.7266, 102.2730), (1000.0, 1000.0), (2.7192, 2.7314))
 
 
@@ -44,7 +42,6 @@ class FinePlant(Plant):
 
 
 def written_out(beta: Array, e: Unmodelled, phase: Array, tau: Array) -> Callable[[float, Array], Array]:
-    """Equation of motion with its extra torques, from `forward_dynamics` of the model package."""
     share, amplitude = np.array(e.stribeck), np.array(e.ripple)
 
     def derivative(_: float, x: Array) -> Array:
@@ -73,7 +70,7 @@ def test_derivative_is_eq_1_and_the_extra_torques(seed: int) -> None:
         assert alone[:, 0] == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
-@pytest.mark.parametrize("effects", [Unmodelled(), ROUGH, CALIBRATED, *ONE_JOINT])
+@pytest.mark.parametrize("effects", [Unmodelled(), ROUGH, CALIBRATED])
 def test_agrees_with_scipy(effects: Unmodelled) -> None:
     rng = np.random.default_rng(4)
     phase, pwm = np.array([0.4, 2.0]), np.repeat(rng.integers(-900, 900, (2, 10)), 6, axis=1)
@@ -103,7 +100,7 @@ def test_halving_the_steps_changes_no_encoder_count() -> None:
 
 
 def test_a_batch_is_its_arms_one_by_one() -> None:
-    desired = np.stack([identification_reference(TrajectorySettings()).q[:, :700]] * 3)
+    desired = np.stack([identification_reference(TrajectorySettings()).q[:, :450]] * 3)
     desired[2] *= 0.5
     arms, phase = np.stack([ARM, OTHER, ARM]), np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
     levels = [ROUGH, Unmodelled(stribeck=(0.1, 0.0), ripple=(0.0, 0.3)), Unmodelled()]

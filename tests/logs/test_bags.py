@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from log_example import RATE, assert_same, columns, recording, text
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from strategies import seeds
 
 from repro.errors import InputError
 from repro.logs.armfile import Arm
@@ -15,11 +17,7 @@ from repro.logs.load import read_log
 
 GOOD = recording(np.arange(600) / RATE)
 START = 1_700_000_000_123_456_789
-
-
-rosbag2 = pytest.importorskip("rosbags.rosbag2")
-typesys = pytest.importorskip("rosbags.typesys")
-STORE = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+STORE = get_typestore(Stores.ROS2_HUMBLE)
 JointState, Header, Time = (
     STORE.types[name] for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
 )
@@ -39,7 +37,7 @@ def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True):
 
 
 def write(folder, topics, storage="MCAP"):
-    with rosbag2.Writer(folder, version=9, storage_plugin=rosbag2.StoragePlugin[storage]) as writer:
+    with Writer(folder, version=9, storage_plugin=StoragePlugin[storage]) as writer:
         for topic, messages in topics.items():
             to = writer.add_connection(topic, JointState.__msgtype__, typestore=STORE)
             for at, message in messages:
@@ -47,9 +45,9 @@ def write(folder, topics, storage="MCAP"):
     return folder
 
 
-def told(path, arm=None):
+def refusal(path, **arm):
     with pytest.raises(InputError) as caught:
-        read_log(path, arm or Arm())
+        read_log(path, Arm(**arm))
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -93,7 +91,7 @@ def test_messages_without_stamps_and_of_other_joints(tmp_path):
 
 def test_joints_of_any_name_are_named_in_the_arm_file(tmp_path):
     path = write(tmp_path / "arm", {"/joint_states": states(names=("a", "b"))})
-    assert "found the columns time, a.position, b.position, a.velocity" in told(path)
+    assert "found the columns time, a.position, b.position, a.velocity" in refusal(path)
     named = {"q1": "a.position", "q2": "b.position", "tau1": "a.effort", "tau2": "b.effort"}
     assert_same(replace(read_log(path, Arm(columns=named)), dq=None), GOOD)
 
@@ -101,27 +99,30 @@ def test_joints_of_any_name_are_named_in_the_arm_file(tmp_path):
 def test_of_two_topics_the_arm_file_says_which(tmp_path):
     path = write(tmp_path / "arm", {"/b": states(), "/a": states(recording(GOOD.t + 1.0))})
     where = "topics of sensor_msgs/JointState: found /a, /b, expected "
-    assert told(path).endswith(where + "one, or the one to read, as topic in the arm file")
-    assert told(path, Arm(topic="/c")).endswith(where + "/c, as topic in the arm file")
+    assert refusal(path).endswith(where + "one, or the one to read, as topic in the arm file")
+    assert refusal(path, topic="/c").endswith(where + "/c, as topic in the arm file")
     assert_same(read_log(path, Arm(topic="/b")), GOOD)
 
 
 def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
-    assert told(tmp_path / "none.mcap").endswith("none.mcap: found no such file, expected a ROS 2 bag")
-    assert "topics of sensor_msgs/JointState: found none" in told(write(tmp_path / "empty", {}))
-    assert "/joint_states: found no messages" in told(write(tmp_path / "silent", {"/joint_states": ()}))
+    assert refusal(tmp_path / "none.mcap").endswith("none.mcap: found no such file, expected a ROS 2 bag")
+    assert "topics of sensor_msgs/JointState: found none" in refusal(write(tmp_path / "empty", {}))
+    assert "/joint_states: found no messages" in refusal(write(tmp_path / "silent", {"/joint_states": ()}))
     whole = (write(tmp_path / "arm", {"/joint_states": states()}) / "arm.mcap").read_bytes()
     for content in (b"", b"no bag", whole[: len(whole) // 2]):
         (tmp_path / "bad.mcap").write_bytes(content)
-        assert "expected a whole ROS 2 bag" in told(tmp_path / "bad.mcap")
+        assert "expected a whole ROS 2 bag" in refusal(tmp_path / "bad.mcap")
     monkeypatch.setattr("repro.logs.table.MOST_MESSAGES", 599)
-    assert told(tmp_path / "arm").endswith("arm: /joint_states: found 600 messages, expected at most 599")
+    assert refusal(tmp_path / "arm").endswith("arm: /joint_states: found 600 messages, expected at most 599")
     (tmp_path / "metadata.yaml").write_text("- nothing\n")
-    assert "expected a whole ROS 2 bag" in told(tmp_path)
+    assert "expected a whole ROS 2 bag" in refusal(tmp_path)
+    monkeypatch.setattr("repro.errors.find_spec", lambda package: None)
+    missing = "found no package rosbags, expected the extra bags: python -m pip install -e '.[bags]'"
+    assert missing in refusal(tmp_path / "bad.mcap")
 
 
-@settings(max_examples=50, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=30)
+@given(seed=seeds)
 def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
     rng, content = np.random.default_rng(seed), bytearray(arm.read_bytes())
     for place in rng.integers(0, len(content), 20):

@@ -6,12 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import RATE, assert_same, columns, recording
 
-from repro.cli import main
 from repro.logs.armfile import Arm
 from repro.logs.load import read_log
 from repro.logs.table import list_lines
 
-GOOD = recording(np.arange(600) / RATE)
+GOOD = recording(np.arange(450) / RATE)
 TABLE = columns(GOOD)
 NAMES = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 
@@ -36,14 +35,14 @@ def read(file, written):
     return read_log(file, Arm())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40)
 @given(
     separator=st.sampled_from(list(NAMES)),
     comma=st.booleans(),
     header=st.sampled_from(["", "# "]),
-    twice=st.sets(st.integers(1, 600), max_size=5),
+    twice=st.sets(st.integers(1, 450), max_size=5),
     empty=st.sampled_from(["", "NaN", "-nan", "null", "N/A"]),
-    holes=st.sets(st.integers(1, 600), max_size=5),
+    holes=st.sets(st.integers(1, 450), max_size=5),
 )
 def test_the_format_does_not_matter(file, separator, comma, header, twice, empty, holes):
     plain = lines(separator, comma)
@@ -56,17 +55,16 @@ def test_the_format_does_not_matter(file, separator, comma, header, twice, empty
             written.append(separator.join(f'"{cell}"' if comma and "," in cell else cell for cell in cells))
     log = read(file, written)
     assert_same(log, GOOD)
-    told = [note for note in log.notes if "assumed" not in note]
-    assert told == [
-        *([f"columns are separated by {NAMES[separator]}"] if separator != "," else []),
-        *(["numbers have a decimal comma"] if comma else []),
-        *([note for note in told if note.startswith(f"{len(holes)} row") and "empty cells" in note] if holes else []),
-        *(
-            [note for note in told if note.startswith(f"{len(twice)} row") and "the one before" in note]
-            if twice
-            else []
-        ),
+    expected = [
+        (separator != ",", f"columns are separated by {NAMES[separator]}"),
+        (comma, "numbers have a decimal comma"),
+        (True, "the header states no unit"),
+        (holes, f"{len(holes)} row"),
+        (twice, f"{len(twice)} row"),
     ]
+    beginnings = [beginning for there, beginning in expected if there]
+    assert len(log.notes) == len(beginnings)
+    assert all(map(str.startswith, log.notes, beginnings))
 
 
 def test_commas_that_may_group_digits_are_decimal_next_to_commas_that_cannot(file):
@@ -86,23 +84,3 @@ def test_rows_left_out_are_reported_by_line(file):
     )
     assert_same(log, recording(np.delete(GOOD.t, [2, 3, 4, 7])))
     assert list_lines(range(1, 30, 2)) == "lines 1, 3, 5, 7, 9 and 10 more places"
-
-
-def test_the_same_time_with_other_values_is_refused(file, tmp_path, capsys):
-    written = lines(";")
-    cells = written[50].split(";")
-    written.insert(51, ";".join([cells[0], "0.5", *cells[2:]]))
-    file.write_text("\n".join(written), encoding="utf-8")
-    assert main(["identify", str(file), "-o", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err.strip().splitlines()
-    assert len(said) == 1
-    assert "line 52, time: found 0.245 s twice, expected time that increases" in said[0]
-    assert not (tmp_path / "out").exists()
-
-
-def test_without_the_extra_one_line_says_what_to_install(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("repro.errors.find_spec", lambda package: None)
-    (tmp_path / "arm.mcap").write_bytes(b"")
-    assert main(["identify", str(tmp_path / "arm.mcap"), "--method", "ordinary", "-o", str(tmp_path / "out")]) == 2
-    (said,) = capsys.readouterr().err.strip().splitlines()
-    assert "found no package rosbags, expected the extra bags: python -m pip install -e '.[bags]'" in said
