@@ -1,5 +1,7 @@
 """Logs: whatever the units, order and spelling of the columns, the same SI signals come out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_board import CONTROL, metadata, motion
@@ -92,8 +94,9 @@ def test_signs_zeros_and_absolute_angles_are_put_right(read):
     sign = np.array([[-1.0], [1.0]])
     absolute = np.stack([GOOD.q[0], GOOD.q[0] + GOOD.q[1]])
     velocity = np.stack([GOOD.dq[0], GOOD.dq[0] + GOOD.dq[1]])
-    values = (GOOD.t, *(sign * absolute + zero), *(sign * velocity), *-GOOD.tau)
+    values = (GOOD.t, *(sign * absolute + zero), *(sign * velocity), *(each(0.2, -0.3) - each(2.0, 0.5) * GOOD.tau))
     arm = Arm(sign=(-1, 1), torque_sign=(1, -1), zero=(0.4, -1.1), second_joint_absolute=True, torque_limit=(9, 3))
+    arm = replace(arm, torque_offset=(0.2, -0.3), torque_scale=(2.0, 0.5))
     log = read(dict(zip(TABLE, values, strict=True)), arm)
     assert_same(log, GOOD)
     assert log.torque_limit.tolist() == [9.0, 3.0]
