@@ -57,7 +57,8 @@ def test_a_board_sends_what_the_loop_computes():
     expected = encode(position[0], pwm[0])
     board = Board(make_plant, CONTROL.torque_per_count, IDENTITY)
     for _ in range(2):  # each start begins with the arm at rest
-        board.receive(encode_program(CONTROL, DESIRED) + encode_start(200))
+        board.receive(encode_program(CONTROL, DESIRED) + 2 * encode_start(200))
+        assert board.refusals[-1] == "START: the arm is moving."
         assert b"".join(board.tick() for _ in range(200)) == expected
     assert len(set(np.frombuffer(expected, dtype=">u8").tolist())) > 100
     board.receive(encode_start(200))  # the trajectory is forgotten
