@@ -38,7 +38,8 @@ def test_a_plain_log(read):
         "tau1, tau2 in N m",
     )
     assert uniform(log) is log
-    assert read({name: values for name, values in TABLE.items() if name != "dq1"}).dq is None
+    lonely = read({name: values for name, values in TABLE.items() if name != "dq1"})
+    assert lonely.dq is None and any(note.startswith("dq2 is ignored") for note in lonely.notes)
     description = describe(log, Arm(name="mine"))
     facts = dict(description.facts)
     assert (facts["arm"], description.warnings) == ("mine", ())
