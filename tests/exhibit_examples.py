@@ -4,6 +4,7 @@ import itertools
 import re
 import zlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -19,9 +20,8 @@ from study_example import outcomes
 from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 from repro.exhibits import catalogue, declare, style
-from repro.exhibits.many_arms import COVERAGE, RANKS
+from repro.exhibits.many_arms import RANKS
 from repro.exhibits.schematics import words
-from repro.files import read_csv
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
 from repro.pipeline.interpretations import VARIANTS, ablation_figure
@@ -95,42 +95,21 @@ def candidates_frame() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["factor", "candidate", "rms_log_error", "chosen"])
 
 
-SETUP_PARTS = ("pc", "serial", "write-ram", "ram", "pd", "pwm", "decoder", "uplink", "motors", "arm")
 RIVALS = ("algorithm1", "algorithm1+refinement", "least-squares", "true")
 MOTIONS = ("T1", "T2", "T3", "T4")
-TRACKED = {
-    "position": ("desired1", "desired2", "joint1", "joint2"),
-    "velocity": ("joint1", "joint2"),
-    "acceleration": ("joint1", "joint2"),
-}
-
-
+BOTH = ("joint1", "joint2")
+TRACKED = {"position": ("desired1", "desired2", *BOTH), "velocity": BOTH, "acceleration": BOTH}
 WITHOUT_AXES = {"fig01", "fig02", "fig03", "fig04", "fig07", "fig18"}
-
 #: Figures that must say so.
-SIMULATED = (
-    "fig18",
-    "fig19",
-    "fig20",
-    "fig21",
-    "fig22",
-    "fig23",
-    "fig24",
-    "spread",
-    "why",
-    "coverage",
-    "factorial",
-    "ablation",
-    "study",
-    "study_calibration",
-)
-
+SIMULATED = {f"fig{number}" for number in range(18, 25)}
+SIMULATED |= {"spread", "why", "coverage", "factorial", "ablation", "study", "study_calibration"}
 #: Tables that go on over pages.
 LONG = ("audit",)
 
 
 def setup_frame() -> pd.DataFrame:
-    rows = [(part, "-", "8192 x 2", "float32") for part in SETUP_PARTS]
+    parts = ("pc", "serial", "write-ram", "ram", "pd", "pwm", "decoder", "uplink", "motors", "arm")
+    rows = [(part, "-", "8192 x 2", "float32") for part in parts]
     rows += [("motors", "joint 1", "2.7192/1023", "N m"), ("pc", "-", "repro record", "-")]
     return pd.DataFrame(rows, columns=["component", "label", "value", "unit"])
 
@@ -159,49 +138,10 @@ def paths_frame() -> pd.DataFrame:
 
 def why_figure_frame() -> pd.DataFrame:
     """Two responses of three seeds in the four cells."""
-    rows = [
-        (
-            training,
-            motion,
-            seed,
-            response,
-            0.7 + 0.1 * (training == "tracked") + 0.05 * (motion == "desired") + 0.01 * seed,
-        )
-        for response in ("id", "validation")
-        for training in ("ideal", "tracked")
-        for motion in ("measured", "desired")
-        for seed in (1, 2, 4)
-    ]
-    return pd.DataFrame(rows, columns=["training", "image_motion", "seed", "response", "value"])
-
-
-def effects_frame() -> pd.DataFrame:
-    return effects(factorial_scores())
-
-
-def coverage_frame() -> pd.DataFrame:
-    rows = [
-        (
-            arms,
-            name,
-            level,
-            min(1.0, level + 0.05),
-            level - 0.01 * k,
-            0.5 + level,
-            0.1 + 0.01 * k,
-            0.8 - 0.02 * k,
-            0.013,
-        )
-        for arms in ("Eq. 1", "unmodelled", "other generator")
-        for k, name in enumerate((*NAMES, "all nine"))
-        for level in (0.5, 0.9, 0.95)
-    ]
-    return pd.DataFrame(rows, columns=list(COVERAGE))
-
-
-def intervals_frame() -> pd.DataFrame:
-    rows = [(name, 0.1, 0.12, 0.05, 0.2 if k else 0.06, 0.95, 0) for k, name in enumerate(NAMES)]
-    return pd.DataFrame(rows, columns=["parameter", "true", "centre", "low", "high", "level", "warned"])
+    cells = itertools.product(("id", "validation"), ("ideal", "tracked"), ("measured", "desired"), (1, 2, 4))
+    frame = pd.DataFrame(cells, columns=["response", "training", "image_motion", "seed"])
+    causes = 0.1 * (frame["training"] == "tracked") + 0.05 * (frame["image_motion"] == "desired")
+    return frame.assign(value=0.7 + causes + 0.01 * frame["seed"])
 
 
 def ranks_frame() -> pd.DataFrame:
@@ -234,18 +174,15 @@ def readings_frame() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["question", "reading", "steps", "held_out_loss", *shares])
 
 
-MOTION = dict.fromkeys(("position", "velocity", "acceleration"), ("joint1", "joint2"))
+MOTION = dict.fromkeys(("position", "velocity", "acceleration"), BOTH)
 
 FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
-    "fig01": lambda: words("fig01"),
-    "fig02": lambda: words("fig02"),
-    "fig03": lambda: words("fig03"),
-    "fig04": lambda: words("fig04"),
+    **{name: partial(words, name) for name in ("fig01", "fig02", "fig03", "fig04")},
     "fig05": subsampling_frame,
     "fig06": lambda: waves(MOTION),
     "fig07": lambda: architecture(NetworkSettings()),
     "fig08": examples_frame,
-    "fig09": lambda: waves(dict.fromkeys(("joint1", "joint2"), ("p05", "p25", "p50", "p75", "p95", "mean"))),
+    "fig09": lambda: waves(dict.fromkeys(BOTH, ("p05", "p25", "p50", "p75", "p95", "mean"))),
     "fig10": lambda: waves({"loss": ("train", "test")}).assign(y=lambda f: np.exp(-f["x"])),
     "fig11": kernels_frame,
     "fig12": lambda: waves(case_panels("N1", "N2")),
@@ -269,54 +206,29 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
         for name, last in zip(RECIPES, (3e-4, 9e-4, 6e-4), strict=True)
     ).reset_index(drop=True),
     "metric_search": candidates_frame,
-    "factorial": effects_frame,
+    "factorial": lambda: effects(factorial_scores()),
     "ablation": lambda: ablation_figure(readings_frame()),
     "study": lambda: analysis.maps(outcomes({"wide": -0.07, "narrow": 0.03})),
     "study_calibration": lambda: analysis.calibration(outcomes({"wide": -0.07, "narrow": 0.03})),
 }
 
 
-def similarity_frame(
-    seeds: int = 5, cases: tuple[str, ...] = CASES, methods: tuple[str, ...] = ("algorithm1",)
-) -> pd.DataFrame:
-    rows = [
-        (case, method, joint, 0.99 - i * 1e-4, 0.98 - i * 1e-4, 0.97 - i * 1e-4, 0.0042, seeds)
-        for i, (method, case, joint) in enumerate(itertools.product(methods, cases, (1, 2)))
-    ]
-    columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def kept(name: str) -> Callable[[], pd.DataFrame]:
-    """Numbers of a table as the reference run has them."""
-    return lambda: read_csv(REFERENCE / f"{name}.csv")
-
-
-#: An optional table is not in the reference run.
-TABLES: dict[str, Callable[[], pd.DataFrame]] = {
-    "ablation": readings_frame,
-    "study": lambda: analysis.means(outcomes({"wide": -0.07, "narrow": 0.03})),
-    "study_claims": lambda: analysis.claims(outcomes({"wide": -0.07, "narrow": 0.03})),
-    "study_levels": lambda: analysis.levels(outcomes({"wide": -0.07, "narrow": 0.03})),
-}
-TABLES |= {name: kept(name) for name in LAYOUTS if name not in TABLES}
-
-
-def written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
-    path = folder / f"{name}.csv"
-    frame.to_csv(path, index=False)
-    return path
+#: Numbers of the reference run, digit by digit; it has no ablation, which is made on request.
+as_text = partial(pd.read_csv, dtype=str, keep_default_na=False)
+TABLES = {name: partial(as_text, REFERENCE / f"{name}.csv") for name in LAYOUTS} | {"ablation": readings_frame}
 
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
-    pdf, png = folder / f"{name}.pdf", folder / f"{name}.png"
-    declare.draw(EXHIBITS["figure", name], written(folder, name, frame), pdf, png)
+    csv, pdf, png = (folder / f"{name}.{kind}" for kind in ("csv", "pdf", "png"))
+    frame.to_csv(csv, index=False)
+    declare.draw(EXHIBITS["figure", name], csv, pdf, png)
     return pdf.read_bytes(), png.read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
-    tex, md = folder / f"{name}.tex", folder / f"{name}.md"
-    declare.lay_out(EXHIBITS["table", name], written(folder, name, frame), tex, md)
+    csv, tex, md = (folder / f"{name}.{kind}" for kind in ("csv", "tex", "md"))
+    frame.to_csv(csv, index=False)
+    declare.lay_out(EXHIBITS["table", name], csv, tex, md)
     return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
 
 

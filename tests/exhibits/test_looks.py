@@ -1,4 +1,4 @@
-"""Methods and series: told apart in greyscale, and what a figure leaves out is named."""
+"""Methods and series differ in greyscale, and a figure names what it leaves out."""
 
 import itertools
 import re
@@ -34,7 +34,7 @@ def test_spectrum_says_what_it_leaves_out() -> None:
     assert made("fig17", FRAMES["fig17"]()).get_supxlabel() == ""
 
 
-def test_methods_are_told_apart() -> None:
+def test_methods_differ_in_lightness_line_and_mark() -> None:
     assert tuple(style.METHODS) == TABLE_METHODS
     for one, other in itertools.combinations(("measured", *RIVALS), 2):
         assert abs(lightness(one) - lightness(other)) > 0.15, (one, other)

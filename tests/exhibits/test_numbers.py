@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import torch
 import yaml
-from exhibit_examples import EXHIBITS, laid_out
+from exhibit_examples import EXHIBITS, RECIPES, laid_out
 from factorial_example import factorial_references, factorial_scores
 from kept import same
 
@@ -23,7 +23,6 @@ from repro.signals.programs import PROGRAMS
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 CONFIG["network"]["hidden"] = [4, 3]
-RECIPES = ("algorithm1", "algorithm1+paper-recipe", "algorithm1+paper-recipe-ranges")
 
 
 def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
@@ -92,18 +91,6 @@ def test_the_kept_size_of_the_board_is_laid_out_as_kept(tmp_path):
     assert sizes.loc["board", :].loc["elements"].tolist() == [max(tables, flip_flops), tables + flip_flops]
 
 
-def arrays(net):
-    """Weights of a network by name."""
-    return {name: weight.numpy() for name, weight in net.state_dict().items()}
-
-
-def kernel(frame, layer, output, given):
-    here = (frame["layer"] == layer) & (frame["output"] == output) & (frame["input"] == given)
-    pixels = frame[here].sort_values(["row", "column"])
-    side = int(np.sqrt(len(pixels)))
-    return pixels["power"].to_numpy().reshape(side, side)
-
-
 def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
     net = SignalCNN(NetworkSettings(hidden=(4, 3)))
     rows, columns = np.indices((9, 9))
@@ -115,10 +102,11 @@ def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
     with torch.no_grad():
         for (output, given), wave in waves.items():
             net.conv1.weight[output, given] = torch.from_numpy(wave)
-    frame = network_training.kernel_spectra(arrays(net))
+    weights = {name: weight.numpy() for name, weight in net.state_dict().items()}
+    kernels = network_training.kernel_spectra(weights).groupby(["layer", "output", "input"])
     peaks = {(0, 0): {(4, 4)}, (1, 0): {(4, 1), (4, 7)}, (2, 1): {(6, 5), (2, 3)}}
     for key, expected in peaks.items():
-        power = kernel(frame, "conv1", *key)
+        power = kernels.get_group(("conv1", *key)).pivot(index="row", columns="column", values="power").to_numpy()
         assert {tuple(place) for place in np.argwhere(power > 0.5).tolist()} == expected
         np.testing.assert_allclose([power[place] for place in expected], 1.0, rtol=1e-5)
         assert np.sort(power.ravel())[-len(expected) - 1] < 1e-9

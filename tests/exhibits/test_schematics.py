@@ -3,61 +3,17 @@
 import itertools
 import re
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 from exhibit_examples import FRAMES, drawn, made, refused
 
-from repro.exhibits.schematics import Box, layout_of, words
-
-LAYOUTS = {name: layout_of(name) for name in ("fig02", "fig03", "fig04")}
-
-
-@pytest.fixture(params=list(LAYOUTS))
-def name(request: pytest.FixtureRequest) -> str:
-    return request.param
-
-
-def on_edge(point: tuple[float, float], box: Box) -> bool:
-    x, y = point[0] - box.left - box.width / 2, point[1] - box.bottom - box.height / 2
-    across, up = abs(x) / (box.width / 2), abs(y) / (box.height / 2)
-    far = across + up if box.shape == "decision" else max(across, up)
-    return bool(np.isclose(far, 1.0, atol=0.02))
-
-
-def inside(point: np.ndarray, box: Box, margin: float) -> bool:
-    low, high = np.array([box.left, box.bottom]), np.array([box.left + box.width, box.bottom + box.height])
-    return bool((point > low + margin).all() and (point < high - margin).all())
-
-
-def solid(layout: dict[str, Any]) -> dict[str, Box]:
-    return {name: box for name, box in layout["boxes"].items() if box.shape != "frame"}
+from repro.exhibits.schematics import layout_of, words
 
 
 def links(name: str) -> pd.DataFrame:
     frame = FRAMES[name]()
     return frame[frame["element"] == "link"]
-
-
-def test_arrows_run_from_edge_to_edge_and_through_no_box(name: str) -> None:
-    layout = LAYOUTS[name]
-    ways = links(name).set_index("name")
-    for key, route in layout["routes"].items():
-        assert on_edge(route.corners[0], layout["boxes"][ways["start"][key]]), route
-        assert on_edge(route.corners[-1], layout["boxes"][ways["end"][key]]), route
-        for one, other in itertools.pairwise(route.corners):
-            assert one[0] == other[0] or one[1] == other[1], route
-            for part in np.linspace(0.0, 1.0, 101):
-                point = (1 - part) * np.array(one) + part * np.array(other)
-                assert not any(inside(point, box, 0.01) for box in solid(layout).values()), route
-
-
-def test_what_the_table_names_is_what_the_layout_places(name: str) -> None:
-    frame, layout = FRAMES[name](), LAYOUTS[name]
-    assert set(frame.loc[frame["element"] == "box", "name"]) == set(layout["boxes"])
-    assert list(links(name)["name"].sort_values()) == sorted(layout["routes"])
 
 
 def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
@@ -96,7 +52,7 @@ def test_control_chart_saturates_and_comes_back_to_its_start(torque: int, visite
 
 def test_method_runs_through_its_nine_steps_and_back() -> None:
     ways = links("fig04")
-    steps = [box for box in LAYOUTS["fig04"]["boxes"] if box[0].isdigit()]
+    steps = [box for box in layout_of("fig04")["boxes"] if box[0].isdigit()]
     assert [step[0] for step in steps] == list("123456789")
     pairs = set(zip(ways["start"], ways["end"], strict=True))
     assert set(itertools.pairwise(steps)) <= pairs

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from kept import same
+from simulators import torque_by_mujoco, torque_by_pinocchio
 from strategies import seeds
 
 from repro.export import horizontal_links_of, links_of, mjcf, principal_inertia, urdf
@@ -69,13 +70,9 @@ def test_models_are_those_kept(file_regression):
 
 
 @given(beta=consistent_betas(), gravity=gravities, lengths=given_lengths)
-def test_the_links_have_the_parameters_they_were_made_of(beta, gravity, lengths):
-    assert_same_parameters(links_of(beta, gravity, lengths), beta)
-
-
-@given(beta=consistent_betas(), gravity=gravities, lengths=given_lengths)
-def test_the_links_are_bodies(beta, gravity, lengths):
+def test_the_links_are_bodies_and_have_the_given_parameters(beta, gravity, lengths):
     links = links_of(beta, gravity, lengths)
+    assert_same_parameters(links, beta)
     assert min(links.m1, links.m2, links.l1, links.l2, links.lc2, links.j1, links.j2) > 0.0
     # Of link 1's inertia about its joint, a uniform rod has a quarter about its centre of mass, and so far away.
     assert links.j1 >= 0.25 * (links.m1 * links.lc1**2 + links.j1) * (1.0 - 1e-9)
@@ -111,17 +108,13 @@ def test_links_exist_up_to_the_edge_and_not_beyond(gap):
 
 
 def test_known_lengths_guide_the_choice_or_the_notes_say_why_not():
-    links = links_of(REAL, 9.81, (0.31, 0.2))
-    assert links.lc2 == pytest.approx(0.1)
-    assert links.l2 == 0.2
-    assert links.notes[0] == (
+    near, far, unknown = (links_of(REAL, 9.81, lengths) for lengths in ((0.31, 0.2), (0.3, 0.5), None))
+    assert (near.lc2, near.l2) == (pytest.approx(0.1), 0.2)
+    assert near.notes[0] == (
         "the parameters imply l1 = I2 g / (2 g2) = 0.2997 m, -3.3 % off the given 0.31 m; the implied length is used"
     )
-    far = links_of(REAL, 9.81, (0.3, 0.5))
-    assert far.l2 == 0.5
+    assert (far.m2, far.lc2, far.l2) == (unknown.m2, unknown.lc2, 0.5)
     assert any("in the middle of link 2 would need 0.4444 kg" in note for note in far.notes)
-    unknown = links_of(REAL, 9.81)
-    assert (far.m2, far.lc2) == (unknown.m2, unknown.lc2)
     assert unknown.l2 == 2.0 * unknown.lc2
     assert any("l2 is not known" in note for note in unknown.notes)
 
@@ -173,28 +166,6 @@ def test_any_numbers_give_links_or_a_reason(values):
         assert min(links.m1, links.m2, links.j1, links.j2) > 0.0
 
 
-def torque_by_pinocchio(text, gravity):
-    """Function of (q, dq, ddq) that returns tau of a URDF without friction."""
-    model = pin.buildModelFromXML(text)
-    model.gravity = pin.Motion(np.array([0.0, 0.0, -gravity, 0.0, 0.0, 0.0]))
-    data = model.createData()
-    return lambda *state: pin.rnea(model, data, *state).copy()
-
-
-def torque_by_mujoco(text):
-    """Function of (q, dq, ddq) that returns tau of an MJCF, with its own gravity, without friction."""
-    model = mujoco.MjModel.from_xml_string(text)
-    model.dof_damping[:] = model.dof_frictionloss[:] = 0.0
-    data = mujoco.MjData(model)
-
-    def torque(q, dq, ddq):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q, dq, ddq
-        mujoco.mj_inverse(model, data)
-        return data.qfrc_inverse.copy()
-
-    return torque
-
-
 @pytest.mark.slow
 @given(beta=consistent_betas(near=0.95), gravity=gravities, lengths=given_lengths, seed=seeds)
 def test_simulators_need_the_torque_of_eq_1(beta, gravity, lengths, seed):
@@ -202,7 +173,8 @@ def test_simulators_need_the_torque_of_eq_1(beta, gravity, lengths, seed):
     q, dq, ddq = rng.uniform(-6.0, 6.0, (5, 2)), rng.uniform(-8.0, 8.0, (5, 2)), rng.uniform(-40.0, 40.0, (5, 2))
     links = links_of(beta, gravity, lengths)
     expected = inverse_dynamics(q.T, dq.T, ddq.T, np.concatenate([beta[:5], np.zeros(4)])).T
-    for torque in (torque_by_pinocchio(urdf(links, "arm"), gravity), torque_by_mujoco(mjcf(links, "arm"))):
+    by_pinocchio = torque_by_pinocchio(pin.buildModelFromXML(urdf(links, "arm")), gravity)
+    for torque in (by_pinocchio, torque_by_mujoco(mjcf(links, "arm"))):
         tau = np.stack([torque(*state) for state in zip(q, dq, ddq, strict=True)])
         np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-9)
 

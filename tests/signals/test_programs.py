@@ -43,13 +43,12 @@ def rng(seed=1):
     return np.random.default_rng(seed)
 
 
-def motions():
-    return {
-        "T1": random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
-        "T2": circle_motion(GEOMETRY, 8192, H),
-        "T3": profile_motion(8192, H),
-        "T4": sinusoidal_motion(8192, H),
-    }
+MOTIONS = {
+    "T1": random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
+    "T2": circle_motion(GEOMETRY, 8192, H),
+    "T3": profile_motion(8192, H),
+    "T4": sinusoidal_motion(8192, H),
+}
 
 
 states = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(lambda v: np.reshape(v, (3, 2)))
@@ -68,39 +67,28 @@ def test_quintic_meets_both_states(start, end, duration):
             np.testing.assert_allclose(p.deriv(k)(duration), end[k, joint], rtol=0, atol=1e-8 * scale)
 
 
-def test_motions_last_the_whole_memory_and_begin_and_end_at_the_hanging_rest():
-    for name, motion in motions().items():
-        assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 8192), name
-        assert motion.time[-1] == pytest.approx(8191 * H)
-        np.testing.assert_allclose(motion.q[:, [0, -1]], 0.0, atol=1e-12, err_msg=name)
-        assert np.abs(motion.dq[:, [0, -1]]).max() < 0.01, name
-
-
-def test_derivatives_belong_to_the_positions():
-    for name, motion in motions().items():
-        change = np.cumsum(motion.dq[:, 1:], axis=1) * H
-        np.testing.assert_allclose(motion.q[:, :1] + change, motion.q[:, 1:], rtol=0, atol=1e-10, err_msg=name)
-        change = np.cumsum(motion.ddq[:, 1:], axis=1) * H
-        np.testing.assert_allclose(motion.dq[:, :1] + change, motion.dq[:, 1:], rtol=0, atol=1e-10, err_msg=name)
-
-
-def filtered_numbers(seed, bands, limit=1.2):
-    """Random numbers filtered by Eq. 14, written out: gain exp(-(k / bands)^2) at band k of the DCT-II."""
-    raw = rng(seed).uniform(-limit, limit, (2, 8192))
-    return idct(dct(raw, norm="ortho") * np.exp(-((np.arange(8192.0) / bands) ** 2)), norm="ortho")
+@pytest.mark.parametrize("name", MOTIONS)
+def test_motions_last_the_whole_memory_from_rest_to_rest_with_derivatives_that_belong_to_them(name):
+    motion = MOTIONS[name]
+    assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (2, 8192)
+    assert motion.time[-1] == pytest.approx(8191 * H)
+    np.testing.assert_allclose(motion.q[:, [0, -1]], 0.0, atol=1e-12)
+    assert np.abs(motion.dq[:, [0, -1]]).max() < 0.01
+    for x, dx in ((motion.q, motion.dq), (motion.dq, motion.ddq)):
+        np.testing.assert_allclose(x[:, :1] + np.cumsum(dx[:, 1:], axis=1) * H, x[:, 1:], rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
 def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
     motion = random_motion(rng(5), bands, limit, "motion", 8192, H)
-    filtered = filtered_numbers(5, bands)
+    gains = np.exp(-((np.arange(8192.0) / bands) ** 2))  # Eq. 14 at each band of the DCT-II
+    filtered = idct(dct(rng(5).uniform(-1.2, 1.2, (2, 8192)), norm="ortho") * gains, norm="ortho")
     scaled = limit * filtered / np.abs(filtered).max(axis=1, keepdims=True)
-    np.testing.assert_allclose(np.abs(scaled).max(axis=1), limit, rtol=1e-12)  # each joint
     np.testing.assert_allclose(motion.q, scaled * start_and_end_window(motion.time), rtol=0, atol=1e-12)
 
 
 def test_circle_is_a_tenth_of_the_reach():
-    motion = circle_motion(GEOMETRY, 8192, H)
+    motion = MOTIONS["T2"]
     full = np.abs(start_and_end_window(motion.time) - 1.0) < 1e-6
     assert full.sum() > 1000
     tip = forward_kinematics(motion.q[:, full], GEOMETRY)[1]
@@ -110,7 +98,7 @@ def test_circle_is_a_tenth_of_the_reach():
 
 
 def test_profile_moves_and_holds():
-    motion = profile_motion(8192, H)
+    motion = MOTIONS["T3"]
     still = (np.abs(motion.dq) < 1e-9).all(0)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
     lengths = np.diff(edges.reshape(-1, 2), axis=1).ravel() * H
@@ -126,7 +114,7 @@ def test_profile_moves_and_holds():
 
 
 def test_sinusoids_have_their_frequencies():
-    motion = sinusoidal_motion(8192, H)
+    motion = MOTIONS["T4"]
     for joint, frequency in ((0, 0.25), (1, 0.4)):
         bins = np.abs(np.fft.rfft(motion.q[joint], 8 * 8192))
         assert np.fft.rfftfreq(8 * 8192, H)[bins.argmax()] == pytest.approx(frequency, abs=0.01)
@@ -181,12 +169,10 @@ def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
 
 def test_peaks_of_a_motion_known_exactly():
     """Eq. 10 with its exact derivatives; the differences are accurate to h^2."""
-    motion = identification_trajectory()
-    p = ReferenceTrajectory("ID", motion.q - motion.q[:, :1], 0, motion.q.shape[1], H)
     exact = identification_trajectory()
-    speed, torque = peaks(p, ARM)
-    np.testing.assert_allclose(speed, np.abs(exact.dq).max(1), rtol=1e-3)
     q = exact.q - exact.q[:, :1]
+    speed, torque = peaks(ReferenceTrajectory("ID", q, 0, q.shape[1], H), ARM)
+    np.testing.assert_allclose(speed, np.abs(exact.dq).max(1), rtol=1e-3)
     # Inside the run; at its first sample the jump from rest to the trajectory's speed is counted too.
     inner = inverse_dynamics(q[:, 1:], exact.dq[:, 1:], exact.ddq[:, 1:], ARM)
     assert (torque >= np.abs(inner).max(1) - 1e-3).all()
@@ -239,22 +225,14 @@ def test_identification_trajectory_is_eq10():
 
 
 @pytest.mark.parametrize(("duration", "h"), [(3.0 * np.pi, H), (20.48, H), (5.0, 1e-3)])
-def test_derivatives_are_exact(duration, h):
-    motion = identification_trajectory(duration, h)
-    inner = slice(4, -4)
-    np.testing.assert_allclose(central_difference(motion.q, h), motion.dq[:, inner], rtol=0, atol=1e-10)
-    np.testing.assert_allclose(central_difference(motion.dq, h), motion.ddq[:, inner], rtol=0, atol=1e-10)
-
-
-def test_margin_continues_the_trajectory_on_both_sides():
-    bare, wide = identification_trajectory(5.0), identification_trajectory(5.0, margin=40)
+def test_margin_continues_the_trajectory_on_both_sides_with_exact_derivatives(duration, h):
+    bare, wide = identification_trajectory(duration, h), identification_trajectory(duration, h, margin=40)
     assert wide.time.size == bare.time.size + 80
     for name in ("time", "q", "dq", "ddq"):
         np.testing.assert_allclose(getattr(wide, name)[..., 40:-40], getattr(bare, name), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(np.diff(wide.time), H, rtol=1e-9)
-    # The derivatives hold across both joins and to the ends.
-    np.testing.assert_allclose(central_difference(wide.q, H), wide.dq[:, 4:-4], rtol=0, atol=1e-10)
-    np.testing.assert_allclose(central_difference(wide.dq, H), wide.ddq[:, 4:-4], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(np.diff(wide.time), h, rtol=1e-9)
+    np.testing.assert_allclose(central_difference(wide.q, h), wide.dq[:, 4:-4], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(central_difference(wide.dq, h), wide.ddq[:, 4:-4], rtol=0, atol=1e-10)
 
 
 @given(seed=seeds)
