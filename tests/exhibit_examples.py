@@ -1,8 +1,6 @@
 """Examples of the numbers of every figure and table, and how tests draw, lay out and refuse them."""
 
 import itertools
-import re
-import zlib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -235,13 +233,6 @@ def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
 def made(name: str, frame: pd.DataFrame) -> Figure:
     with style.house_style():
         return FIGURES[name](frame)
-
-
-def words_of(pdf: bytes) -> str:
-    """All text of a PDF: the strings of its page streams, with the kerning between their pieces left out."""
-    streams = [part.split(b"endstream")[0].strip(b"\r\n") for part in pdf.split(b"stream\n")[1:]]
-    pages = b"".join(zlib.decompress(part) for part in streams if part[:1] == b"\x78")
-    return b"".join(re.findall(rb"\(((?:[^()\\]|\\.)*)\)", pages)).decode("latin-1").replace("\x00", "")
 
 
 def refused(act: Callable[[Path, str, pd.DataFrame], object], folder: Path, name: str, frame: pd.DataFrame) -> str:

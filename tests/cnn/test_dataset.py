@@ -23,13 +23,13 @@ from repro.cnn.dataset import (
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings, Prior
 from repro.model.dynamics import LAMBDA, inverse_dynamics
-from repro.signals.dct import SignalSettings, dct2low, dct2sub, image_regressor
+from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 
 # 471 samples over the published 3 pi s.
 SIGNALS = SignalSettings(h=0.02, samples=60)
 MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
-SAMPLED = sample_motion(MOTION, SIGNALS)
+SAMPLED = sample_motion(MOTION, SIGNALS, unmodelled=True)
 
 #: With a divisor of 1 the factors are alpha and psi themselves.
 BARE = ImageSettings("constant", 1.0)
@@ -94,9 +94,6 @@ def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
 # Torques beyond Eq. 1, against sums that are written out.
 
 
-PUBLISHED = SignalSettings()
-PUBLISHED_MOTION = identification_trajectory(PUBLISHED.duration, PUBLISHED.h)
-WITH_EFFECTS = sample_motion(PUBLISHED_MOTION, PUBLISHED, unmodelled=True)
 BETA = np.array([[0.3, 0.02, 0.1, 0.9, 0.2, 0.1, 0.05, 0.4, 0.3], [0.6, 0.1, 0.2, 0.3, 0.4, 0.2, 0.1, 0.1, 0.2]])
 
 
@@ -116,16 +113,16 @@ class Fixed:
         return np.ones(size)
 
 
-def torque(settings, largest=1.0, **fixed):
-    return draw_unmodelled(Fixed(**fixed), BETA, np.full((2, 1), largest), WITH_EFFECTS.unmodelled, settings)
+def torque(settings, motion=SAMPLED, beta=BETA, largest=1.0, **fixed):
+    return draw_unmodelled(Fixed(**fixed), beta, np.full((2, 1), largest), motion.unmodelled, settings)
 
 
-def subsampled(x):
-    return dct2sub(dct2low(x, PUBLISHED.h, PUBLISHED.c_f, PUBLISHED.omega_unit), PUBLISHED.samples)
+def subsampled(x, signals=SIGNALS):
+    return literal.subsample(literal.low_pass(x, signals.h, signals.c_f), signals.samples)
 
 
 def test_stribeck_friction_adds_to_coulomb_friction():
-    fade = np.tanh(LAMBDA * PUBLISHED_MOTION.dq) - np.tanh(PUBLISHED_MOTION.dq / STRIBECK_VELOCITY)
+    fade = np.tanh(LAMBDA * MOTION.dq) - np.tanh(MOTION.dq / STRIBECK_VELOCITY)
     for arm, found in zip(BETA, torque(UnmodelledSettings(stribeck=0.3)), strict=True):
         np.testing.assert_allclose(found, subsampled(0.3 * arm[7:, np.newaxis] * fade), atol=1e-12)
 
@@ -133,60 +130,50 @@ def test_stribeck_friction_adds_to_coulomb_friction():
 @pytest.mark.parametrize(("which", "cycles"), [(0, 3), (3, 17), (5, 31)])
 def test_a_ripple_turns_with_the_joint(which, cycles):
     found = torque(UnmodelledSettings(ripple=0.05), largest=2.0, phase=0.7, which=which)
-    expected = subsampled(0.1 * np.sin(cycles * PUBLISHED_MOTION.q + 0.7))
+    expected = subsampled(0.1 * np.sin(cycles * MOTION.q + 0.7))
     np.testing.assert_allclose(found, [expected, expected], atol=1e-12)
 
 
 def test_a_late_torque_is_the_torque_of_a_moment_ago():
-    late = 1e-3
+    late, signals = 1e-3, replace(SIGNALS, h=4e-3)
+    now, fine = (identification_trajectory(signals.duration, h) for h in (signals.h, signals.h / 10))
     smooth = BETA * ([1.0] * 7 + [0.0] * 2)  # friction that jumps is not of first order
-    found = draw_unmodelled(Fixed(), smooth, np.ones((2, 1)), WITH_EFFECTS.unmodelled, UnmodelledSettings(delay_s=late))
-    before = identification_trajectory(PUBLISHED.duration, PUBLISHED.h / 10)  # to read it between samples
-    t = np.maximum(PUBLISHED_MOTION.time - late, 0.0)
-    for arm, change in zip(smooth, found, strict=True):
-        fine = inverse_dynamics(before.q, before.dq, before.ddq, arm)
-        shifted = np.stack([np.interp(t, before.time, joint) for joint in fine])
-        now = inverse_dynamics(PUBLISHED_MOTION.q, PUBLISHED_MOTION.dq, PUBLISHED_MOTION.ddq, arm)
-        error = change - subsampled(shifted - now)
+    changes = torque(UnmodelledSettings(delay_s=late), sample_motion(now, signals, unmodelled=True), smooth)
+    for arm, change in zip(smooth, changes, strict=True):
+        tau, between = (inverse_dynamics(motion.q, motion.dq, motion.ddq, arm) for motion in (now, fine))
+        shifted = np.stack([np.interp(np.maximum(now.time - late, 0.0), fine.time, joint) for joint in between])
+        error = change - subsampled(shifted - tau, signals)
         assert np.abs(error[:, 3:-3]).max() < 0.03 * np.abs(change).max()
 
 
 def test_noise_is_a_share_of_the_largest_torque():
-    rng = np.random.default_rng(0)
+    beta, largest = np.repeat(BETA, 3000, axis=0), np.repeat([[1.0], [3.0]], 3000, axis=0)
     levels = UnmodelledSettings(noise=0.02)
-    found = np.stack(
-        [draw_unmodelled(rng, BETA, np.array([[1.0], [3.0]]), WITH_EFFECTS.unmodelled, levels) for _ in range(3000)]
-    )
-    rms = np.sqrt((found**2).mean((0, 2, 3)))
+    found = draw_unmodelled(np.random.default_rng(0), beta, largest, SAMPLED.unmodelled, levels)
+    rms = np.sqrt((found.reshape(2, 3000, -1) ** 2).mean((1, 2)))
     np.testing.assert_allclose(rms, 0.02 / np.sqrt(3) * np.array([1.0, 3.0]), rtol=0.05)  # uniform on 0 to 0.02
 
 
 def test_nothing_beyond_changes_no_sample():
-    bare = replace(WITH_EFFECTS, unmodelled=None)
-    same = [draw_samples(np.random.default_rng(3), 16, each, DataSettings()) for each in (WITH_EFFECTS, bare)]
-    np.testing.assert_array_equal(same[0].u, same[1].u)
+    bare = replace(SAMPLED, unmodelled=None)
+    np.testing.assert_array_equal(draw(3, 16, SAMPLED).u, draw(3, 16, bare).u)
     with pytest.raises(ValueError, match="unmodelled"):
-        draw_samples(np.random.default_rng(3), 16, bare, DataSettings(unmodelled=UnmodelledSettings(0.1)))
+        draw(3, 16, bare, unmodelled=UnmodelledSettings(0.1))
 
 
-def test_samples_of_many_motions_are_those_of_the_motion_they_drew():
-    slow = identification_trajectory(PUBLISHED.duration, PUBLISHED.h)
-    other = sample_motion(replace(slow, dq=0.5 * slow.dq, ddq=0.25 * slow.ddq), PUBLISHED, unmodelled=True)
-    both = stack_motions([WITH_EFFECTS, other])
-    levels = DataSettings(unmodelled=UnmodelledSettings(0.2, 0.05, 0.01, 1e-3))
-    for data in (DataSettings(), levels):
-        n = 64
-        found = draw_samples(np.random.default_rng(1), n, both, data)
-        # The same stream on a stack of one motion twice: equal where that motion was drawn.
-        twice = (stack_motions([motion, motion]) for motion in (WITH_EFFECTS, other))
-        first, second = (draw_samples(np.random.default_rng(1), n, each, data) for each in twice)
-        of_first, of_second = ((found.u == each.u).all((1, 2, 3)) for each in (first, second))
-        assert (of_first | of_second).all()
-        assert 10 < of_first.sum() < n - 10
+@pytest.mark.parametrize("levels", [UnmodelledSettings(), UnmodelledSettings(0.2, 0.05, 0.01, 1e-3)])
+def test_samples_of_many_motions_are_those_of_the_motion_they_drew(levels):
+    slow = replace(MOTION, dq=0.5 * MOTION.dq, ddq=0.25 * MOTION.ddq)
+    motions = (SAMPLED, sample_motion(slow, SIGNALS, unmodelled=True))
+    found = draw(1, 64, stack_motions(motions), unmodelled=levels)
+    # The same stream on a stack of one motion twice: equal where that motion was drawn.
+    twice = (draw(1, 64, stack_motions([motion, motion]), unmodelled=levels) for motion in motions)
+    of_first, of_second = ((found.u == each.u).all((1, 2, 3)) for each in twice)
+    assert (of_first | of_second).all()
+    assert 10 < of_first.sum() < 54
 
 
 def test_one_model_for_all_motions():
-    both = stack_motions([WITH_EFFECTS, WITH_EFFECTS], WITH_EFFECTS.model)
-    measured = stack_motions([WITH_EFFECTS, WITH_EFFECTS])
-    found, expected = (draw_samples(np.random.default_rng(5), 8, each, DataSettings()) for each in (both, measured))
+    twice = [SAMPLED, SAMPLED]
+    found, expected = (draw(5, 8, motion) for motion in (stack_motions(twice, SAMPLED.model), stack_motions(twice)))
     np.testing.assert_allclose(found.u, expected.u, atol=1e-6)

@@ -5,7 +5,7 @@ from typing import get_args
 import literal
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
@@ -32,8 +32,7 @@ def test_arms_are_positive_and_of_the_size_asked_for(seed, prior, n):
 @pytest.mark.parametrize(("prior", "median"), [("uniform", 0.5005), ("log-uniform", np.sqrt(1e-3))])
 def test_simple_priors_fill_their_range_independently(prior, median):
     beta = arms(prior)
-    assert beta.min() >= 1e-3
-    assert beta.max() <= 1.0
+    assert 1e-3 <= beta.min() < beta.max() <= 1.0
     assert beta.min(0).max() < 1.5e-3
     assert beta.max(0).min() > 0.995
     np.testing.assert_allclose(np.median(beta, 0), median, rtol=0.06)
@@ -53,22 +52,19 @@ def test_link_prior_gives_arms_that_could_be_built():
     assert abs(np.corrcoef(np.log(l1), np.log(length2))[0, 1]) < 0.04
     # A mass at least that far out is needed for the coupling: I3 > m2 lc2^2 and m2 <= 3.
     assert (beta[:, I3] > (beta[:, G2] / STANDARD_GRAVITY) ** 2 / 3.0).all()
-    assert (beta[:, FRICTION] >= 1e-3).all()
-    assert (beta[:, FRICTION] <= 1.0).all()
+    assert 1e-3 <= beta[:, FRICTION].min() < beta[:, FRICTION].max() <= 1.0
 
 
 def test_published_ranges_cannot_reach_the_published_arms():
     beta = arms("published")
-    assert beta[:, I2].max() <= 2 * 1.0 * 0.1 * 0.1  # 2 m2 l1 lc2 at the upper end of every range
-    assert beta[:, I2].max() > 0.5 * 0.02  # and the range is used
+    assert 0.5 * 0.02 < beta[:, I2].max() <= 2 * 1.0 * 0.1 * 0.1  # 2 m2 l1 lc2 at the upper end of every range
     for arm in literal.ARMS.values():
         assert arm[I2] > 20 * 0.02
     # Lever arms of 0.1 m and masses of 1 kg bound the gravity loads too.
     assert beta[:, G2].max() <= 0.1 * STANDARD_GRAVITY
     assert beta[:, G1].max() <= 0.2 * STANDARD_GRAVITY
     assert beta[:, I3].max() <= 1.0 * 0.01 + 1.0
-    assert beta[:, FRICTION].min() >= 1e-3
-    assert beta[:, FRICTION].max() <= 1.0
+    assert 1e-3 <= beta[:, FRICTION].min() < beta[:, FRICTION].max() <= 1.0
     np.testing.assert_allclose(np.median(beta[:, FRICTION], 0), 0.5, atol=0.02)
 
 
@@ -78,8 +74,7 @@ def test_training_guesses_are_exact_near_and_uniform_in_the_chosen_shares():
     guess = training_guess(np.random.default_rng(0), right, chosen)
     miss = np.abs(guess - right).max(1)
     exact, near = miss == 0, (miss > 0) & (miss < 1e-3)
-    assert exact.mean() == pytest.approx(0.3, abs=0.015)
-    assert near.mean() == pytest.approx(0.5, abs=0.015)
+    assert [exact.mean(), near.mean()] == pytest.approx([0.3, 0.5], abs=0.015)
     far = guess[~exact & ~near]
     assert far.min() >= 1e-3
     assert far.max() <= 3.0
@@ -89,10 +84,6 @@ def test_training_guesses_are_exact_near_and_uniform_in_the_chosen_shares():
     assert np.median(miss[near]) == pytest.approx(1.9e-5, rel=0.15)
 
 
-@settings(max_examples=30)
-@given(seeds)
-def test_near_guesses_stay_above_the_smallest_guess(seed):
-    rng = np.random.default_rng(seed)
-    right = np.full((200, 9), 2e-3)
-    guess = training_guess(rng, right, GuessSettings(exact_share=0.0, near_share=1.0))
-    assert guess.min() >= 1e-3
+def test_near_guesses_stay_above_the_smallest_guess():
+    guess = training_guess(np.random.default_rng(6), np.full((5000, 9), 2e-3), GuessSettings(0.001, 3.0, 0.0, 1.0))
+    assert guess.min() == 1e-3

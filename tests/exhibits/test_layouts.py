@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-import pandas as pd
 from exhibit_examples import TABLES, laid_out, refused
 from hypothesis import given
 from hypothesis import strategies as st
@@ -59,14 +58,9 @@ def test_losses_of_interpretations_are_in_ten_thousandths(
     file_regression.check(f"{tex}\n{md}", check_fn=same, basename="ablation")
 
 
-def one_finding(**fields: object) -> pd.DataFrame:
-    usual = {"place": "Table 7", "what": "a total", "arithmetic": "1 + 1", "verdict": "misprint"}
-    return pd.DataFrame([{**usual, "found": None, "printed": None, "unit": None, "note": None, **fields}])
-
-
 def test_formulas_within_sentences(tmp_path: Path) -> None:
-    arithmetic = "I3 - lambda_R1^max >= -2 x 10^-3 m^2 & 5 %, g_f -> exp(x)"
-    tex, md = laid_out(tmp_path, "audit", one_finding(arithmetic=arithmetic))
+    finding = TABLES["audit"]().iloc[:1].assign(arithmetic="I3 - lambda_R1^max >= -2 x 10^-3 m^2 & 5 %, g_f -> exp(x)")
+    tex, md = laid_out(tmp_path, "audit", finding)
     assert r"$I_{3}$ $-$ $\lambda _{R1}^{\max}$ $\geq$ $-$2 $\times$ 10$^{-3}$ m$^{2}$ \& 5 \%," in tex
     assert r", $g_{f}$ $\rightarrow$ exp(x) &" in tex
     assert "| I₃ - λ\\_R1^max ≥ -2 \N{MULTIPLICATION SIGN} 10⁻³ m² & 5 %, g\\_f → exp(x) |" in md

@@ -112,7 +112,6 @@ BETA = np.ones(9)
         np.full((2, 5), np.nan),
         np.where(np.arange(5) == 3, np.inf, GOOD),
     ],
-    ids=["no joint axis", "three joints", "other length", "nan", "inf"],
 )
 def test_bad_motion_is_refused(place, bad):
     signals = [GOOD, GOOD, GOOD]
