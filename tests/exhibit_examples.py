@@ -53,10 +53,6 @@ def bands(panels: dict[str, tuple[str, ...]]) -> pd.DataFrame:
     return long_table(panels, k / 18.85, lambda i: 30.0 * np.cos(k + i) * np.exp(-k / 8))
 
 
-def case_panels(*cases: str) -> dict[str, tuple[str, ...]]:
-    return {f"{case}/joint{joint}": ("actual", "rebuilt") for case in cases for joint in (1, 2)}
-
-
 def subsampling_frame() -> pd.DataFrame:
     t = np.arange(64.0)
     parts = {("signal", "x"): t / 10, ("spectrum", "kept"): t[:16], ("spectrum", "dropped"): t[16:]}
@@ -112,18 +108,6 @@ def setup_frame() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["component", "label", "value", "unit"])
 
 
-def torque_series(*panels: str) -> dict[str, tuple[str, ...]]:
-    return dict.fromkeys(panels, ("measured", *RIVALS))
-
-
-def validated_panels() -> dict[str, tuple[str, ...]]:
-    return torque_series(*(f"{case} torque{joint}" for case in MOTIONS for joint in (1, 2)))
-
-
-def tracked_panels(*cases: str) -> dict[str, tuple[str, ...]]:
-    return {f"{case}{panel}": series for case in cases for panel, series in TRACKED.items()}
-
-
 def paths_frame() -> pd.DataFrame:
     t = np.linspace(0.0, 6.0, 50)
     frames = [
@@ -173,6 +157,10 @@ def readings_frame() -> pd.DataFrame:
 
 
 MOTION = dict.fromkeys(("position", "velocity", "acceleration"), BOTH)
+NUMERIC = {case: {f"{case}/joint{joint}": ("actual", "rebuilt") for joint in (1, 2)} for case in CASES}
+ALL_NUMERIC = NUMERIC["N1"] | NUMERIC["N2"] | NUMERIC["N3"] | NUMERIC["N4"]
+TORQUES = dict.fromkeys(("torque1", "torque2"), ("measured", *RIVALS))
+VALIDATED = {f"{case} {panel}": series for case in MOTIONS for panel, series in TORQUES.items()}
 
 FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     **{name: partial(words, name) for name in ("fig01", "fig02", "fig03", "fig04")},
@@ -183,19 +171,19 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "fig09": lambda: waves(dict.fromkeys(BOTH, ("p05", "p25", "p50", "p75", "p95", "mean"))),
     "fig10": lambda: waves({"loss": ("train", "test")}).assign(y=lambda f: np.exp(-f["x"])),
     "fig11": kernels_frame,
-    "fig12": lambda: waves(case_panels("N1", "N2")),
-    "fig13": lambda: waves(case_panels("N3", "N4")),
-    "fig14": lambda: bands(case_panels(*CASES)),
-    "fig15": lambda: waves(case_panels(*CASES), 600),
+    "fig12": lambda: waves(NUMERIC["N1"] | NUMERIC["N2"]),
+    "fig13": lambda: waves(NUMERIC["N3"] | NUMERIC["N4"]),
+    "fig14": lambda: bands(ALL_NUMERIC),
+    "fig15": lambda: waves(ALL_NUMERIC, 600),
     "fig16": lambda: waves(MOTION, 600),
-    "fig17": lambda: bands(case_panels(*CASES)).assign(y=lambda f: np.sin(7 * f["x"])),
+    "fig17": lambda: bands(ALL_NUMERIC).assign(y=lambda f: np.sin(7 * f["x"])),
     "fig18": setup_frame,
-    "fig19": lambda: waves(torque_series("torque1", "torque2") | tracked_panels("")),
-    "fig20": lambda: bands(torque_series("torque1", "torque2")),
+    "fig19": lambda: waves(TORQUES | TRACKED),
+    "fig20": lambda: bands(TORQUES),
     "fig21": paths_frame,
-    "fig22": lambda: waves(tracked_panels(*(f"{case} " for case in MOTIONS))),
-    "fig23": lambda: waves(validated_panels()),
-    "fig24": lambda: bands(validated_panels()),
+    "fig22": lambda: waves({f"{case} {panel}": names for case in MOTIONS for panel, names in TRACKED.items()}),
+    "fig23": lambda: waves(VALIDATED),
+    "fig24": lambda: bands(VALIDATED),
     "spread": spread_frame,
     "why": why_figure_frame,
     "coverage": ranks_frame,

@@ -1,6 +1,7 @@
 """Training samples by numeric substitution (Eq. 8, Section IV-A), and torques beyond Eq. 1."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import get_args
 
 import literal
@@ -91,30 +92,17 @@ def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
     np.testing.assert_allclose(psi, alpha, rtol=0, atol=1e-6)
 
 
-# Torques beyond Eq. 1, against sums that are written out.
-
-
 BETA = np.array([[0.3, 0.02, 0.1, 0.9, 0.2, 0.1, 0.05, 0.4, 0.3], [0.6, 0.1, 0.2, 0.3, 0.4, 0.2, 0.1, 0.1, 0.2]])
 
 
-class Fixed:
-    """A generator whose uniform draws are their upper end, or a given phase."""
-
-    def __init__(self, phase=0.0, which=0):
-        self._phase, self._which = phase, which
-
-    def uniform(self, low, high, size):
-        return np.full(size, self._phase if high == 2 * np.pi else high)
-
-    def integers(self, high, size):
-        return np.full(size, self._which)
-
-    def standard_normal(self, size):
-        return np.ones(size)
-
-
-def torque(settings, motion=SAMPLED, beta=BETA, largest=1.0, **fixed):
-    return draw_unmodelled(Fixed(**fixed), beta, np.full((2, 1), largest), motion.unmodelled, settings)
+def torque(settings, motion=SAMPLED, beta=BETA, largest=1.0, phase=0.0, which=0):
+    """Draws are the upper end of their range, but for phase and number of the ripple."""
+    drawn = SimpleNamespace(
+        uniform=lambda low, high, size: np.full(size, phase if high == 2 * np.pi else high),
+        integers=lambda high, size: np.full(size, which),
+        standard_normal=np.ones,
+    )
+    return draw_unmodelled(drawn, beta, np.full((2, 1), largest), motion.unmodelled, settings)
 
 
 def subsampled(x, signals=SIGNALS):

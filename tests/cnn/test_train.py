@@ -225,9 +225,6 @@ def test_a_limit_set_for_onednn_is_respected():
     assert subprocess.check_output([sys.executable, "-c", code], env=limited, text=True).strip() == "float32"
 
 
-# Orthogonalised steps.
-
-
 @pytest.mark.parametrize(("dtype", "tolerance"), [(torch.float32, 1e-4), (torch.bfloat16, 0.03)])
 @pytest.mark.parametrize(
     ("shape", "scale"), [((100, 3610), 1.0), ((10, 162), 1e-5), ((50, 50), 1e4), ((60, 20), 1.0), ((1, 7), 1e4)]

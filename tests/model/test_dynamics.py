@@ -137,9 +137,6 @@ def test_bad_beta_is_refused_everywhere(call, bad):
         call(bad)
 
 
-# Kinematics.
-
-
 ARM = ArmGeometry(0.165, 0.150)
 lengths = st.floats(0.05, 2.0)
 angles = st.floats(-np.pi, np.pi)

@@ -196,36 +196,19 @@ def test_torque_limit_of_each_joint(joint):
     assert "\n" not in str(caught.value)
 
 
-# Trajectories of Eq. 10 and random ones.
-
-
-# Weights of the eighth-order central difference, offsets -4 to 4.
-STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-
-
-def central_difference(x, h):
-    """Derivative of x at its inner samples, shape (..., N - 8)."""
-    windows = np.lib.stride_tricks.sliding_window_view(x, 9, axis=-1)
-    return windows @ STENCIL / h
-
-
-def test_identification_trajectory_is_eq10():
-    motion = identification_trajectory()
-    t = np.arange(3770) * 0.0025
-    np.testing.assert_allclose(motion.time, t, rtol=1e-15)
-    np.testing.assert_allclose(motion.q[0], np.sin(t) + 0.1 * np.cos(2.5 * t + 3.0), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(motion.q[1], -np.cos(t) - 0.1 * np.sin(2.5 * t + 3.0), rtol=0, atol=1e-13)
-
-
-@pytest.mark.parametrize(("duration", "h"), [(3.0 * np.pi, H), (20.48, H), (5.0, 1e-3)])
-def test_margin_continues_the_trajectory_on_both_sides_with_exact_derivatives(duration, h):
-    bare, wide = identification_trajectory(duration, h), identification_trajectory(duration, h, margin=40)
-    assert wide.time.size == bare.time.size + 80
-    for name in ("time", "q", "dq", "ddq"):
-        np.testing.assert_allclose(getattr(wide, name)[..., 40:-40], getattr(bare, name), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(np.diff(wide.time), h, rtol=1e-9)
-    np.testing.assert_allclose(central_difference(wide.q, h), wide.dq[:, 4:-4], rtol=0, atol=1e-10)
-    np.testing.assert_allclose(central_difference(wide.dq, h), wide.ddq[:, 4:-4], rtol=0, atol=1e-10)
+@pytest.mark.parametrize(("duration", "h", "margin"), [(3.0 * np.pi, H, 0), (20.48, H, 40), (5.0, 1e-3, 25)])
+def test_identification_trajectory_and_its_derivatives_are_eq10(duration, h, margin):
+    motion = identification_trajectory(duration, h, margin)
+    time, pace = np.arange(-margin, round(duration / h) + margin) * h, 3.0 * np.pi / duration
+    np.testing.assert_allclose(motion.time, time, rtol=1e-15)
+    t = pace * time
+    sine, cosine = np.sin(2.5 * t + 3.0), np.cos(2.5 * t + 3.0)
+    for found, joint1, joint2 in (
+        (motion.q, np.sin(t) + 0.1 * cosine, -np.cos(t) - 0.1 * sine),
+        (motion.dq / pace, np.cos(t) - 0.25 * sine, np.sin(t) - 0.25 * cosine),
+        (motion.ddq / pace**2, -np.sin(t) - 0.625 * cosine, np.cos(t) + 0.625 * sine),
+    ):
+        np.testing.assert_allclose(found, [joint1, joint2], rtol=0, atol=1e-13)
 
 
 @given(seed=seeds)
