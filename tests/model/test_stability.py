@@ -38,16 +38,8 @@ def test_the_six_printed_numbers():
     assert [f"{value:.4e}" for value in others] == printed
 
     ours = stability_constants(ARM)
-    expected = {
-        "lambda_m_min": m.min(),
-        "lambda_m_max": m.max(),
-        "lambda_h_min": h.min(),
-        "lambda_q_min": q[0],
-        "r1_min": r1[0],
-        "r2_max": rho * epsilon * r1[1],
-    }
-    for name, value in expected.items():
-        np.testing.assert_allclose(getattr(ours, name), value, rtol=1e-9, err_msg=name)
+    found = (ours.lambda_m_min, ours.lambda_m_max, ours.lambda_h_min, ours.lambda_q_min, ours.r1_min, ours.r2_max)
+    np.testing.assert_allclose(found, [m.min(), m.max(), h.min(), q[0], r1[0], rho * epsilon * r1[1]], rtol=1e-9)
     assert all(ours.conditions.values())
     assert reproduced(ARM) == dict.fromkeys(APPENDIX_NUMBERS, True)
 
