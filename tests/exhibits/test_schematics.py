@@ -4,16 +4,38 @@ import itertools
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from exhibit_examples import FRAMES, drawn, made, refused
 
-from repro.exhibits.schematics import layout_of, words
+from repro.exhibits.schematics import Box, layout_of, words
 
 
 def links(name: str) -> pd.DataFrame:
     frame = FRAMES[name]()
     return frame[frame["element"] == "link"]
+
+
+def reach(point: np.ndarray, box: Box, diamond: bool = False) -> float:
+    """Distance of a point from the middle of a box: 1 on its edge, less inside."""
+    middle = np.array([box.left + box.width / 2, box.bottom + box.height / 2])
+    far = np.abs(np.array(point) - middle) / (box.width / 2, box.height / 2)
+    return float(far.sum() if diamond else far.max())
+
+
+@pytest.mark.parametrize("name", ["fig02", "fig03", "fig04"])
+def test_arrows_of_the_table_run_from_edge_to_edge_and_through_no_box(name: str) -> None:
+    layout, ways = layout_of(name), links(name).set_index("name")
+    assert set(ways.index) == set(layout["routes"])
+    for key, route in layout["routes"].items():
+        for corner, end in zip((route.corners[0], route.corners[-1]), ways.loc[key, ["start", "end"]], strict=True):
+            box = layout["boxes"][end]
+            assert reach(corner, box, box.shape == "decision") == pytest.approx(1.0, abs=0.02), route
+        solid = [box for box in layout["boxes"].values() if box.shape != "frame"]
+        for one, other in itertools.pairwise(route.corners):
+            assert one[0] == other[0] or one[1] == other[1], route
+            assert all(reach(point, box) > 0.97 for point in np.linspace(one, other, 101) for box in solid), route
 
 
 def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
