@@ -191,15 +191,14 @@ def laid_out(name: str) -> str:
 
 
 def arm_file() -> str:
-    """Keys of an arm file: what its schema expects of each, and the default of `repro.Arm`."""
-    schema = json.loads((ROOT / "src/repro/logs/arm.schema.json").read_text(encoding="utf-8"))
+    """Keys of an arm file: what is expected of each, and its default."""
     rows = []
-    for name, key in schema["properties"].items():
-        default = getattr(repro.Arm(), name)
-        empty = default is None or default == {}
-        # JSON spells the values as YAML does.
-        shown = key.get("absent", "none") if empty else f"`{json.dumps(default).strip(chr(34))}`"
-        rows.append([f"`{name}`", key["description"], shown.replace(".0", ""), key.get("note", "")])
+    for name, key in repro.Arm.__pydantic_fields__.items():
+        if not key.exclude:
+            default, stated = getattr(repro.Arm(), name), key.json_schema_extra
+            # JSON spells the values as YAML does.
+            shown = f"`{json.dumps(default).strip(chr(34))}`" if default not in (None, {}) else stated["absent"]
+            rows.append([f"`{name}`", stated["expected"], shown.replace(".0", ""), key.description or ""])
     return markdown(["key", "value", "default", "note"], rows)
 
 

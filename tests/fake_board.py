@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from repro.fpga.capture import CaptureMetadata
 from repro.fpga.controller import ControlConstants, PDController
 from repro.fpga.frames import encode
 from repro.fpga.messages import MessageDecoder, MessageKind, encode_identity, encode_program, parse_start
 from repro.fpga.server import serve
+from repro.fpga.sidecar import CaptureMetadata
 
 CONTROL = ControlConstants(kp=(50.0, 40.0), kv=(100.0, 80.0), pwm_hz=(1e4, 1e4), full_torque=(2.7192, 2.7314))
 IDENTITY = {"board": "played back", "plant": {"ripple": 0.05}}

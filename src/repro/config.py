@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
 
 from repro.config_model import Configuration
-from repro.documents import Place, read_yaml, spelled
+from repro.documents import Place, read_yaml, spelled, violation
 from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.parameters import is_positive_definite
@@ -31,30 +30,6 @@ NEAREST = 0.7
 SUMS = "SHA256SUMS"
 #: Largest number that the board's memory holds.
 LARGEST = float(np.finfo(np.float32).max)
-#: What a value should be, by the kind of pydantic's error; limits are filled in.
-_EXPECTED = {
-    "missing": "a value",
-    "invalid_key": "text",
-    "int_type": "an integer",
-    "float_type": "a number",
-    "string_type": "text",
-    "string_unicode": "text in UTF-8",
-    "bool_type": "true or false, a boolean",
-    "list_type": "a list",
-    "dict_type": "a section",
-    "model_type": "a section",
-    "finite_number": "a finite number",
-    "literal_error": "{expected}",
-    "greater_than": "more than {gt:.16g}",
-    "greater_than_equal": "at least {ge:.16g}",
-    "less_than": "less than {lt:.16g}",
-    "less_than_equal": "at most {le:.16g}",
-    "too_short": "at least {min_length} values",
-    "too_long": "at most {max_length} values",
-    "string_too_short": "at least {min_length} character",
-    "string_too_long": "at most {max_length} characters",
-    "string_pattern_mismatch": "a folder of the project, in letters, digits, '_', '.', '-' and '/'",
-}
 
 
 def merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
@@ -74,32 +49,6 @@ def _at(node: Any, place: Place) -> object:  # noqa: ANN401
     except (KeyError, IndexError, TypeError):
         return _ABSENT
     return node
-
-
-def _violation(config: object, model: type[BaseModel]) -> tuple[Place, object, str] | None:
-    """Place, found and expected of the first value that a model does not allow."""
-    try:
-        model.model_validate(config)
-    except ValidationError as invalid:
-        error = invalid.errors(include_url=False)[0]
-        place, kind = error["loc"], error["type"]
-        if kind == "extra_forbidden":
-            return place, "an unknown key", f"one of {', '.join(_keys(model, place[:-1]))}"
-        found = "nothing" if kind == "missing" else repr(error["input"])[:60]
-        if kind == "invalid_key":
-            place, found = place[:-1], f"the key {place[-1]!r}"
-        return place, found, _EXPECTED.get(kind, error["msg"]).format(**error.get("ctx", {}))
-    return None
-
-
-def _keys(model: type[BaseModel], place: Place) -> list[str]:
-    """Keys of a section."""
-    for name in place:
-        fields = {field.alias or key: field for key, field in model.model_fields.items()}
-        annotation = fields[str(name)].annotation
-        assert isinstance(annotation, type)  # a section
-        model = annotation
-    return [field.alias or key for key, field in model.model_fields.items()]
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
@@ -242,7 +191,7 @@ def check_config(
     def refuse(place: Place, found: object, expected: str) -> None:
         raise InputError.at(f"{file_of(place)}: {spelled(place) or 'configuration'}", found, expected)
 
-    if wrong := _violation(config, Configuration):
+    if wrong := violation(config, Configuration):
         refuse(*wrong)
     if not config["refinement"]["passes"]:
         refuse(("refinement", "passes"), 0, "at least 1; 0 is for section networks")
@@ -251,7 +200,7 @@ def check_config(
             refuse(("networks", name, "data", "tracked"), "a key", "none, because all networks share these arms")
     networks = {("networks", name): merged(config, changes) for name, changes in config["networks"].items()}
     for network, whole in ({(): config} | networks).items():
-        if wrong := _violation(whole, Configuration):
+        if wrong := violation(whole, Configuration):
             refuse((*network, *wrong[0]), *wrong[1:])
         for places, expected in chain(_contradictions(whole), _missing_inputs(whole, motions) if inputs else ()):
             own = [place for place in places if _at(config, (*network, *place)) is not _ABSENT]

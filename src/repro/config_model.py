@@ -6,13 +6,14 @@ classes by `config/reference.py`; `repro.config` checks files against them.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from repro.cnn.architecture import Precision, ScheduleName
 from repro.cnn.dataset import Label
 from repro.cnn.image import Scale
 from repro.cnn.priors import Prior
+from repro.documents import Section
 from repro.identification.algorithm1.search import ImageMotion
 from repro.signals.dct import FrequencyUnit
 from repro.signals.metric import TimeFormula
@@ -51,19 +52,6 @@ NineParameters = Annotated[list[Positive], Field(min_length=9, max_length=9)]
 Folder = Annotated[
     str, Field(pattern=r"^(?!.*(^|/)\.{1,2}(/|$))[A-Za-z0-9_.-]{1,200}(/[A-Za-z0-9_.-]{1,200})*$(?!\n)", max_length=200)
 ]
-
-
-class Section(BaseModel):
-    """A section of the configuration: every key is required, no other is allowed, no value is converted."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        strict=True,
-        frozen=True,
-        allow_inf_nan=False,
-        regex_engine="python-re",
-        hide_input_in_errors=True,
-    )
 
 
 class Signals(Section):
@@ -181,10 +169,10 @@ class NoRefinement(Section):
 class Changes(Section):
     """Changes of the sections; the whole is checked as a configuration of its own."""
 
-    data: dict[str, Any] = {}
-    image: dict[str, Any] = {}
-    training: dict[str, Any] = {}
-    algorithm1: dict[str, Any] = {}
+    data: dict[str, Any] = Field(default={})
+    image: dict[str, Any] = Field(default={})
+    training: dict[str, Any] = Field(default={})
+    algorithm1: dict[str, Any] = Field(default={})
     refinement: NoRefinement = NoRefinement(passes=0)
 
 

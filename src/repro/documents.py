@@ -1,20 +1,17 @@
-"""YAML and JSON files that a user writes: limited in size, depth and digits, each key once, and valid by a schema."""
+"""YAML and JSON files that a user writes: limited in size, depth and digits, each key once, and valid by a model."""
 
 import json
-import math
 import re
 import stat
-from collections.abc import Iterator, Mapping
-from functools import cache
+from inspect import get_annotations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic.fields import FieldInfo
 
 from repro.errors import InputError
-
-if TYPE_CHECKING:
-    from jsonschema import ValidationError
 
 #: Largest YAML and JSON file, bytes. YAML is read at about 50 kB/s.
 LARGEST_YAML, LARGEST_JSON = 256 << 10, 512 << 10
@@ -199,15 +196,40 @@ def _depth(node: object) -> int:
 
 #: Keys and list positions that lead to a value.
 Place = tuple[str | int, ...]
+#: Rules of what a file declares: no value is converted, no key is unknown.
+STRICT = ConfigDict(
+    extra="forbid", strict=True, allow_inf_nan=False, regex_engine="python-re", hide_input_in_errors=True
+)
+#: What a value should be, by the kind of pydantic's error; limits are filled in.
+_EXPECTED = {
+    "int_type": "an integer",
+    "float_type": "a number",
+    "string_type": "text",
+    "string_unicode": "text in UTF-8",
+    "bool_type": "true or false, a boolean",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a section",
+    "model_type": "a section",
+    "too_short": "at least {min_length} values",
+    "too_long": "at most {max_length} values",
+    "string_too_short": "at least {min_length} character",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "a folder of the project, in letters, digits, '_', '.', '-' and '/'",
+}
+_LIMITS = {
+    "greater_than": "more than {gt:.16g}",
+    "greater_than_equal": "at least {ge:.16g}",
+    "less_than": "less than {lt:.16g}",
+    "less_than_equal": "at most {le:.16g}",
+    "finite_number": "a finite number",
+}
 
 
-@cache
-def _validator() -> Any:  # noqa: ANN401
-    """Load the library, which most commands do not need. 60.0 is no integer, as in draft 4."""
-    from jsonschema import Draft4Validator, Draft202012Validator, validators  # noqa: PLC0415
+class Section(BaseModel):
+    """Keys that are required unless they have a default."""
 
-    types = Draft4Validator.TYPE_CHECKER
-    return validators.extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
+    model_config = ConfigDict(**STRICT, frozen=True)
 
 
 def spelled(place: Place) -> str:
@@ -219,50 +241,56 @@ def spelled(place: Place) -> str:
     return "".join(map(part, place)).removeprefix(".")
 
 
-def violation(content: object, schema: Mapping[str, Any]) -> tuple[Place, object, str] | None:
-    """Place, found and expected of the first violation, by place; NaN and infinity are violations everywhere.
-
-    What is expected is the schema's own description of the value, where it has one.
-    """
-    errors = _validator()(schema).iter_errors(content)  # one at a time: there may be millions
-    if first := min(errors, key=lambda error: [str(key) for key in error.absolute_path], default=None):
-        return _words(first, schema)
-    return next(((place, value, "a finite number") for place, value in _infinite(content)), None)
+def violation(content: object, model: type[BaseModel]) -> tuple[Place, object, str] | None:
+    """Place, found and expected of the first value that a model does not allow."""
+    try:
+        model.model_validate(content)
+    except ValidationError as invalid:
+        return first_error(invalid, model)
+    return None
 
 
-def _words(error: "ValidationError", schema: Mapping[str, Any]) -> tuple[Place, str, str]:
-    place, instance = tuple(error.absolute_path), error.instance
-    rule, limit, own = str(error.validator), error.validator_value, error.schema
-    if rule == "additionalProperties":
-        known = [*own.get("properties", {}), *own.get("required", [])]  # type: ignore[union-attr]
-        unknown = next(key for key in instance if key not in known)  # type: ignore[union-attr]
-        return (*place, str(unknown)), "an unknown key", f"one of {', '.join(dict.fromkeys(known))}"
-    if rule == "required":
-        missing = next(key for key in limit if key not in instance)  # type: ignore[union-attr,operator]
-        return (*place, str(missing)), "nothing", "a value"
-    described = own.get("description") if isinstance(own, Mapping) else None
-    # Only the counts of a capture have no description: their rules are the type and the minimum.
-    plain = f"at least {limit}" if rule == "minimum" else f"{limit}"
-    return place, repr(instance)[:60], described or _described(schema, place) or plain
+def first_error(invalid: ValidationError, section: Any) -> tuple[Place, object, str]:  # noqa: ANN401
+    """Place, found and expected; what is expected is as the key's declaration states it, if it does."""
+    error = invalid.errors(include_url=False)[0]
+    place, kind, limits = error["loc"], error["type"], error.get("ctx", {})
+    inner, stated = _along(section, place)
+    found = repr(error["input"])[:60]
+    match kind:
+        case "extra_forbidden" | "unexpected_keyword_argument":
+            found, expected = "an unknown key", f"one of {', '.join(_fields(inner))}"
+        case "literal_error" if place[-1] == "[key]":
+            place, found, expected = place[:-1], "an unknown key", f"one of {limits['expected']}"
+        case "literal_error":
+            expected = limits["expected"]
+        case "invalid_key":
+            place, found, expected = place[:-1], f"the key {place[-1]!r}", "text"
+        case "missing":  # an item of a pair, or a key
+            found, expected = "nothing", stated if isinstance(place[-1], int) and stated else "a value"
+        case _ if kind in _LIMITS:
+            limit = _LIMITS[kind].format(**limits)
+            expected = f"{stated} ({limit})" if stated else limit
+        case _:
+            expected = stated or _EXPECTED[kind].format(**limits) if kind in _EXPECTED else error["msg"]
+    return place, found, expected
 
 
-def _described(schema: Mapping[str, Any], place: Place) -> str:
-    """Description of the value at a place, or of the innermost one around it that the schema names."""
-    node = schema
-    for key in place:
-        if key not in node.get("properties", {}):
+def _fields(section: Any) -> dict[str, FieldInfo]:  # noqa: ANN401
+    """Keys of a model, of a dataclass or of a TypedDict that a file may have."""
+    declared = getattr(section, "__pydantic_fields__", None)
+    if declared is None:
+        return {name: FieldInfo.from_annotation(kind) for name, kind in get_annotations(section).items()}
+    return {field.alias or name: field for name, field in declared.items() if not field.exclude}
+
+
+def _along(section: Any, place: Place) -> tuple[Any, str]:  # noqa: ANN401
+    """Innermost section on the way to a place, and what the innermost key on it states that it expects."""
+    stated = ""
+    for name in place:
+        fields = _fields(section) if isinstance(section, type) else {}
+        if name not in fields:
             break
-        node = node["properties"][key]
-    return str(node.get("description", ""))
-
-
-def _infinite(node: object, place: Place = ()) -> Iterator[tuple[Place, float]]:
-    """Places of NaN and infinity, which YAML and Python's JSON can spell and a schema lets through."""
-    if isinstance(node, Mapping):
-        for key, item in node.items():
-            yield from _infinite(item, (*place, str(key)))
-    elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _infinite(item, (*place, index))
-    elif isinstance(node, float) and not math.isfinite(node):
-        yield place, node
+        extra = fields[str(name)].json_schema_extra
+        stated = str(extra.get("expected", stated)) if isinstance(extra, dict) else stated
+        section = fields[str(name)].annotation
+    return section, stated

@@ -192,7 +192,7 @@ def test_a_log_is_checked_when_it_is_made(change, place):
 @pytest.mark.parametrize(
     ("change", "place"),
     [
-        ({"zero": (0.0,)}, "zero"),
+        ({"zero": (0.0,)}, r"zero\[1\]"),
         ({"torque_scale": "ab"}, "torque_scale"),
         ({"sign": (0.0, 1.0)}, r"sign\[0\]"),
         ({"plane": "foo"}, "plane"),

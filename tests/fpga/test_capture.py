@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from strategies import seeds
 
 from repro.errors import InputError
-from repro.fpga.capture import Host, decode_capture, read_capture, recording_of, to_table, verify_control, write_capture
+from repro.fpga.capture import decode_capture, read_capture, recording_of, to_table, verify_control, write_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_gains, encode_program, encode_trajectory
+from repro.fpga.sidecar import Host
 
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)
@@ -81,17 +82,17 @@ def test_a_capture_is_whole_or_absent(tmp_path):
     ("key", "value", "place"),
     [
         ("format", 1, "format: found 1, expected 2"),
-        ("source", "real", "source: found 'real', expected simulated or serial"),
+        ("source", "real", "source: found 'real', expected 'simulated' or 'serial'"),
         ("source", "serial", "board: found"),
         ("sampling_period_s", "2.5 ms", "sampling_period_s: found '2.5 ms', expected 5e-05 to 0.2 s"),
         ("samples_expected", 400.0, "samples_expected: found 400.0, expected an integer"),
         ("complete", False, "complete: found False, expected true if and only if"),
-        ("reason", "tired", "reason: found 'tired', expected one of"),
+        ("reason", "tired", "reason: found 'tired', expected '', 'silent'"),
         ("program.sha256", "abc", "program.sha256: found 'abc', expected a SHA-256"),
-        ("program.recomputed", True, "program.recomputed: found True, expected false"),
+        ("program.recomputed", True, "program.recomputed: found True, expected False"),
         ("program.bytes", 5, "T4.program: size: found"),
         ("trajectory.n2", 401, "trajectory.n2: found 401, expected more than n1"),
-        ("control.kp", [1.0, -2.0], "control.kp[1]: found -2.0, expected two numbers of 1e-06 to 1e+09"),
+        ("control.kp", [1.0, -2.0], "control.kp[1]: found -2.0, expected at least 1e-06"),
         ("control.kv_counts", [1.0, 2.0], "control.kv_counts: found [1.0, 2.0], expected"),
         ("counts.good", 399, "counts.good: found 399, expected 400"),
         ("mood", "fine", "mood: found an unknown key"),
@@ -128,7 +129,7 @@ def test_a_wrong_sidecar_is_named_in_one_line(stored, key, value, place):
         ("T4.bin", None, r"T4\.bin: found No such file"),
         ("T4.json", None, r"T4\.bin: found no T4\.json next to it"),
         ("T4.json", b"{", r"T4\.json: found text that is not JSON"),
-        ("T4.json", b"[]", r"T4\.json: content: found \[\], expected an object"),
+        ("T4.json", b"[]", r"T4\.json: content: found \[\], expected a section"),
     ],
 )
 def test_a_wrong_file_is_named_in_one_line(stored, name, content, place):

@@ -18,10 +18,11 @@ import serial
 
 from repro.errors import InputError
 from repro.files import writing
-from repro.fpga.capture import Capture, CaptureMetadata, EndReason, Host, write_capture
+from repro.fpga.capture import Capture, write_capture
 from repro.fpga.frames import FRAME_BYTES, SAMPLING_PERIOD
 from repro.fpga.messages import MessageDecoder, MessageKind, encode_message, encode_start, parse_identity
 from repro.fpga.parser import StreamParser
+from repro.fpga.sidecar import CaptureMetadata, EndReason, Host
 from repro.progress import Progress
 
 _LOG = logging.getLogger(__name__)

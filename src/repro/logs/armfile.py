@@ -1,46 +1,119 @@
 """The arm file: conventions and limits of an arm that the header of a recording does not state."""
 
-import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError
+from pydantic.dataclasses import dataclass
+from pydantic_core import PydanticCustomError
+from typing_extensions import TypedDict
 
-from repro.documents import Loader, read_yaml, spelled, violation
+from repro.documents import STRICT, Loader, first_error, read_yaml, spelled
 from repro.errors import InputError
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
 
+Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
+Kind = Literal["time", "position", "velocity", "torque"]
 #: One value for each joint.
 Pair = tuple[float, float]
 
 #: Largest number of an arm and smallest limit; their squares must not overflow.
 _LARGEST, _SMALLEST = 1e9, 1e-6
-#: Keys whose numbers divide.
-_POSITIVE = ("speed_limit", "torque_limit", "counts_per_turn", "torque_constant", "torque_scale")
-_SCHEMA: dict[str, Any] = json.loads(Path(__file__).with_name("arm.schema.json").read_text(encoding="utf-8"))
 
 
-def _names_unknown_keys(cls: type[Any]) -> type[Any]:
-    """Let a dataclass refuse an unknown keyword as a file's unknown key."""
-    init, known = cls.__init__, [each.name for each in fields(cls)]
+def _apart(pair: Pair) -> Pair:
+    if pair[1] - pair[0] < _SMALLEST:
+        least = f"ends {_SMALLEST:g} and more apart" if pair[0] < pair[1] else "the lower one first"
+        raise PydanticCustomError("range", least)
+    return pair
+
+
+def _radians(angle: float) -> float:
+    if abs(angle) > 2.0 * np.pi:
+        converted = f"if it is in degrees: {np.radians(angle):.5g}"
+        raise PydanticCustomError("radians", f"radians within a turn, whatever the unit of the log ({converted})")
+    return angle
+
+
+def _sign(value: float) -> float:
+    if abs(value) != 1.0:
+        raise PydanticCustomError("sign", "two numbers, each 1 or -1")
+    return value
+
+
+def _not_zero(value: float) -> float:
+    if abs(value) < _SMALLEST:
+        raise PydanticCustomError("constant", f"two numbers other than 0, with magnitudes of {_SMALLEST:g} and more")
+    return value
+
+
+_Both = Field(strict=False)  # a list, too
+_Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
+_Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
+_Sign = Annotated[_Number, AfterValidator(_sign)]
+_Constant = Annotated[_Number, AfterValidator(_not_zero)]
+_Angle = Annotated[_Number, AfterValidator(_radians)]
+_Range = Annotated[tuple[_Number, _Number], _Both, AfterValidator(_apart)]
+_TwoPositive = Annotated[tuple[_Positive, _Positive], _Both]
+_TwoSigns = Annotated[tuple[_Sign, _Sign], _Both]
+_TwoRanges = Annotated[tuple[_Range, _Range], _Both]
+_Automatic = BeforeValidator(lambda value: None if value == "auto" else value)
+
+
+class Units(TypedDict, total=False):
+    """Unit of each kind of signal; it has priority over the header's."""
+
+    __pydantic_config__ = STRICT  # type: ignore[misc]
+
+    time: Literal["s", "ms", "us", "ns", "min"]
+    position: Literal["rad", "deg", "counts"]
+    velocity: Literal["rad/s", "deg/s", "rpm", "counts/s"]
+    torque: Literal["N m", "mN m", "N cm", "A", "mA", "counts"]
+
+
+def _columns(headers: dict[Signal, str]) -> dict[Signal, str]:
+    if len(set(headers.values())) < len(headers):
+        raise PydanticCustomError("columns", "a column of its own for each signal")
+    return headers
+
+
+def _key(default: object, expected: str, note: str = "", absent: str = "none") -> Any:  # noqa: ANN401
+    """Describe a key: what it should be, what it means, and what happens without it."""
+    return Field(default, description=note, json_schema_extra={"expected": expected, "absent": absent})
+
+
+def _one_line(cls: type[Any]) -> type[Any]:
+    """Let a class refuse wrong values in one line, and accept arrays."""
+    init = cls.__init__
 
     @wraps(init)
     def checked(self: Any, *values: object, **given: object) -> None:  # noqa: ANN401
-        if unknown := [key for key in given if key not in known]:
-            raise InputError.at(f"{cls.file}: {unknown[0]}", "an unknown key", f"one of {', '.join(known[:-1])}")
-        init(self, *values, **given)
+        try:
+            init(self, *values, **{key: _plain(value) for key, value in given.items()})
+        except ValidationError as invalid:
+            place, found, expected = first_error(invalid, cls)
+            raise InputError.at(f"{given.get('file', cls.file)}: {spelled(place)}", found, expected) from None
 
     cls.__init__ = checked
     return cls
 
 
-@_names_unknown_keys
-@dataclass(frozen=True)
+def _plain(value: object) -> object:
+    """Give arrays, numbers of NumPy and mappings as lists, numbers and a dictionary of Python."""
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+@_one_line
+@dataclass(frozen=True, config=STRICT)
 class Arm:
     """How to read an arm's recordings, and what is known of the arm.
 
@@ -51,55 +124,98 @@ class Arm:
     ((1.0, 1.0), 9.80665)
     """
 
-    name: str = "arm"
-    columns: Mapping[str, str] = field(default_factory=dict)  # header of each signal: time, q1, q2, dq1, ..., tau2
-    topic: str | None = None  # of the joint states in a bag; None for the only one
-    # Unit of time, position, velocity or torque; it has priority over the header's.
-    units: Mapping[str, str] = field(default_factory=dict)
-    counts_per_turn: Pair | None = None  # encoder counts in a turn of each joint
-    torque_constant: Pair | None = None  # torque at each joint, N m, for 1 A or for 1 count of PWM
-    torque_offset: Pair = (0.0, 0.0)  # torque recorded where none acts, N m
-    torque_scale: Pair = (1.0, 1.0)  # torque recorded, without the offset, over the one that acts
-    sign: Pair = (1.0, 1.0)  # 1, or -1 where position, velocity and torque have the other sign than in Eq. 1
-    torque_sign: Pair = (1.0, 1.0)  # 1, or -1 where the torque alone has the other sign, in addition to `sign`
-    zero: Pair = (0.0, 0.0)  # position recorded, rad, where link 1 hangs down and link 2 is in line with it
-    second_joint_absolute: bool = False  # whether ``q2`` was measured from the vertical instead of from link 1
-    torque_limit: Pair | None = None  # largest torque of each joint, N m
-    position_limit: tuple[Pair, Pair] | None = None  # lowest and highest angle of Eq. 1 of each joint, rad
-    speed_limit: Pair | None = None  # largest speed of each joint, rad/s
-    # Lowest and highest x, lowest and highest y of elbow and tip, m, as in `repro.model.dynamics`
-    workspace: tuple[Pair, Pair] | None = None
-    plane: str = "vertical"  # of the motion; in a "horizontal" one gravity turns no joint
-    gravity: float = STANDARD_GRAVITY  # gravitational acceleration, m/s^2
-    link_lengths: Pair | None = None  # lengths of the links, m
-    friction_steepness: float | None = LAMBDA  # lambda of Eq. 1, s/rad; None: estimated from the data
-    delay: float | None = None  # how much later than recorded the torque acts, s; None: estimated from the data
-    file: str = "arm file"  # where this was read, for messages
-
-    def __post_init__(self) -> None:
-        """Check the values as those of a file, and store lists and arrays as tuples."""
-        given = {}
-        for each in fields(self):
-            value = getattr(self, each.name)
-            empty = (value is None and "None" in str(each.type)) or (isinstance(value, dict) and not value)
-            if not (empty or value is each.default or each.name == "file"):
-                given[each.name] = value
-        try:
-            content = json.loads(json.dumps(given, default=_plain))
-        except (TypeError, ValueError) as error:
-            raise InputError.at(self.file, f"a value of another type ({error})", "numbers, texts and pairs") from error
-        _check(content, self.file)
-        for key, value in content.items():
-            object.__setattr__(self, key, _value(key, value))
-
-
-def _plain(value: object) -> object:
-    """Give a NumPy array or number, or a mapping, as JSON has it."""
-    if isinstance(value, Mapping):
-        return dict(value)
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    raise TypeError(type(value).__name__)
+    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key(
+        "arm", "text on one line", "shown in the report and the exports"
+    )
+    columns: Annotated[dict[Signal, Annotated[str, Field(min_length=1)]], AfterValidator(_columns)] = Field(
+        default_factory=dict,
+        description="signals are `time`, `q1`, `q2`, `dq1`, `dq2`, `tau1`, `tau2`",
+        json_schema_extra={
+            "expected": "headers of the log by signal, such as 'q1: shoulder angle'",
+            "absent": "found by name",
+        },
+    )
+    topic: Annotated[str, Field(min_length=1)] | None = _key(
+        None, "the name of a topic, as text", "of a bag, with the joint states", "the only one"
+    )
+    units: Units = Field(
+        default_factory=Units,
+        description="of all columns of a kind (`time`, `position`, `velocity`, `torque`), whatever the header states",
+        json_schema_extra={
+            "expected": "units by kind of signal, such as 'position: deg'",
+            "absent": "from the header, else SI",
+        },
+    )
+    counts_per_turn: _TwoPositive | None = _key(
+        None,
+        "two numbers above 0, the counts in a turn of joint 1 and of joint 2",
+        "a turn of the **joint**: counts per motor turn times the gear ratio",
+    )
+    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key(
+        None,
+        "two numbers other than 0, N m at the joint for 1 A or for 1 count, joint 1 and joint 2",
+        "gear included; a count is one of PWM",
+    )
+    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key(
+        (0.0, 0.0), "two numbers, the torque recorded where none acts, N m"
+    )
+    torque_scale: _TwoPositive = _key(
+        (1.0, 1.0),
+        "two numbers above 0, the torque recorded over the one that acts",
+        "the offset is subtracted first",
+    )
+    sign: _TwoSigns = _key(
+        (1.0, 1.0),
+        "two numbers, each 1 or -1",
+        "-1 where position, velocity and torque of a joint count in the opposite direction",
+    )
+    torque_sign: _TwoSigns = _key(
+        (1.0, 1.0), "two numbers, each 1 or -1", "-1 where only the torque does, in addition to `sign`"
+    )
+    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key(
+        (0.0, 0.0),
+        "two numbers, the position recorded where the angle of Eq. 1 is 0, rad",
+        "in rad whatever the unit of the log, within a turn",
+    )
+    second_joint_absolute: bool = _key(
+        False, "true or false", "whether `q2` was measured from the vertical and not from link 1"
+    )
+    torque_limit: _TwoPositive | None = _key(
+        None,
+        "two numbers above 0, the largest torque of joint 1 and of joint 2, N m",
+        "without it a largest value that occurs repeatedly counts as one",
+    )
+    position_limit: _TwoRanges | None = _key(
+        None,
+        "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",
+        "for `repro excite`; joint 2 relative to link 1, whatever `zero` and `sign` state",
+    )
+    speed_limit: _TwoPositive | None = _key(
+        None, "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s", "for `repro excite`"
+    )
+    workspace: _TwoRanges | None = _key(
+        None,
+        "two ranges, of x and of y of elbow and tip from joint 1, m",
+        "for `repro excite`, with `link_lengths`: x to the right, y up, joint 1 at 0, 0",
+    )
+    plane: Literal["vertical", "horizontal"] = _key(
+        "vertical", "vertical or horizontal", "in a horizontal plane g1 and g2 are zero and not estimated"
+    )
+    gravity: _Positive = _key(STANDARD_GRAVITY, "a number above 0, m/s^2", "for the exports")
+    link_lengths: _TwoPositive | None = _key(
+        None,
+        "two numbers above 0, the lengths of link 1 and link 2, m",
+        "for `workspace` and the exports: l1 is compared, l2 guides the choice of m2",
+    )
+    friction_steepness: Annotated[_Positive | None, _Automatic] = _key(
+        LAMBDA,
+        "a number above 0, s/rad, or auto",
+        "lambda of Eq. 1; `auto` chooses the best of 5, 10, 20, 50, 100, 200",
+    )
+    delay: Annotated[Annotated[float, Field(ge=-1, le=1)] | None, _Automatic] = _key(
+        None, "a number from -1 to 1, s, or auto", "how much later than recorded the torque acts", "`auto`"
+    )
+    file: str = Field(default="arm file", exclude=True)  # where this was read, for messages
 
 
 class _Loader(Loader):
@@ -140,44 +256,8 @@ def read_arm(path: str | Path | None) -> Arm:
     """
     if path is None:
         return Arm()
-    path = Path(path)
-    content = read_yaml(path, "an arm file", _Loader)
-    _check(content, str(path))
+    content = read_yaml(Path(path), "an arm file", _Loader)
+    for key in content:
+        if key == "file" or content[key] is None:
+            raise InputError.at(f"{path}: {key}", repr(content[key]), "a key of an arm, with a value")
     return Arm(**content, file=str(path))
-
-
-def _check(content: Mapping[str, Any], file: str) -> None:
-    """Refuse what the schema or the meaning of a key forbids."""
-    if content != {} and (wrong := violation(content, _SCHEMA)):
-        place, found, expected = wrong
-        raise InputError.at(f"{file}: {spelled(place)}", found, expected)
-    for key, value in content.items():
-        least = _SMALLEST if key in _POSITIVE else 0.0
-        sizes = np.abs(np.ravel(value)) if isinstance(value, (list, int, float)) else np.empty(0)
-        if np.any((sizes < least) | (sizes > _LARGEST)):
-            expected = f"magnitudes of {f'{least:g} to' if least else 'at most'} {_LARGEST:g}"
-            raise InputError.at(f"{file}: {key}", repr(value)[:60], expected)
-    columns = content.get("columns", {})
-    for signal, header in columns.items():
-        twin = next(other for other in columns if columns[other] == header)
-        if twin != signal:
-            raise InputError.at(f"{file}: columns.{signal}", f"{header!r}, as for {twin}", "a column of its own")
-    for key in ("position_limit", "workspace"):
-        for row, (low, high) in enumerate(content.get(key, ())):
-            if high - low < _SMALLEST:
-                expected = f"ends {_SMALLEST:g} and more apart" if low < high else "the lower one first"
-                raise InputError.at(f"{file}: {key}[{row}]", [low, high], expected)
-    for joint, zero in enumerate(content.get("zero", ())):
-        if abs(zero) > 2.0 * np.pi:
-            converted = f"if it is in degrees: {np.radians(zero):.5g}"
-            expected = f"radians within a turn, whatever the unit of the log ({converted})"
-            raise InputError.at(f"{file}: zero.{joint}", zero, expected)
-
-
-def _value(key: str, value: Any) -> Any:  # noqa: ANN401
-    """A value of the file as an attribute of `Arm`."""
-    if value == "auto" and key in ("friction_steepness", "delay"):
-        return None
-    if isinstance(value, list):
-        return tuple(_value(key, item) for item in value)
-    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

@@ -6,13 +6,10 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 from repro.errors import InputError
-from repro.logs.armfile import Arm, Pair
-
-Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
-Kind = Literal["time", "position", "velocity", "torque"]
+from repro.logs.armfile import Arm, Kind, Pair, Signal
 
 #: Signals of a log and what kind each is.
 KINDS: Final[dict[Signal, Kind]] = {

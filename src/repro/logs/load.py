@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, recording_of
-from repro.logs.armfile import Arm
-from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, Signal, find_columns, si_factor
+from repro.logs.armfile import Arm, Signal
+from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor
 from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
 from repro.logs.torque_limits import saturated

@@ -10,7 +10,7 @@ import numpy as np
 
 from repro.errors import InputError
 from repro.files import atomic_write
-from repro.fpga.capture import Capture, CaptureMetadata, files_of, read_capture, recording_of, write_capture
+from repro.fpga.capture import Capture, files_of, read_capture, recording_of, write_capture
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.link import record_capture
@@ -18,6 +18,7 @@ from repro.fpga.logic import logic_board
 from repro.fpga.messages import encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import Board
+from repro.fpga.sidecar import CaptureMetadata
 from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.dynamics import ArmGeometry
