@@ -1,5 +1,7 @@
 """Logs of a known arm with content up to any frequency, and regressions made without a log."""
 
+from dataclasses import replace
+
 import log_example
 import numpy as np
 from log_example import BETA
@@ -10,22 +12,24 @@ from repro.identification.regression import Regression
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics, regressor
 
-#: Time between samples and cut-off: a period of the cut-off is ten samples.
-H, CUTOFF = 0.02, 5.0
+#: Time between samples, s.
+H = 0.02
 
 
-def broadband(t, top=12.0, lines=60):
-    """Position, velocity and acceleration with sines up to `top` Hz, their amplitudes falling as 1/f^2."""
+def sinusoids(t, amplitude, frequency, phase):
+    """Position, velocity and acceleration of a sum of sines for each joint, arguments (2, lines), frequency in Hz."""
+    omega, size = 2 * np.pi * frequency[..., np.newaxis], amplitude[..., np.newaxis]
+    turn = omega * t + phase[..., np.newaxis]
+    sine = size * np.sin(turn)
+    return sine.sum(1), (size * omega * np.cos(turn)).sum(1), (-(omega**2) * sine).sum(1)
+
+
+def broadband(t):
+    """Sines up to 12 Hz, their amplitudes falling as 1/f^2."""
     rng = np.random.default_rng(11)
-    frequency = np.linspace(0.15, top, lines) + rng.uniform(-0.05, 0.05, (2, lines))
+    frequency = np.linspace(0.15, 12.0, 60) + rng.uniform(-0.05, 0.05, (2, 60))
     amplitude = 0.4 / (1.0 + (frequency / 0.5) ** 2)
-    omega = 2 * np.pi * frequency[..., np.newaxis]
-    phase = omega * t + rng.uniform(0, 2 * np.pi, (2, lines, 1))
-    amplitude = amplitude[..., np.newaxis]
-    q = (amplitude * np.sin(phase)).sum(1)
-    dq = (amplitude * omega * np.cos(phase)).sum(1)
-    ddq = (-amplitude * omega**2 * np.sin(phase)).sum(1)
-    return q, dq, ddq
+    return sinusoids(t, amplitude, frequency, rng.uniform(0, 2 * np.pi, (2, 60)))
 
 
 def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=0.0):
@@ -35,21 +39,29 @@ def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=
     return Log(name="log.csv", t=t, q=motion(t)[0], tau=tau)
 
 
-def resting(joint, at, rate=200.0, seconds=12.0, noise=0.02, seed=0):
-    """The known motion with one joint fixed at an angle, a little noise in the torque."""
-    t = np.arange(round(seconds * rate)) / rate
-    q, dq, ddq = log_example.motion(t)
-    q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
-    tau = inverse_dynamics(q, dq, ddq, BETA) + noise * np.random.default_rng(seed).normal(size=q.shape)
-    return Log(name="log.csv", t=t, q=q, tau=tau)
+def with_joint_fixed(moved, joint, at):
+    """A motion with one joint fixed at an angle, or with none."""
+    q, dq, ddq = moved
+    if joint is not None:
+        q[joint], dq[joint], ddq[joint] = at, 0.0, 0.0
+    return q, dq, ddq
 
 
-def regression_of(y, tau, h=H, even_odd=None):
+def with_noise(log, size, seed):
+    """The log with white noise of this standard deviation in its torque."""
+    return replace(log, tau=log.tau + size * np.random.default_rng(seed).normal(size=log.tau.shape))
+
+
+def resting(joint, at):
+    """A log of the known motion with one joint fixed at an angle, a little noise in the torque."""
+    return with_noise(log_from(lambda t: with_joint_fixed(log_example.motion(t), joint, at)), 0.02, 0)
+
+
+def regression_of(y, tau, even_odd=None):
     """A regression of any regressor (2, n, 9) and torque (2, n); its motion is zero, and every row counts."""
-    n = y.shape[1]
     halves = np.stack([y, y]) if even_odd is None else even_odd
-    q, dq, ddq = np.zeros((3, 2, n))
-    return Regression(h * np.arange(n), y, tau, q, dq, ddq, np.ones((2, n), dtype=bool), h, halves)
+    motion, every_row = np.zeros((3, *tau.shape)), np.ones(tau.shape, dtype=bool)
+    return Regression(H * np.arange(tau.shape[1]), y, tau, *motion, every_row, H, halves)
 
 
 def exact(moved, beta=BETA, noise=0.0):
@@ -58,27 +70,27 @@ def exact(moved, beta=BETA, noise=0.0):
     return regression_of(y, y @ beta + noise)
 
 
-def exciting(n, h=H):
+def exciting(n):
     """The regression of the motion that excites all nine parameters."""
-    return exact(log_example.motion(h * np.arange(n)))
+    return exact(log_example.motion(H * np.arange(n)))
 
 
-def random_regressor(rng, n=60):
-    """Regressor of Eq. 1 at random states: it excites all nine parameters."""
-    return regressor(*(size * rng.normal(size=(2, n)) for size in (1.0, 2.0, 5.0)))
+def random_regressor(rng, n=60, joint=None, at=0.0):
+    """Regressor of Eq. 1 at random states, which excite all nine parameters unless a joint is fixed."""
+    return regressor(*with_joint_fixed([size * rng.normal(size=(2, n)) for size in (1.0, 2.0, 5.0)], joint, at))
 
 
-def noisy_problem(seed, n=100, noise=0.1, beta=BETA):
+def noisy_problem(seed, n, noise):
     """Random states of an arm, with normal errors of the torque; `noise` broadcasts to (2, n)."""
     rng = np.random.default_rng(seed)
     y = random_regressor(rng, n)
-    return regression_of(y, y @ beta + noise * rng.normal(size=(2, n)))
+    return regression_of(y, y @ BETA + noise * rng.normal(size=(2, n)))
 
 
-def hostile(seed, n=40):
+def hostile(seed, n=40, joint=None, at=0.0):
     """A regression whose best parameters are often not physical: signs of the truth are drawn."""
     rng = np.random.default_rng(seed)
-    y = random_regressor(rng, n)
+    y = random_regressor(rng, n, joint, at)
     noise = rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, n))
     return regression_of(y, y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + noise)
 
@@ -88,19 +100,16 @@ def beta_of(name, regression):
     return METHODS[name].estimate(regression).beta
 
 
-def slope(regression, beta):
-    """Half the gradient of the cost, with columns of unit length and over the length of the torque."""
-    gradient = np.einsum("jnp,jn->p", regression.y, regression.y @ beta - regression.tau)
-    return gradient / np.linalg.norm(regression.y, axis=(0, 1)) / np.linalg.norm(regression.tau)
+def rows_of(regression):
+    """The rows (2 n, 9) of the regressor."""
+    return regression.y.reshape(-1, 9)
 
 
 def other_motion(t):
     """Two sinusoids a joint, faster and around another place than those of `log_example.motion`."""
-    frequency = 2 * np.pi * np.array([[0.4, 0.9], [0.3, 1.0]])[..., np.newaxis]
-    amplitude = np.array([[0.5, -0.25], [0.6, 0.3]])[..., np.newaxis]
-    phase = frequency * t + np.array([[0.1, 2.0], [1.4, 0.6]])[..., np.newaxis]
-    q = np.array([[0.3], [-0.4]]) + (amplitude * np.sin(phase)).sum(1)
-    return q, (amplitude * frequency * np.cos(phase)).sum(1), (-amplitude * frequency**2 * np.sin(phase)).sum(1)
+    frequency, amplitude = np.array([[0.4, 0.9], [0.3, 1.0]]), np.array([[0.5, -0.25], [0.6, 0.3]])
+    q, dq, ddq = sinusoids(t, amplitude, frequency, np.array([[0.1, 2.0], [1.4, 0.6]]))
+    return q + np.array([[0.3], [-0.4]]), dq, ddq
 
 
 def autoregressive(rho, n, rng, size=1.0):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import broadband, log_from, random_regressor
+from regression_example import broadband, log_from, random_regressor, sinusoids, with_noise
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
@@ -23,8 +23,6 @@ from repro.identification.filtering import (
 )
 from repro.identification.regression import drop_standstill
 from repro.identification.solve import reduced_problem, solve
-from repro.model.dynamics import regressor
-from repro.signals.dct import dct2low
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
@@ -37,28 +35,21 @@ def rounded(log, step):
     return log if step == 0.0 else replace(log, q=step * np.round(log.q / step))
 
 
-# Filters against sines, polynomials and the cosine series written out.
+# Filters against sines and the cosine series written out.
 H = 1.0 / 200.0
 T = H * np.arange(4000)
 #: Away from the edges.
 MIDDLE = slice(1000, 3000)
 
 
-def response(name, frequency, cutoff, h=H, order=0):
-    """Gain of a filter at a frequency, complex, by least squares in the middle of a long sine."""
-    t = h * np.arange(round(20.0 / h))
-    middle = slice(t.size // 4, 3 * t.size // 4)
-    turn = 2 * np.pi * frequency * t
-    filtered = FILTERS[name].apply(np.sin(turn), h, cutoff, order)
-    waves = np.stack([np.sin(turn), np.cos(turn)], axis=-1)
-    (sine, cosine), *_ = np.linalg.lstsq(waves[middle], filtered[middle])
-    return sine + 1j * cosine
-
-
 @every_filter
 @pytest.mark.parametrize(("rate", "cutoff"), [(100, 2.0), (100, 5.0), (200, 1.0), (200, 5.0), (200, 10.0), (1000, 5.0)])
 def test_power_is_halved_at_the_stated_frequency(name, rate, cutoff):
-    assert abs(response(name, cutoff, cutoff, 1.0 / rate)) == pytest.approx(np.sqrt(0.5), rel=0.03)
+    """The gain is that of a long sine, by least squares in its middle."""
+    turn = 2 * np.pi * cutoff / rate * np.arange(20 * rate)
+    waves, middle = np.stack([np.sin(turn), np.cos(turn)], axis=-1), slice(5 * rate, 15 * rate)
+    filtered = FILTERS[name].apply(waves[:, 0], 1.0 / rate, cutoff, 0)
+    assert np.linalg.norm(np.linalg.lstsq(waves[middle], filtered[middle])[0]) == pytest.approx(np.sqrt(0.5), rel=0.03)
 
 
 @every_filter
@@ -66,13 +57,8 @@ def test_power_is_halved_at_the_stated_frequency(name, rate, cutoff):
 @given(seeds)
 def test_derivatives_of_slow_sines_are_the_analytic_ones(name, seed):
     rng = np.random.default_rng(seed)
-    omega = 2 * np.pi * rng.uniform(0.05, 0.5, (2, 4, 1))
-    amplitude, phase = rng.normal(size=(2, 4, 1)), omega * T + rng.uniform(0, 2 * np.pi, (2, 4, 1))
-    exact = (
-        (amplitude * np.sin(phase)).sum(1),
-        (amplitude * omega * np.cos(phase)).sum(1),
-        (-amplitude * omega**2 * np.sin(phase)).sum(1),
-    )
+    frequency, amplitude = rng.uniform(0.05, 0.5, (2, 4)), rng.normal(size=(2, 4))
+    exact = sinusoids(T, amplitude, frequency, rng.uniform(0, 2 * np.pi, (2, 4)))
     for order, expected in enumerate(exact):
         found = FILTERS[name].apply(exact[0], H, 15.0, order)
         assert found.shape == exact[0].shape
@@ -91,55 +77,29 @@ def test_filters_are_linear(name, seed, factor, order):
     np.testing.assert_allclose(together, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
-@given(seeds, st.integers(2, 200), st.floats(0.5, 20.0))
-def test_the_pair_s_low_pass_is_the_paper_s(seed, n, cutoff):
-    x = np.random.default_rng(seed).normal(size=(2, n))
-    c_f = np.log(2.0) / (2.0 * (2.0 * np.pi * cutoff) ** 2)
-    np.testing.assert_allclose(dct_pair(x, H, cutoff), dct2low(x, H, c_f), rtol=0, atol=1e-12)
-
-
-def cosine_series(x, h, cutoff):
-    """The filtered signal as a function of any time, real or complex, one term after the other."""
-    n = x.size
-    i = np.arange(n)
+@pytest.mark.parametrize(("n", "cutoff"), [(2, 30.0), (31, 3.0), (31, 30.0), (120, 3.0), (121, 50.0)])
+def test_the_pair_and_its_derivatives_are_those_of_the_cosine_series(n, cutoff):
+    x, i, t, step = np.random.default_rng(n).normal(size=n), np.arange(n), H * np.arange(n), 1e-4 * H
     bands = np.array([np.sum(x * np.cos(np.pi * k * (2 * i + 1) / (2 * n))) * (2 - (k == 0)) / n for k in range(n)])
-    omega = np.pi * np.arange(n) / (n * h)
+    omega = np.pi * i / (n * H)
     # Half power at the cut-off: exp(-c omega^2) = 2^(-1/2).
     gain = 2.0 ** (-0.5 * (omega / (2 * np.pi * cutoff)) ** 2)
-    return lambda t: np.sum(gain * bands * np.cos(omega * (t[:, np.newaxis] + h / 2)), axis=-1)
 
-
-@pytest.mark.parametrize(("n", "cutoff"), [(2, 30.0), (31, 3.0), (31, 30.0), (120, 3.0), (121, 50.0)])
-def test_the_pair_s_derivatives_are_those_of_the_cosine_series(n, cutoff):
-    x = np.random.default_rng(n).normal(size=n)
-    series, t, step = cosine_series(x, H, cutoff), H * np.arange(n), 1e-4 * H
-    smooth, slope, curvature = (dct_pair(x, H, cutoff, order) for order in (0, 1, 2))
-    np.testing.assert_allclose(smooth, series(t + 0j).real, rtol=0, atol=1e-12)
+    def series(at):
+        return np.sum(gain * bands * np.cos(omega * (at[:, np.newaxis] + H / 2)), axis=-1)
 
     def derivative(at):
         # A complex step subtracts nothing and so loses no digits.
         return series(at + 1e-20j).imag / 1e-20
 
-    def close(found, expected):
+    curvature = (derivative(t + step) - derivative(t - step)) / (2 * step)
+    np.testing.assert_allclose(dct_pair(x, H, cutoff), series(t), rtol=0, atol=1e-12)
+    for order, expected in ((1, derivative(t)), (2, curvature)):
+        found = dct_pair(x, H, cutoff, order)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
-
-    close(slope, derivative(t))
-    close(curvature, (derivative(t + step) - derivative(t - step)) / (2 * step))
-    # Between the samples too, it is a derivative: differences of the series agree.
-    close(slope, ((series(t + step + 0j) - series(t - step + 0j)) / (2 * step)).real)
 
 
 # Preparation.
-
-
-@pytest.mark.slow
-@every_filter
-@pytest.mark.parametrize("cutoff", [5.0, 8.0])
-def test_a_clean_log_gives_the_arm_back(name, cutoff):
-    found = prepare(LOG, FilterSettings(name=name, cutoff=cutoff))
-    beta = solve(found.y, found.tau)
-    np.testing.assert_allclose(beta[:5], BETA[:5], rtol=0.004)
-    np.testing.assert_allclose(beta[5:], BETA[5:], rtol=0.008)
 
 
 @pytest.mark.parametrize("cut", [0.1, 0.3, 2.0])
@@ -172,14 +132,16 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
 
 @pytest.mark.slow
 @every_filter
-@pytest.mark.parametrize("late", [-0.008, 0.009])
-def test_a_delay_is_found_and_taken_out(name, late):
+@pytest.mark.parametrize(("late", "cutoff"), [(-0.008, 8.0), (0.009, 5.0)])
+def test_a_delay_is_found_and_without_it_the_arm_is_right(name, late, cutoff):
     """Positive: what is recorded now acts so much later."""
-    log = log_from(log_example.motion, delay=late)
-    assert estimate_delay(log, FilterSettings(name=name))[0] == pytest.approx(late, abs=3e-4)
-    blind, corrected = (prepare(log, FilterSettings(name=name, delay=d)) for d in (0.0, late))
-    np.testing.assert_allclose(solve(corrected.y, corrected.tau), BETA, rtol=0.01)
-    assert np.abs(solve(blind.y, blind.tau) / BETA - 1.0).max() > 0.05
+    log, blind = log_from(log_example.motion, delay=late), FilterSettings(name=name, cutoff=cutoff)
+    assert estimate_delay(log, blind)[0] == pytest.approx(late, abs=3e-4)
+    wrong, corrected = (prepare(log, settings) for settings in (blind, replace(blind, delay=late)))
+    error = np.abs(solve(corrected.y, corrected.tau) / BETA - 1.0)
+    assert error[:5].max() < 0.004
+    assert error[5:].max() < 0.008
+    assert np.abs(solve(wrong.y, wrong.tau) / BETA - 1.0).max() > 0.05
 
 
 @pytest.mark.parametrize("late", [-0.03, 0.03])
@@ -241,12 +203,10 @@ def test_the_cutoff_ends_where_torque_noise_begins(name, edge):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rate", [40.0, 60.0, 100.0, 200.0, 1000.0])
+@pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
 @pytest.mark.parametrize(("step", "noise"), [(0.0, 0.0), (0.3, 0.0), (0.0, 100.0), (0.3, 100.0)])
 def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
-    log = rounded(log_from(broadband, rate=rate), step)
-    log = replace(log, tau=log.tau + noise * np.random.default_rng(1).normal(size=log.tau.shape))
-    choice = choose_cutoff(log, FilterSettings())
+    choice = choose_cutoff(with_noise(rounded(log_from(broadband, rate=rate), step), noise, 1), FilterSettings())
     assert choice.highest == pytest.approx(min(10.0, rate / 10.0))
     assert 1.0 <= choice.hertz <= choice.highest
     assert choice.coherence.shape == choice.position.shape == (2, choice.frequency.size)
@@ -265,9 +225,7 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
 @every_filter
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
-    log = log_from(log_example.motion, steepness=steepness)
-    noise = 0.003 * np.random.default_rng(4).normal(size=log.tau.shape)
-    noisy = rounded(replace(log, tau=log.tau + noise), 1e-5)
+    noisy = rounded(with_noise(log_from(log_example.motion, steepness=steepness), 0.003, 4), 1e-5)
     assert choose_steepness(noisy, FilterSettings(name=name, friction_steepness=7.0)) == steepness
 
 
@@ -275,15 +233,13 @@ def test_steepness_is_recovered(name, steepness):
 
 
 @pytest.mark.slow
-@given(seeds, st.booleans())
-def test_solution_is_numpy_s(seed, weighted):
+@given(seeds)
+def test_weighted_solution_is_numpy_s(seed):
     rng = np.random.default_rng(seed)
     y = random_regressor(rng, int(rng.integers(12, 60)))
-    tau = rng.normal(size=y.shape[:2])
-    weight = rng.uniform(0.01, 10.0, tau.shape) if weighted else None
-    root = np.ones_like(tau) if weight is None else np.sqrt(weight)
+    tau, root = rng.normal(size=y.shape[:2]), rng.uniform(0.1, 3.0, y.shape[:2])
     expected, *_ = np.linalg.lstsq((root[..., np.newaxis] * y).reshape(-1, 9), (root * tau).reshape(-1))
-    np.testing.assert_allclose(solve(y, tau, weight), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(solve(y, tau, root**2), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.slow
@@ -298,19 +254,14 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     length = np.linalg.norm(flat, axis=0)
     expected, *_ = np.linalg.lstsq(flat / length, tau.reshape(-1), rcond=1e-10)
     np.testing.assert_allclose(length * solve(y, tau), expected, rtol=1e-7, atol=1e-9)
-    plain, *_ = np.linalg.lstsq(flat, tau.reshape(-1), rcond=1e-10)
-    left = [np.linalg.norm(flat @ beta - tau.reshape(-1)) for beta in (solve(y, tau), plain)]
-    assert left[0] == pytest.approx(left[1], rel=1e-10)
 
 
 @pytest.mark.slow
 @given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight", "no motion"]))
 def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, kind):
     rng = np.random.default_rng(seed)
-    q, dq, ddq = rng.normal(size=(3, 2, 50))
-    if kind in {"joint 2 still", "straight"}:
-        q[1], dq[1], ddq[1] = 0.0 if kind == "straight" else 0.4, 0.0, 0.0
-    y = regressor(q, dq, ddq) * (kind != "no motion")
+    still = 1 if kind in {"joint 2 still", "straight"} else None
+    y = random_regressor(rng, 50, still, 0.0 if kind == "straight" else 0.4) * (kind != "no motion")
     if kind == "collinear":
         y[..., 6] = 2.0 * y[..., 8]
     tau = y @ BETA + 0.1 * rng.normal(size=(2, 50))
@@ -337,8 +288,6 @@ def test_rows_that_a_wrong_torque_reaches_through_the_filters_are_left_out():
     out = r.t[~r.mask[0]]
     assert 4.8 < out.min() < 5.0
     assert 5.2 < out.max() < 5.4
-    assert not r.tau[~r.mask].any()
-    assert not r.y[~r.mask].any()
     np.testing.assert_allclose(r.tau[r.mask], whole.tau[r.mask], atol=0.05 * 5.0)
     np.testing.assert_array_equal(drop_standstill(r).mask, drop_standstill(whole).mask & r.mask)
     error = [np.abs(solve(x.y, x.tau) - BETA).max() for x in (r, prepare(damaged, setting))]

@@ -4,43 +4,29 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from log_example import BETA
-from regression_example import beta_of, hostile, noisy_problem, random_regressor, regression_of, slope
+from regression_example import beta_of, exact, hostile, noisy_problem, random_regressor, regression_of, sinusoids
 from scipy.optimize import least_squares
 from strategies import seeds
 
-from repro.identification.least_squares import (
-    METHODS,
-    choose_penalty,
-    solve_inequality,
-)
+from repro.identification.least_squares import METHODS, choose_penalty, solve_inequality
 from repro.identification.method import Estimate
 from repro.identification.solve import reduced_problem, solve
-from repro.model.dynamics import mass_matrix, regressor
+from repro.model.dynamics import mass_matrix
 from repro.model.parameters import is_positive_definite
 
 pytestmark = pytest.mark.slow
 
 
-def heavy_tailed(seed):
-    rng = np.random.default_rng(seed)
-    n = int(rng.integers(30, 200))
-    y = random_regressor(rng, n)
-    size = np.array([[0.1], [0.3]]) * rng.choice([0.1, 1.0, 10.0])
-    return regression_of(y, y @ BETA + size * rng.standard_t(3, size=(2, n)))
-
-
-def scales(error):
-    """Standard deviation of each joint by the median of the error's size."""
-    return np.median(np.abs(error), axis=1, keepdims=True) / 0.6744897501960817
-
-
 @given(seeds)
 @settings(max_examples=30)
 def test_robust_minimises_huber_s_loss(seed):
-    """SciPy's minimiser of the same loss, at the scales that the estimate leaves."""
-    regression = heavy_tailed(seed)
-    y, tau, beta = regression.y, regression.tau, beta_of("robust", regression)
-    scale = scales(tau - y @ beta)
+    """SciPy's minimiser of the same loss, at the scales that the estimate leaves: medians of the errors' sizes."""
+    rng = np.random.default_rng(seed)
+    y = random_regressor(rng, int(rng.integers(30, 200)))
+    noise = np.array([[0.1], [0.3]]) * rng.choice([0.1, 1.0, 10.0]) * rng.standard_t(3, size=y.shape[:2])
+    tau = y @ BETA + noise
+    beta = beta_of("robust", regression_of(y, tau))
+    scale = np.median(np.abs(tau - y @ beta), axis=1, keepdims=True) / 0.6744897501960817
     rows = -(y / scale[..., np.newaxis]).reshape(-1, 9)
     found = least_squares(
         lambda b: ((tau - y @ b) / scale).reshape(-1), solve(y, tau), jac=lambda _: rows, loss="huber", f_scale=1.345,
@@ -69,15 +55,12 @@ def test_noise_in_the_regressor_attenuates_ordinary_and_not_instrumental():
     assert (np.abs(fair) < 4.0 * standard_error).all()
 
 
-UNEVEN = np.array([[1.0], [0.02]])
-
-
 def test_weighted_is_generalised_least_squares_of_known_variances():
     weighted, known, ordinary = [], [], []
+    size = np.array([[1.0], [0.02]])
     for seed in range(100):
-        regression = noisy_problem(seed, 150, UNEVEN)
-        rows = (regression.y / np.array([1.0, 0.02])[:, np.newaxis, np.newaxis]).reshape(-1, 9)
-        whitened = (regression.tau / np.array([[1.0], [0.02]])).reshape(-1)
+        regression = noisy_problem(seed, 150, size)
+        rows, whitened = (regression.y / size[..., np.newaxis]).reshape(-1, 9), (regression.tau / size).reshape(-1)
         known.append(np.linalg.lstsq(rows, whitened)[0] - BETA)
         weighted.append(beta_of("weighted", regression) - BETA)
         ordinary.append(beta_of("ordinary", regression) - BETA)
@@ -95,25 +78,27 @@ def pseudo_inertia(beta):
     return np.array([[beta[0] - beta[2], 0.5 * beta[1]], [0.5 * beta[1], beta[2]]])
 
 
-@pytest.mark.parametrize(
-    ("name", "seed"), [("consistent", seed) for seed in range(20)] + [("parsimonious", seed) for seed in range(4)]
-)
-def test_what_claims_to_be_consistent_is(name, seed):
-    beta = beta_of(name, hostile(seed))
-    assert (beta[5:] >= 0.0).all()
+def is_consistent(beta):
+    """Friction is not negative and the inertia matrix positive definite in every pose."""
     poses = np.stack([np.zeros(91), np.linspace(0.0, np.pi, 91)], axis=-1)
-    assert np.linalg.eigvalsh(mass_matrix(poses, beta)).min() > 0.0
+    return (beta[5:] >= 0.0).all() and np.linalg.eigvalsh(mass_matrix(poses, beta)).min() > 0.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_parsimonious_is_consistent_whatever_its_penalty(seed):
+    assert is_consistent(METHODS["parsimonious"].repeat(hostile(seed), Estimate(BETA, (), 0.3)))
 
 
 @given(seeds)
 @settings(max_examples=50)
-def test_consistent_meets_the_conditions_of_optimality(seed):
+def test_consistent_is_so_and_meets_the_conditions_of_optimality(seed):
     """Multipliers of a convex programme: a positive semidefinite matrix S for the inertia, numbers for friction."""
     regression = hostile(seed)
     beta = beta_of("consistent", regression)
+    assert is_consistent(beta)
     length, size = np.linalg.norm(regression.y, axis=(0, 1)), np.linalg.norm(regression.tau)
-    unit = slope(regression, beta)
-    gradient = unit * length * size
+    gradient = np.einsum("jnp,jn->p", regression.y, regression.y @ beta - regression.tau)
+    unit = gradient / length / size
     assert (np.abs(unit[3:5]) < 1e-5).all()
     assert (unit[5:] > -1e-5).all()
     assert (np.abs(gradient[5:] * beta[5:]) < 1e-5 * size**2).all()
@@ -148,17 +133,12 @@ def test_consistent_is_the_minimum_over_factors_of_the_inertia(seed):
     np.testing.assert_allclose(scale * found, scale * expected, rtol=0, atol=1e-4 * np.linalg.norm(c))
 
 
-def sines(seed, pace, viscous, noise, n=400):
+def sines(seed, pace, viscous, noise):
     """Sines of 0.1 to 0.5 Hz played at a pace, an arm with this viscous friction."""
     rng = np.random.default_rng(seed)
-    t = 0.05 * np.arange(n)
-    omega = 2 * np.pi * pace * rng.uniform(0.1, 0.5, (2, 3, 1))
-    amplitude, phase = rng.uniform(0.2, 0.5, (2, 3, 1)), omega * t + rng.uniform(0, 2 * np.pi, (2, 3, 1))
-    q = (amplitude * np.sin(phase)).sum(1)
-    dq, ddq = (amplitude * omega * np.cos(phase)).sum(1), (-amplitude * omega**2 * np.sin(phase)).sum(1)
-    y, beta = regressor(q, dq, ddq), BETA.copy()
-    beta[5:7] = viscous
-    return regression_of(y, y @ beta + noise * rng.normal(size=(2, n)))
+    frequency, amplitude = pace * rng.uniform(0.1, 0.5, (2, 3)), rng.uniform(0.2, 0.5, (2, 3))
+    moved = sinusoids(0.05 * np.arange(400), amplitude, frequency, rng.uniform(0, 2 * np.pi, (2, 3)))
+    return exact(moved, np.r_[BETA[:5], viscous, viscous, BETA[7:]], noise * rng.normal(size=(2, 400)))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -182,7 +162,6 @@ def test_viscous_friction_that_a_slow_motion_cannot_show_is_dropped():
         regression = sines(seed, 0.4, 0.0, 0.02)
         dropped.append(beta_of("parsimonious", regression)[5:7])
         unshrunk.append(beta_of("consistent", regression)[5:7])
-        assert is_positive_definite(beta_of("parsimonious", regression))
     assert np.mean(dropped) < 0.3 * np.mean(unshrunk)
     assert np.median(dropped) < 1e-3
 
@@ -192,14 +171,8 @@ def test_viscous_friction_that_a_slow_motion_cannot_show_is_dropped():
     [
         # Equal in every block: the strongest.
         ([[1.0, 2.0, 3.0]] * 4, 3),
-        # Worse by the same in every block: no standard error forgives it.
-        ([[1.0, 2.0, 3.0], [1.1, 2.1, 3.1]], 0),
-        # Better by the same in every block.
-        ([[1.1, 2.1, 3.1], [1.0, 2.0, 3.0]], 1),
         # Worse by 0.1 on average, differences -0.2, 0.1, 0.4: standard error 0.3 / sqrt(3) = 0.173 allows it.
         ([[1.0, 1.0, 1.0], [0.8, 1.1, 1.4]], 1),
-        # Worse by 0.2 on average, differences 0.1, 0.2, 0.3: standard error 0.0577 does not.
-        ([[1.0, 1.0, 1.0], [1.1, 1.2, 1.3]], 0),
         # Mean 0.2 within the standard deviation of the differences, 0.25, but not within its error, 0.144.
         ([[1.0, 1.0, 1.0], [0.95, 1.2, 1.45]], 0),
         # Mean 0.13 within 0.144, which takes the deviation of a sample: of the whole it would be 0.118.

@@ -1,4 +1,4 @@
-"""Every method through the one interface: clean logs, joints that do not move, the same bytes twice."""
+"""Every method through the one interface: independent solvers, joints that do not move, the same bytes twice."""
 
 import warnings
 from dataclasses import replace
@@ -9,16 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import beta_of, hostile, log_from, noisy_problem, regression_of, resting
+from regression_example import beta_of, hostile, log_from, noisy_problem, random_regressor, regression_of, resting
 from scipy.optimize import nnls
 from strategies import seeds
 
+from repro.identification import least_squares
 from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill
-from repro.model.dynamics import regressor
-from repro.model.parameters import NAMES
 from repro.ownarm.outputs import entries
 
 CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
@@ -26,16 +25,17 @@ PROBLEMS = {"clean": CLEAN, "noisy": noisy_problem(8, 60, 0.02), "hostile": host
 every_method = pytest.mark.parametrize("name", sorted(METHODS))
 
 
+@pytest.fixture(autouse=True)
+def _cross_validation_is_quick(monkeypatch):
+    """Which penalty parsimonious chooses is tested elsewhere."""
+    monkeypatch.setattr(least_squares, "PENALTIES", (0.0, 0.3, 3.0))
+    monkeypatch.setattr(least_squares, "BLOCKS", 2)
+
+
 def test_names_titles_and_citations():
     assert tuple(METHODS) == LEAST_SQUARES
-    assert [method.name for method in METHODS.values()] == list(METHODS)
     assert len({method.title for method in METHODS.values()}) == len(METHODS)
     assert {method.citation for method in METHODS.values()} <= set(entries())
-
-
-@every_method
-def test_a_clean_regression_gives_the_arm_back(name):
-    np.testing.assert_allclose(beta_of(name, CLEAN), BETA, rtol=0.01)
 
 
 @every_method
@@ -76,21 +76,16 @@ def independent(name, y, tau):
 @settings(max_examples=30)
 @given(seeds, st.floats(0.1, 1.4))
 def test_estimates_are_those_of_an_independent_solver(name, still, seed, at):
-    rng = np.random.default_rng(seed)
-    q, dq, ddq = (size * rng.normal(size=(2, 60)) for size in (1.0, 2.0, 5.0))
-    if still is not None:
-        q[still], dq[still], ddq[still] = at, 0.0, 0.0
-    y = regressor(q, dq, ddq)
-    tau = y @ (BETA * rng.choice([-1.0, 1.0, 1.0], 9)) + rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=(2, 60))
-    found = beta_of(name, regression_of(y, tau))
-    np.testing.assert_allclose(found, independent(name, y, tau), rtol=1e-6, atol=1e-8)
-    assert (found[~y.any(axis=(0, 1))] == 0.0).all()
+    regression = hostile(seed, 60, still, at)
+    found = beta_of(name, regression)
+    np.testing.assert_allclose(found, independent(name, regression.y, regression.tau), rtol=1e-6, atol=1e-8)
+    assert (found[~regression.y.any(axis=(0, 1))] == 0.0).all()
 
 
 @pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("kind", ["noisy", "hostile", "more hostile"])
-@pytest.mark.parametrize("factor", [1e-4, 0.1, 50.0, 3000.0])
+@pytest.mark.parametrize("factor", [1e-4, 3000.0])
 def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
     """The convex solver's tolerances are for numbers about 1, torques are not; what is held at zero stays so."""
     one = PROBLEMS[kind]
@@ -102,13 +97,10 @@ def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
 
 # Joints that do not move.
 
-#: What the row of the joint that moves says while the other one is fixed at an angle: combinations that are determined.
-ALONE = {name: {name: 1.0} for name in NAMES}
-STRAIGHT = [{"g1": 1.0, "g2": 1.0}, ALONE["b1"], ALONE["k1"]]
-BENT = [ALONE[name] for name in ("g1", "g2", "b1", "k1")]
-SECOND = [ALONE[name] for name in ("I3", "g2", "b2", "k2")]
-AT_REST = [(0, at, SECOND) for at in (0.0, 0.3, 0.7)]
-AT_REST += [(1, at, [{"I1": 1.0, "I2": np.cos(at)}, *(BENT if at else STRAIGHT)]) for at in (0.0, 0.3, 0.7)]
+#: What the row of the joint that moves determines while the other one is fixed at an angle: rows of coefficients.
+I1, I2, I3, G1, G2, B1, B2, K1, K2 = np.eye(9)
+AT_REST = [(0, at, [I3, G2, B2, K2]) for at in (0.0, 0.3, 0.7)]
+AT_REST += [(1, at, [I1 + np.cos(at) * I2, B1, K1, *([G1, G2] if at else [G1 + G2])]) for at in (0.0, 0.3, 0.7)]
 
 
 @pytest.mark.slow
@@ -117,20 +109,15 @@ AT_REST += [(1, at, [{"I1": 1.0, "I2": np.cos(at)}, *(BENT if at else STRAIGHT)]
 def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
     """What the log tells is found, what it does not tell stays a number, and friction that nothing moves is zero."""
     regression = drop_standstill(prepare(resting(joint, at), FilterSettings(name=filter_name, cutoff=5.0)))
-    # Choosing parsimonious' penalty takes half a second where the solver of `consistent` has to run.
-    slow = filter_name != "savitzky-golay" or (joint, at) in {(0, 0.0), (0, 0.7)}
-    names = [name for name in METHODS if not (slow and name == "parsimonious")]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = {name: beta_of(name, regression) for name in names}
+        found = {name: beta_of(name, regression) for name in METHODS}
     for name, beta in found.items():
         assert np.isfinite(beta).all()
         assert np.abs(beta).max() < 100.0, (name, beta)
         left = np.linalg.norm((regression.tau - regression.y @ beta)[1 - joint])
         assert left < 0.02 * np.linalg.norm(regression.tau[1 - joint]), name
-        for combination in known:
-            row = np.array([combination.get(each, 0.0) for each in NAMES])
-            assert row @ beta == pytest.approx(row @ BETA, rel=0.03), (name, combination)
+        assert np.stack(known) @ beta == pytest.approx(np.stack(known) @ BETA, rel=0.03), name
         assert (beta[[5 + joint, 7 + joint]] == 0.0).all(), (name, beta)
 
 
@@ -140,9 +127,7 @@ def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
 def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):
     """Rounding of a fixed joint, of another size in each half of the samples."""
     rng = np.random.default_rng(joint)
-    q, dq, ddq = (size * rng.normal(size=(2, 80)) for size in (1.0, 2.0, 5.0))
-    q[joint], dq[joint], ddq[joint] = 0.5, 0.0, 0.0
-    y = regressor(q, dq, ddq)
+    y = random_regressor(rng, 80, joint, 0.5)
     unmoved = np.flatnonzero(~y.any(axis=(0, 1)))
     halves = np.stack([y, y])
     halves[..., unmoved] = 1e-13 * rng.normal(size=(2, 2, 80, unmoved.size)) ** 9
