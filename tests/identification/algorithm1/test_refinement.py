@@ -11,7 +11,7 @@ from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings, refine, restart, uniform_guesses
 from repro.identification.algorithm1.search import SearchSettings, select
-from repro.model.dynamics import inverse_dynamics, rebuild_torque
+from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import FEASIBILITY
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import TorqueScorer
@@ -95,10 +95,8 @@ def test_uniform_guesses_fill_the_range_of_line_17_as_often_as_algorithm_1_guess
     search = replace(SEARCH, executions=40, inner_limit=50, low=0.2, high=1.7)
     found = uniform_guesses(search, np.random.default_rng(3))
     assert found.shape == (2000, 9)
-    assert found.min() > 0.2
-    assert found.max() < 1.7
-    for share in (0.1, 0.5, 0.9):
-        np.testing.assert_allclose(np.quantile(found, share, axis=0), 0.2 + 1.5 * share, atol=0.06)
+    assert 0.2 < found.min() < found.max() < 1.7
+    np.testing.assert_allclose(np.quantile(found, [0.1, 0.9], axis=0).T, [[0.35, 1.55]] * 9, atol=0.06)
 
 
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
@@ -130,9 +128,7 @@ def test_where_every_estimate_is_impossible_the_refinement_starts_from_the_neare
     assert similarity(best).max() > 0.8
 
 
-def test_no_candidates_to_start_from():
-    found = refined(towards_truth(1.0), np.empty((0, 9)), restarts=3, passes=2, keep=4)
-    np.testing.assert_allclose(found[0], TRUTH, atol=1e-3)
+def test_no_candidates_remain_none():
     assert refined(towards_truth(), np.empty((0, 9)), restarts=0).shape == (0, 9)
 
 
@@ -140,10 +136,10 @@ def test_no_candidates_to_start_from():
 
 
 @cache
-def estimates(starts, seed, uniform_seed=None, variant="published", passes=10, gain=2.0, limit=5, keep=20):
+def estimates(starts, seed, uniform_seed=None, variant="published", passes=10, gain=2.0):
     """Every estimate; without `uniform_seed` the control without a network is left out."""
-    search = SearchSettings(executions=3, inner_limit=limit, high=0.5)
-    refinement = RefinementSettings(restarts=30, keep=keep, passes=passes, read_passes=1, starts=starts)
+    search = SearchSettings(executions=3, inner_limit=5, high=0.5)
+    refinement = RefinementSettings(restarts=30, keep=20, passes=passes, read_passes=1, starts=starts)
     algorithm1 = Algorithm1(variant, literal.untrained(gain=gain), ImageSettings(), search, refinement)
     uniform = None if uniform_seed is None else np.random.default_rng((uniform_seed, 2))
     found, _ = algorithm1.run(PREPARED, np.random.default_rng(seed), np.random.default_rng((seed, 1)), uniform)
@@ -161,20 +157,11 @@ def test_more_starts_never_end_lower_and_some_end_higher(method):
     assert (four > one).any()
 
 
-def test_the_control_without_a_network_finds_the_arm_and_reads_no_image():
-    control = estimates(1, 0, 7, passes=150, limit=200, keep=100)["differential-evolution"]
-    assert control.details["images"] == 0
-    # The filter rounds the torque's steps, so the arm itself does not reach 1.
-    truth = select(literal.ARMS["N4"][None] / PREPARED.torque_scale, PREPARED, SearchSettings()).similarity
-    assert control.details["similarity"] > truth - 1e-3
-    torque = rebuild_torque(PREPARED.regression.y, control.beta)
-    assert np.linalg.norm(torque - PREPARED.regression.tau) < 0.1 * np.linalg.norm(PREPARED.regression.tau)
-
-
 def test_the_network_has_no_part_in_the_control_and_the_control_none_in_the_rest():
     one, other, without = estimates(2, 0, 7), estimates(2, 1, 7, gain=5.0), estimates(2, 0)
     control = "differential-evolution"
     np.testing.assert_array_equal(one[control].beta, other[control].beta)
+    assert one[control].details["images"] == 0
     assert (one["algorithm1+local-search"].beta != other["algorithm1+local-search"].beta).any()
     assert list(one) == [*without, control]
     for method, estimate in without.items():
