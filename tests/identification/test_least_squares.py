@@ -106,7 +106,9 @@ def test_consistent_is_so_and_meets_the_conditions_of_optimality(seed):
     s = np.array([[gradient[0], gradient[1]], [gradient[1], gradient[0] + gradient[2]]])
     x = pseudo_inertia(beta)
     assert np.linalg.eigvalsh(s).min() > -1e-5 * size * length[:3].max()
-    beyond = x - np.linalg.eigvalsh(x).min() * np.eye(2)
+    margin = np.linalg.eigvalsh(x).min()
+    assert margin > 1e-6 * np.trace(x)
+    beyond = x - margin * np.eye(2)
     assert abs(np.sum(s * beyond)) < 1e-5 * size**2
 
 
