@@ -1,6 +1,5 @@
 """A short experiment without a simulation: recordings of an arm that follows its program perfectly."""
 
-import copy
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.model.dynamics import inverse_dynamics
-from repro.pipeline.experiment import Recording, control_constants, metadata_for, program_from_config, true_parameters
+from repro.pipeline.experiment import control_constants, metadata_for, program_from_config, true_parameters
 
 ROOT = Path(__file__).resolve().parent.parent
 CAPTURES = ROOT / "data" / "captures"
@@ -47,11 +46,10 @@ def changed(config, **sections):
 
 def short_config():
     """Motions of a few seconds, and motors strong enough for them."""
-    config = copy.deepcopy(full_config())
+    config = full_config()
     config["signals"]["duration_s"] = 6.0
     config["board"]["full_torque_nm"] = [8.0, 8.0]
     config["experiment"] |= {"validation_samples": 2400, "random_range_rad": 0.1, "search_seeds": list(ERROR)}
-    config["spread"] |= {"arms": 2, "seeds": [1, 2], "durations_s": [5.0, 6.0]}
     return config
 
 
@@ -64,20 +62,12 @@ def followed(program, config):
     return np.rint(q / RADIANS_PER_COUNT).astype(int), counts.astype(int)
 
 
-def recording(motion, config):
-    """Recording of a perfect run."""
-    program = program_from_config(config, motion)
-    position, pwm = followed(program, config)
-    torque = control_constants(config).torque_per_count[:, None]
-    return Recording(program, position * RADIANS_PER_COUNT, pwm * torque)
-
-
-def capture(folder, motion, config):
-    """Capture of a perfect run, written to a folder."""
+def capture(folder, motion, config, frames=None):
+    """Capture of a perfect run or of other frames, written to a folder."""
     program = program_from_config(config, motion)
     metadata = replace(metadata_for(program, config), board={"board": "simulated"})
     path = folder / f"{motion}.bin"
-    write_capture(path, encode(*followed(program, config)), metadata)
+    write_capture(path, encode(*followed(program, config)) if frames is None else frames, metadata)
     return path
 
 
@@ -108,30 +98,3 @@ def score_table(runs):
                 total = ON_ID[run["seed"]]
                 rows += [(motion, method, run["seed"], joint, total, 1.0, total) for joint in (1, 2)]
     return pd.DataFrame(rows, columns=["case", "method", "seed", "joint", "time", "frequency", "total"])
-
-
-def spread_table(config, difference=0.02):
-    """Scores of the spread: Algorithm 1 above least squares by a given amount on T1 to T4, below it on ID."""
-    sign = {"algorithm1": 1.0, "algorithm1+refinement": 2.0, "algorithm1+local-search": 1.5, "least-squares": 0.0}
-    sign |= {"algorithm1+tracked": 0.5, "bounded": 0.25, "consistent": 0.125}
-    rows = [
-        (
-            motion,
-            joint,
-            method,
-            duration,
-            k % config["spread"]["arms"],
-            int(k % config["spread"]["arms"] == 1),
-            seed,
-            0.9,
-            1.0,
-            0.9 + s * (-difference if motion == "ID" else difference),
-        )
-        for duration in config["spread"]["durations_s"]
-        for motion in MOTIONS
-        for k, seed in enumerate(config["spread"]["seeds"])
-        for joint in (1, 2)
-        for method, s in sign.items()
-    ]
-    scores = ["time", "frequency", "total"]
-    return pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "arm", "chatter", "seed", *scores])

@@ -2,9 +2,10 @@
 
 import itertools
 
+import numpy as np
 import pandas as pd
 
-from repro.pipeline.factorial import COLUMNS, CONFIRMATION, HIGH
+from repro.pipeline.factorial import COLUMNS, CONFIRMATION
 
 #: Levels of each factor, the high one last.
 LEVELS = {
@@ -24,49 +25,28 @@ BLOCKS = {"1": 0.0, "2": 0.01, "3": -0.015, CONFIRMATION: 0.3}
 CONFIRMED = 2.0
 
 
-def _sign(name, level):
-    high = LEVELS[name][-1] if name == "back_emf" else HIGH[name]
-    return 1.0 if level == high else -1.0
-
-
-def similarity(cell, reader, scale=1.0):
-    """Similarity without block effects; a plain network has no motion of line 18."""
-    signs = {name: _sign(name, level) for name, level in cell.items()}
-    total = sum(0.5 * MAIN[name] * sign for name, sign in signs.items())
-    total += sum(0.5 * size * signs[a] * signs[b] for (a, b), size in PAIRS.items() if a in signs and b in signs)
-    of_reader = 1.0 if reader == "plain" else -1.0
-    total += 0.5 * READER * of_reader
-    total += sum(0.5 * size * of_reader * signs[name] for name, size in READER_PAIRS.items())
-    return 0.5 + scale * total
-
-
-def factorial_scores(training_seeds=(1, 3), search_seeds=(1, 2), search_noise=0.001):
+def factorial_scores():
     """Rows as `repro.pipeline.networks.score_cell` writes them; searches differ, and their mean does not."""
-    rows = []
-    for reader in ("cnn", "plain"):
-        factors = {name: levels for name, levels in LEVELS.items() if (reader, name) != ("plain", "image_motion")}
-        for levels in itertools.product(*factors.values()):
-            cell = dict(zip(factors, levels, strict=True))
-            for (block, shift), seed, search in itertools.product(BLOCKS.items(), training_seeds, search_seeds):
-                scale = CONFIRMED if block == CONFIRMATION else 1.0
-                noise = search_noise * (search - sum(search_seeds) / len(search_seeds))
-                value = similarity(cell, reader, scale) + shift + noise
-                rows.append(
-                    {
-                        "reader": reader,
-                        "image_motion": "",
-                        **cell,
-                        "block": block,
-                        "arm": "first",
-                        "training_seed": seed,
-                        "search_seed": search,
-                        "id": value,
-                        "validation": 2.0 * value,
-                        "error": 1.0 - similarity(cell | {"metric": "energy"}, reader, scale) - shift,
-                        "met": 40.0 if reader == "cnn" else 0.0,
-                    }
-                )
-    return pd.DataFrame(rows)[list(COLUMNS)]
+    names = ["reader", *LEVELS, "block", "training_seed", "search_seed"]
+    cells = itertools.product(("cnn", "plain"), *LEVELS.values(), BLOCKS, (1, 3), (1, 2))
+    scores = pd.DataFrame(cells, columns=names)
+    # A plain network has no motion of line 18.
+    scores = scores[(scores["reader"] == "cnn") | (scores["image_motion"] == "measured")].reset_index(drop=True)
+    plain = scores["reader"] == "plain"
+    sign = {name: np.where(scores[name] == levels[-1], 1.0, -1.0) for name, levels in LEVELS.items()}
+    sign |= {"image_motion": np.where(plain, 0.0, sign["image_motion"]), "reader": np.where(plain, 1.0, -1.0)}
+    known = {(name,): size for name, size in MAIN.items()} | PAIRS | {("reader",): READER}
+    known |= {("reader", name): size for name, size in READER_PAIRS.items()}
+
+    def similarity(sign):
+        total = sum(0.5 * size * np.prod([sign[name] for name in names], axis=0) for names, size in known.items())
+        return 0.5 + np.where(scores["block"] == CONFIRMATION, CONFIRMED, 1.0) * total
+
+    shift = scores["block"].map(BLOCKS)
+    value = similarity(sign) + shift + 0.001 * (scores["search_seed"] - 1.5)
+    error = 1.0 - similarity(sign | {"metric": np.ones(len(scores))}) - shift
+    scores = scores.assign(arm="first", id=value, validation=2.0 * value, error=error, met=np.where(plain, 0.0, 40.0))
+    return scores.assign(image_motion=scores["image_motion"].mask(plain, ""))[list(COLUMNS)]
 
 
 def factorial_references():

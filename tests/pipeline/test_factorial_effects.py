@@ -31,29 +31,23 @@ def test_known_effects_are_recovered_with_intervals_of_zero_width(found):
             assert (row["blocks"], row["training_seeds"]) == (3, 2)
 
 
-def test_an_error_has_no_effect_of_the_metric_and_the_opposite_ones_of_the_rest(found):
-    of_error = found.xs(("cnn", "error"), level=("of", "response"))
-    assert not [effect for effect in of_error.index if "metric" in effect]
+def test_effects_on_the_error_and_of_the_reader_are_recovered(found):
+    expected = {
+        ("reader", "reader", "id"): READER,
+        # The desired motion is half its effect above the mean over both.
+        ("reader, desired motion", "reader", "id"): READER - 0.5 * MAIN["image_motion"],
+        ("reader", "reader x training", "id"): READER_PAIRS["training"],
+        ("reader", "reader x omega", "id"): 0.0,
+    }
     for name in ("image_motion", "omega", "back_emf"):
         # With the energy formula alone, its interaction is part of the main effect.
-        size = MAIN[name] + PAIRS.get((name, "metric"), 0.0)
-        assert of_error.loc[name, "value"] == pytest.approx(-size, abs=1e-12)
-
-
-def test_the_plain_network_is_compared_over_both_motions_and_with_the_better_one(found):
-    over_both = found.loc[("reader", "reader", "id"), "value"]
-    assert over_both == pytest.approx(READER, abs=1e-12)
-    # The desired motion is half its effect above the mean over both.
-    desired = found.loc[("reader, desired motion", "reader", "id"), "value"]
-    assert desired == pytest.approx(READER - 0.5 * MAIN["image_motion"], abs=1e-12)
-    interaction = found.loc[("reader", "reader x training", "id"), "value"]
-    assert interaction == pytest.approx(READER_PAIRS["training"], abs=1e-12)
-    assert found.loc[("reader", "reader x omega", "id"), "value"] == pytest.approx(0.0, abs=1e-12)
+        expected["cnn", name, "error"] = -MAIN[name] - PAIRS.get((name, "metric"), 0.0)
+    assert found["value"][list(expected)].tolist() == pytest.approx([*expected.values()], abs=1e-12)
+    assert not [effect for _, effect, response in found.index if response == "error" and "metric" in effect]
 
 
 def test_no_effect_is_estimated_from_the_confirmation_block(found):
     """Its effects are shown on their own: here twice as large as on the others."""
-    assert CONFIRMED == 2.0
     np.testing.assert_allclose(found["confirmation"], CONFIRMED * found["value"], atol=1e-12)
     scores = factorial_scores()
     held_out = scores["block"] == CONFIRMATION
@@ -77,13 +71,14 @@ def test_a_level_that_differs_between_blocks_widens_the_interval():
 # --- Intervals ----------------------------------------------------------------------------------------------------
 
 
-def test_an_interval_by_hand():
+def test_intervals_by_hand():
     """Row means 1.5 and 4.5 have the variance 4.5, column means 2 and 4 the variance 2."""
     mean, low, high = interval(np.array([[1.0, 2.0], [3.0, 6.0]]))
     variance = 4.5 / 2 + 2.0 / 2
     freedom = variance**2 / ((4.5 / 2) ** 2 / 1 + (2.0 / 2) ** 2 / 1)
     half = stats.t.ppf(0.975, freedom) * np.sqrt(variance)
     np.testing.assert_allclose([mean, low, high], [3.0, 3.0 - half, 3.0 + half], rtol=1e-12)
+    assert interval(np.array([[0.7]])) == (0.7, 0.7, 0.7)
 
 
 @pytest.mark.parametrize("shape", [(12, 1), (1, 12)])
@@ -92,11 +87,6 @@ def test_with_one_kind_of_sample_it_is_the_t_interval(shape):
     expected = stats.t.interval(0.95, 11, values.mean(), stats.sem(values))
     mean, low, high = interval(values.reshape(shape))
     np.testing.assert_allclose([mean, low, high], [values.mean(), *expected], rtol=1e-12)
-
-
-@pytest.mark.parametrize("values", [np.full((3, 2), 0.7), np.array([[0.7]])])
-def test_equal_or_single_values_are_their_own_interval(values):
-    np.testing.assert_allclose(interval(values), 0.7, rtol=1e-15)
 
 
 # --- Cells --------------------------------------------------------------------------------------------------------

@@ -10,8 +10,6 @@ import torch
 from repro.errors import InputError
 from repro.pipeline.job import job, share_lock
 
-MESSAGE = "results/data/mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
-
 
 @pytest.fixture(autouse=True)
 def as_before():
@@ -30,18 +28,17 @@ def log(tmp_path):
 
 
 def test_bad_input_is_one_line_and_exit_code_2(log, capsys):
+    message = "mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
     with pytest.raises(SystemExit) as stop, job(str(log)):
-        raise InputError(MESSAGE)
+        raise InputError(message)
     assert stop.value.code == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err == MESSAGE + "\n"
+    assert capsys.readouterr() == ("", message + "\n")
     text = log.read_text(encoding="utf-8")
-    assert MESSAGE in text
+    assert message in text
     assert "Traceback" not in text
 
 
-@pytest.mark.parametrize("error", [RuntimeError("singular"), ValueError("shapes"), MemoryError(), KeyError("N1")])
+@pytest.mark.parametrize("error", [ValueError("shapes"), MemoryError(), KeyboardInterrupt()])
 def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error):
     def fail():
         raise error

@@ -1,4 +1,4 @@
-"""The numeric experiment: scores mean what they say, and a network that reads images perfectly finds the arms."""
+"""The numeric experiment: scores are of their own torques, and a network that reads images perfectly finds the arms."""
 
 import numpy as np
 import pytest
@@ -26,50 +26,27 @@ ARMS = {
     "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
     "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
 }
-
-
-def with_arms(arms):
-    """The configuration with other numeric arms, and a short validation."""
-    config = full_config()
-    config["numeric"] |= {"arms": {name: beta.tolist() for name, beta in arms.items()}, "validation_samples": 3770}
-    return config
-
-
-CONFIG = with_arms(ARMS)
+CONFIG = full_config()
+CONFIG["numeric"] |= {"arms": {name: beta.tolist() for name, beta in ARMS.items()}, "validation_samples": 3770}
 SIGNALS = signal_settings(CONFIG)
-METRIC = MetricSettings()
 AWARE = ImageSettings("constant", 4.0)
 
 
-def run_of(seed, estimates):
-    """Identification result with the given estimates of N1 by method."""
-    methods = {method: {"beta": np.asarray(beta).tolist()} for method, beta in estimates.items()}
-    return {"variant": "published", "seed": seed, "arms": {"N1": {"true": ARMS["N1"].tolist(), "methods": methods}}}
-
-
-@pytest.mark.parametrize("factor", [0.5, 0.9, 1.3])
-def test_a_common_factor_is_seen_in_time_and_not_in_frequency(factor):
-    energy = MetricSettings("energy")
-    scores = score_estimates([run_of(1, {"algorithm1": factor * ARMS["N1"]})], CONFIG, energy)
-    np.testing.assert_allclose(scores["time"], (1 - (1 - factor) ** 2) ** 0.4, rtol=1e-9)
-    np.testing.assert_allclose(scores["frequency"], 1.0, atol=1e-6)
-    np.testing.assert_allclose(scores["total"], scores["time"] * scores["frequency"], rtol=1e-12)
-
-
 def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
-    estimate = ARMS["N1"] * np.linspace(0.97, 1.03, 9)
-    scores = score_estimates([run_of(s, {"algorithm1": estimate}) for s in (1, 2)], CONFIG, METRIC)
+    metric, true, estimate = MetricSettings("energy"), ARMS["N1"], ARMS["N1"] * np.linspace(0.97, 1.03, 9)
+    arms = {"N1": {"true": true.tolist(), "methods": {"algorithm1": {"beta": estimate.tolist()}}}}
+    runs = [{"variant": "published", "seed": seed, "arms": arms} for seed in (1, 2)]
+    scores = score_estimates(runs, CONFIG, metric)
     assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
     for row in scores.itertuples():
         motion = motion_of(row.trajectory, CONFIG, row.seed)
-        tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (ARMS["N1"], estimate))
-        expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1])
-        assert row.time == pytest.approx(float(expected.time), rel=1e-12)
-        assert row.frequency == pytest.approx(float(expected.frequency), rel=1e-12)
-    on_id = scores[scores["trajectory"] == "ID"].groupby("joint")["total"].nunique()
-    on_validation = scores[scores["trajectory"] == "validation"].groupby("joint")["total"].nunique()
-    assert (on_id == 1).all()  # the same motion for every seed
-    assert (on_validation == 2).all()
+        tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (true, estimate))
+        expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1], metric)
+        found = (row.time, row.frequency, row.total)
+        assert found == pytest.approx((expected.time, expected.frequency, expected.total), rel=1e-12)
+    different = scores.groupby(["trajectory", "joint"])["total"].nunique()
+    assert (different["ID"] == 1).all()  # the same motion for every seed
+    assert (different["validation"] == 2).all()
 
 
 class PerfectNetwork:
@@ -90,18 +67,18 @@ class PerfectNetwork:
         return torch.from_numpy((right - guess).astype(np.float32))
 
 
-def identify(network, arms):
+def identify(network):
     search, refinement = SearchSettings(executions=4, inner_limit=3), RefinementSettings(restarts=5, keep=9, passes=2)
     algorithm1 = Algorithm1("tracked", network, AWARE, search, refinement)
     tau_mean = mean_training_torque(SIGNALS, DataSettings(), 1)
-    return identify_arms(algorithm1, with_arms(arms), tau_mean, 1)["arms"]
+    return identify_arms(algorithm1, CONFIG, tau_mean, 1)["arms"]
 
 
 def test_a_perfect_network_finds_every_arm():
     """It uses the model of the exact trajectory, so the filter's error remains."""
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
     network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
-    found = identify(network, ARMS)
+    found = identify(network)
     for name, beta in ARMS.items():
         arm = found[name]
         np.testing.assert_array_equal(arm["true"], beta)
@@ -112,20 +89,22 @@ def test_a_perfect_network_finds_every_arm():
         assert arm["executions_over_threshold"] == 4
 
 
-LEAST_SQUARES = least_squares_of_arms(CONFIG)["arms"]
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(name, monkeypatch):
-    arm = LEAST_SQUARES[name]
-    np.testing.assert_array_equal(arm["true"], ARMS[name])
-    assert list(arm["methods"]) == ["least-squares", "bounded"]
+def test_least_squares_finds_the_arms_from_the_signals_of_algorithm_1(monkeypatch):
     seen = []
-    monkeypatch.setattr(Algorithm1, "run", lambda _, prepared, *__: (seen.append(prepared.regression) or {}, 0))
-    identify(None, {name: ARMS[name]})
-    (r,) = seen
-    expected, *_ = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)
-    np.testing.assert_allclose(arm["methods"]["least-squares"]["beta"], expected, rtol=1e-8)
-    for estimate in arm["methods"].values():
-        # The filter rounds the torque's steps, which biases least squares.
-        np.testing.assert_allclose(estimate["beta"], ARMS[name], atol=0.02)
+
+    def run(_, prepared, *streams):
+        seen.append((prepared.regression, *(stream.random() for stream in streams)))
+        return {}, 0
+
+    monkeypatch.setattr(Algorithm1, "run", run)
+    identify(None)
+    assert len({number for _, *numbers in seen for number in numbers}) == 2 * 3  # each arm has its own streams
+    found = least_squares_of_arms(CONFIG)["arms"]
+    for (name, true), (r, *_numbers) in zip(ARMS.items(), seen, strict=True):
+        np.testing.assert_array_equal(found[name]["true"], true)
+        assert list(found[name]["methods"]) == ["least-squares", "bounded"]
+        expected = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.ravel(), rcond=None)[0]
+        np.testing.assert_allclose(found[name]["methods"]["least-squares"]["beta"], expected, rtol=1e-8)
+        for estimate in found[name]["methods"].values():
+            # The filter rounds the torque's steps, which biases least squares.
+            np.testing.assert_allclose(estimate["beta"], true, atol=0.02)

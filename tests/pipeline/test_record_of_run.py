@@ -1,4 +1,4 @@
-"""The record of a run: every file that is there with its hash, by the job that made it, and what a claim costs."""
+"""The record of a run: every file with its hash, by the job that wrote it, and what a claim costs."""
 
 import base64
 import hashlib
@@ -13,16 +13,12 @@ from repro.pipeline.provenance import commit, recorded_jobs, write_costs, write_
 
 RESULTS = Path("results")
 LONG = "results/data/" + "/".join(["long" * 20] * 4) + "/ä b.csv"  # more than a file name holds
-#: Name, files read, files made, benchmark.
+RECORDED, DRAWN = ["results/experiment/ID.bin", LONG], ["results/tables/table10.csv", "paper_figures/t.png"]
+#: Name, files read, files written, benchmark.
 JOBS = (
-    ("acquire-ID", ["data/ID.bin"], ["results/experiment/ID.bin", LONG], "60.0\t200.5\t50"),
-    (
-        "table10",
-        ["results/experiment/ID.bin", LONG],
-        ["results/tables/table10.csv", "paper_figures/t.png"],
-        "30\t100\t25",
-    ),
-    ("claims", ["results/tables/table10.csv"], ["results/claims.csv"], "6\tNA\tNA"),
+    ("acquire-ID", ["data/ID.bin"], RECORDED, "60.0\t200.5\t50"),
+    ("table10", RECORDED, DRAWN, "30\t100\t25"),
+    ("claims", DRAWN[:1], ["results/claims.csv"], "6\tNA\tNA"),
 )
 CLAIMS = "id,target,note\na,table10,\nb,config/config.yaml,\nc,,\nd,claims,\n"
 
@@ -52,12 +48,8 @@ def run(tmp_path, monkeypatch):
         for path in (*inputs, *outputs):
             write(path, f"content of {path}")
     write("results/claims.csv", CLAIMS)
-    provenance = {
-        "commit": "abc",
-        "finished": "2026-01-01T00:00:00+00:00",
-        "packages": {"snakemake": "9", "torch": "2"},
-    }
-    write("results/logs/provenance.json", json.dumps(provenance))
+    said = {"commit": "abc", "finished": "2026-01-01T00:00:00+00:00", "packages": {"snakemake": "9", "torch": "2"}}
+    write("results/logs/provenance.json", json.dumps(said))
     write("config/config.yaml", "results: results")
     write("workflow/Snakefile", "include: 'rules/x.smk'")
     write("workflow/rules/x.smk", "")
@@ -79,23 +71,20 @@ def ids(references):
 
 def test_every_file_is_there_with_its_hash_and_size():
     found = files(record()[1])
-    expected = {path for _, inputs, outputs, _ in JOBS for path in (*inputs, *outputs)}
-    assert found.keys() == expected | {
-        "results/logs/provenance.json",
-        "results/workflow/Snakefile",
-        "config/config.yaml",
-    }
+    of_the_run = {"results/logs/provenance.json", "results/workflow/Snakefile", "config/config.yaml"}
+    assert found.keys() == {"data/ID.bin", *RECORDED, *DRAWN, "results/claims.csv", *of_the_run}
     for name, entity in found.items():
-        assert entity["sha256"] == hashlib.sha256(Path(name).read_bytes()).hexdigest()
-        assert int(entity["contentSize"]) == len(Path(name).read_bytes())
+        content = Path(name).read_bytes()
+        assert entity["sha256"] == hashlib.sha256(content).hexdigest()
+        assert int(entity["contentSize"]) == len(content)
 
 
 def test_a_job_says_what_it_read_and_made_and_what_that_took():
     _, graph = record()
     job = graph["#job-table10"]
     found = files(graph)
-    assert ids(job["object"]) == {found[path]["@id"] for path in JOBS[1][1]}
-    assert ids(job["result"]) == {found[path]["@id"] for path in JOBS[1][2]}
+    assert ids(job["object"]) == {found[path]["@id"] for path in RECORDED}
+    assert ids(job["result"]) == {found[path]["@id"] for path in DRAWN}
     assert graph[job["instrument"]["@id"]]["name"] == "table10"
     assert (job["startTime"], job["endTime"]) == ("2001-09-09T01:46:40+00:00", "2001-09-09T01:47:41+00:00")
     usage = {graph[key]["propertyID"]: graph[key]["value"] for key in ids(job["resourceUsage"])}
@@ -129,23 +118,21 @@ def test_a_claim_costs_all_that_its_number_hangs_on():
     assert (table["target"], table["jobs"], table["memory_mib"]) == ("table10", 2, 200.5)
     assert table["minutes"] == pytest.approx((60 + 30) / 60)
     assert table["cpu_minutes"] == pytest.approx((50 + 25) / 60)
-    made = [Path(path) for job in JOBS[:2] for path in job[2]]
-    assert table["disk_mb"] == pytest.approx(sum(path.stat().st_size for path in made) / 1e6)
+    written = [Path(path).stat().st_size for path in (*RECORDED, *DRAWN)]
+    assert table["disk_mb"] == pytest.approx(sum(written) / 1e6)
     assert costs.loc["b", "minutes"] == costs.loc["d", "minutes"] == pytest.approx(6 / 60)  # the ledger's own job
     assert costs.loc["c"].isna().all()
 
 
-def test_the_commit_is_that_of_the_checkout_and_a_change_is_told(tmp_path):
+def test_the_commit_is_that_of_the_checkout_and_says_if_files_changed(tmp_path):
     def git(*arguments):
         name = ("-c", "user.name=A", "-c", "user.email=a@example.org")
-        run = subprocess.run(["git", *name, *arguments], cwd=tmp_path, check=True, capture_output=True, text=True)
-        return run.stdout.strip()
+        return subprocess.run(["git", *name, *arguments], check=True, capture_output=True, text=True).stdout.strip()
 
     assert commit(tmp_path) == "unknown"
     git("init", "-q")
-    (tmp_path / "file").write_text("one")
-    git("add", "file")
+    git("add", "config")
     git("commit", "-q", "-m", "one")
     assert commit(tmp_path) == git("rev-parse", "HEAD")
-    (tmp_path / "file").write_text("two")
+    write("config/config.yaml", "results: elsewhere")
     assert commit(tmp_path) == git("rev-parse", "HEAD") + "-dirty"

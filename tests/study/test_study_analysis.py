@@ -10,24 +10,19 @@ from repro.study import analysis
 from repro.study.design import RANKS
 
 
-def test_each_pair_is_compared_in_each_cell():
-    table = analysis.maps(outcomes({"wide": -0.03, "narrow": 0.05}))
-    assert len(table) == len(analysis.PAIRS) * 8
-    pair = table[(table["method"] == "posterior") & (table["opponent"] == "consistent")].set_index("prior")
-    assert pair.loc["narrow", "difference"].to_numpy() == pytest.approx([0.04] * 4, abs=0.002)
-    assert pair.loc["wide", "difference"].to_numpy() == pytest.approx([-0.04] * 4, abs=0.002)
-    assert set(pair.loc["narrow", "conclusion"]) == {"better"}
-    assert set(pair.loc["wide", "conclusion"]) == {"worse"}
-
-
-def test_a_square_of_the_map_is_over_its_frictions():
+def test_each_pair_is_compared_in_each_cell_and_a_square_of_the_map_is_over_its_frictions():
     sure, unsure = outcomes({"wide": -0.03, "narrow": 0.05}), outcomes({"wide": 0.01, "narrow": 0.01}, seed=9)
     frictions = [sure.assign(friction=0.5), sure.assign(friction=1.0), unsure.assign(friction=3.0)]
     table = analysis.maps(pd.concat(frictions, ignore_index=True))
-    pair = table[(table["method"] == "posterior") & (table["opponent"] == "consistent")].set_index("prior")
+    assert len(table) == len(analysis.PAIRS) * 8 * 3
+    pair = table[(table["method"] == "posterior") & (table["opponent"] == "consistent")]
     assert pair[["sure", "of"]].drop_duplicates().to_numpy().tolist() == [[2, 3]]
-    assert pair.loc["narrow", "mean"].to_numpy() == pytest.approx([0.08 / 3] * 12, abs=0.002)
-    assert pair.loc["wide", "mean"].to_numpy() == pytest.approx([-0.08 / 3] * 12, abs=0.002)
+    for prior, difference, conclusion in (("narrow", 0.04, "better"), ("wide", -0.04, "worse")):
+        own = pair[pair["prior"] == prior]
+        assert own["mean"].to_numpy() == pytest.approx([2 / 3 * difference] * 12, abs=0.002)
+        steady = own[own["friction"] < 3.0]
+        assert steady["difference"].to_numpy() == pytest.approx([difference] * 8, abs=0.002)
+        assert set(steady["conclusion"]) == {conclusion}
 
 
 def test_claims_have_the_sign_of_what_they_say():

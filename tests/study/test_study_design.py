@@ -1,32 +1,26 @@
 """Cells, jobs, arms and their effects."""
 
+from collections import Counter
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from experiment_example import changed, full_config, refused
 
-from repro.config import load_config
-from repro.errors import InputError
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant, Unmodelled
 from repro.pipeline.experiment import control_constants, true_parameters
 from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
-from repro.study.design import cells, jobs
+from repro.study.design import FACTORS, cells, jobs
 
-FACTORS = ["excitation", "discrepancy", "prior", "friction"]
-
-
-@pytest.fixture
-def config():
-    return load_config(Path("config/config.yaml"))
+CONFIG = full_config()
 
 
-def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors(config):
-    table = pd.DataFrame(cells(config))
+def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors():
+    table = pd.DataFrame(cells(CONFIG))
     assert len(table) == 4 * 4 * 3 * 3
-    assert not table.duplicated(FACTORS).any()
+    assert not table.duplicated(list(FACTORS)).any()
     searched = table[table["searched"]]
     assert len(searched) == 36
     for pair in combinations(FACTORS, 2):
@@ -36,31 +30,25 @@ def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors(config):
 
 
 @pytest.mark.parametrize("size", [1, 5, 12, 100])
-def test_each_cell_is_in_one_job_and_a_job_has_one_excitation_and_prior(config, size):
-    config["study"]["cells_per_job"] = size
+def test_each_cell_is_in_one_job_and_a_job_has_one_excitation_and_prior(size):
+    config = changed(CONFIG, study={"cells_per_job": size})
     split = jobs(config)
-    assert [cell for members in split.values() for cell in members] == cells_by_group(config)
+    assert Counter(cell for members in split.values() for cell in members) == Counter(cells(config))
     for members in split.values():
         assert len({(cell.excitation, cell.prior) for cell in members}) == 1
         assert len(members) <= size
 
 
-def cells_by_group(config):
-    every = cells(config)
-    groups = list(dict.fromkeys((cell.excitation, cell.prior) for cell in every))
-    return sorted(every, key=lambda cell: groups.index((cell.excitation, cell.prior)))
-
-
 @pytest.mark.parametrize(("excitation", "seconds"), [("eq10", 9.42), ("slow", 18.85), ("random", 9.42)])
-def test_excitations_have_their_length(config, excitation, seconds):
-    program = excitation_program(config, excitation)
+def test_excitations_have_their_length(excitation, seconds):
+    program = excitation_program(CONFIG, excitation)
     assert (program.n2 - program.n1) * program.h == pytest.approx(seconds, abs=0.01)
-    assert program.n1 >= config["experiment"]["margin_samples"]
+    assert program.n1 >= CONFIG["experiment"]["margin_samples"]
     assert np.abs(np.diff(program.q[:, :2])).max() < 1e-4  # begins at rest
 
 
-def test_a_narrow_prior_stays_within_its_factor(config):
-    arms = draw_law("narrow", np.random.default_rng(3), 500, config) / true_parameters(config)
+def test_a_narrow_prior_stays_within_its_factor():
+    arms = draw_law("narrow", np.random.default_rng(3), 500, CONFIG) / true_parameters(CONFIG)
     assert arms.min() > 1 / 1.5
     assert arms.max() < 1.5
     assert np.abs(np.log(arms).mean(axis=0)).max() < 0.05
@@ -89,20 +77,20 @@ def test_what_is_observed_of_an_arm():
     np.testing.assert_allclose(twice.observed(arm, q, tau, h)[0] - q, 2.0 * (measured - q))
 
 
-def test_an_arm_moves_the_same_in_any_batch(config):
-    arms = draw_law("wide", np.random.default_rng(5), 3, config)
-    q = excitation_program(config, "random").q[:, :300]
+def test_an_arm_moves_the_same_in_any_batch():
+    arms = draw_law("wide", np.random.default_rng(5), 3, CONFIG)
+    q = excitation_program(CONFIG, "random").q[:, :300]
     effects = [Unmodelled(stribeck=(0.3, 0.1 * k), ripple=(0.02, 0.01)) for k in range(3)]
     phase = np.array([[0.1, 0.2], [1.0, 2.0], [3.0, 0.5]])
-    whole = simulate(Plant(arms, 0.0025, effects, phase, quick=True), control_constants(config), q)
-    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], quick=True), control_constants(config), q)
+    whole = simulate(Plant(arms, 0.0025, effects, phase, quick=True), control_constants(CONFIG), q)
+    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], quick=True), control_constants(CONFIG), q)
     for together, apart in zip(whole, part, strict=True):
         np.testing.assert_array_equal(together[1:], apart)
 
 
-def test_motions_that_no_arm_can_do_end_with_one_line(config, tmp_path):
+def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path):
     """The random motion of 4 s asks too much torque of every drawn arm."""
-    config["signals"]["duration_s"] = 4.0
-    config["study"] |= {"excitations": ["random"], "priors": ["narrow"], "arms": 2}
-    with pytest.raises(InputError, match=r"study\.arms: found 2, expected at most 0, of 48 drawn"):
-        choose(config, tmp_path / "arms.safetensors")
+    study = {"excitations": ["random"], "priors": ["narrow"], "arms": 2}
+    config = changed(CONFIG, signals={"duration_s": 4.0}, study=study)
+    message = refused(choose, config, tmp_path / "arms.safetensors")
+    assert "study.arms: found 2, expected at most 0, of 48 drawn" in message

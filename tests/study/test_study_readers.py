@@ -1,37 +1,27 @@
 """Readers without a network of Algorithm 1: generalised least squares, and how a claim stands to the truth."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from experiment_example import full_config
 from scipy import stats
 
 from repro.cnn.plain import PlainNetwork, save_posterior
-from repro.config import load_config
 from repro.files import write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.settings import signal_settings
 from repro.study.design import RANKS
 from repro.study.readers import Readers, Reading
 
-CONFIG = load_config(Path("config/config.yaml"))
-N = 9
+CONFIG, N = full_config(), 9
 
 
 def readers(tmp_path, error_covariance, prior_mean, prior_covariance):
     training = tmp_path / "training.safetensors"
-    write_tensors(
-        training,
-        {"error_covariance": error_covariance, "prior_mean": prior_mean, "prior_covariance": prior_covariance},
-    )
+    kept = {"error_covariance": error_covariance, "prior_mean": prior_mean, "prior_covariance": prior_covariance}
+    write_tensors(training, kept)
     weights = tmp_path / "posterior.safetensors"
     save_posterior(weights, PlainNetwork(100, CONFIG["study"]["posterior"]["width"]))
     return Readers(training, {"posterior": weights}, CONFIG, signal_settings(CONFIG))
-
-
-def signals(y, alpha, unit):
-    """Prepared signals of which only those of the subsampled torque count."""
-    return PreparedSignals(None, 1.0, unit, alpha, y, y)
 
 
 def test_generalised_least_squares_is_what_statistics_says(tmp_path):
@@ -42,7 +32,8 @@ def test_generalised_least_squares_is_what_statistics_says(tmp_path):
     y, beta = rng.normal(size=(2, 100, N)), rng.normal(size=N)
     alpha = (y.reshape(-1, N) @ beta + np.linalg.cholesky(covariance) @ rng.normal(size=200)).reshape(2, 100)
     mean, spread = beta + 0.5, np.diag(np.linspace(0.01, 2.0, N))
-    plain, with_prior = readers(tmp_path, covariance, mean, spread)._generalised(signals(y, alpha, unit))
+    prepared = PreparedSignals(None, 1.0, unit, alpha, y, y)  # of which only the subsampled torque counts
+    plain, with_prior = readers(tmp_path, covariance, mean, spread)._generalised(prepared)
     inverse, rows = np.linalg.inv(covariance), y.reshape(-1, N)
     information = rows.T @ inverse @ rows
     expected = np.linalg.solve(information, rows.T @ inverse @ alpha.reshape(-1))
