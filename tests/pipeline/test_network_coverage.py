@@ -1,5 +1,6 @@
 """The intervals of a network's estimate on simulated arms, with a reader whose errors are known."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.solve import solve
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
+from repro.pipeline import simulated_arms
 from repro.pipeline.experiment import read_recording
 from repro.pipeline.identifications import mean_training_torque
 from repro.pipeline.simulated_arms import read_tracked, sampled_tracks, simulate_tracked, training_motion
@@ -40,6 +42,14 @@ class Reader:
 
     def estimate(self, guess):
         return self._right + 0.1 * self.rng.standard_normal(9) + 0.02 * self.rng.standard_normal(guess.shape)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    """Simulate all arms the quick way, which the study does."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulated_arms, "run_loop", partial(simulated_arms.run_loop, quick=True))
+        yield
 
 
 @pytest.fixture(scope="module")

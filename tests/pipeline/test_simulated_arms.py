@@ -105,7 +105,8 @@ def test_a_file_of_fewer_motions_is_refused(motions):
 
 
 def test_arms_that_do_not_track_end_in_one_line(tmp_path):
-    assert "arms that track" in refused(simulate_tracked, small(largest_error_rad=1e-6), tmp_path / "out.safetensors")
+    config = changed(small(largest_error_rad=1e-6), signals={"duration_s": 0.5}, experiment={"lead_in_s": 0.1})
+    assert "arms that track" in refused(simulate_tracked, config, tmp_path / "out.safetensors")
     assert not list(tmp_path.iterdir())
 
 
