@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
-from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, factorial_references, factorial_scores
+from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, factorial_scores
 from scipy import stats
 
-from repro.pipeline.factorial import CONFIRMATION, cell_means, effects, interval
+from repro.pipeline.factorial import CONFIRMATION, effects, interval
 
 NAMES = tuple(MAIN)
 
@@ -87,24 +87,3 @@ def test_with_one_kind_of_sample_it_is_the_t_interval(shape):
     expected = stats.t.interval(0.95, 11, values.mean(), stats.sem(values))
     mean, low, high = interval(values.reshape(shape))
     np.testing.assert_allclose([mean, low, high], [values.mean(), *expected], rtol=1e-12)
-
-
-# --- Cells --------------------------------------------------------------------------------------------------------
-
-
-def test_a_cell_is_the_mean_over_blocks_and_seeds_without_the_confirmation_block():
-    scores, references = factorial_scores(), factorial_references()
-    cells = cell_means(scores, references)
-    names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
-    assert len(cells) == 2**5 + 2**4 + 3 * 2**3
-    assert not cells.duplicated(names).any()
-    where = {"reader": "cnn", "image_motion": "desired", "training": "ideal", "omega": "index"}
-    where |= {"back_emf": 0.34, "metric": "energy"}
-    own = np.logical_and.reduce([scores[name] == level for name, level in where.items()])
-    expected = scores[own & (scores["block"] != CONFIRMATION)][["id", "validation", "error", "met"]].mean()
-    (row,) = cells[np.logical_and.reduce([cells[name] == level for name, level in where.items()])].to_dict("records")
-    assert row == pytest.approx({**where, **expected}, abs=1e-12)
-    ordinary = cells[cells["reader"] == "ordinary"]
-    np.testing.assert_allclose(ordinary["id"], 0.9 + (0.0 + 0.01 - 0.015) / 3, atol=1e-12)
-    np.testing.assert_allclose(ordinary["validation"], ordinary["id"] - 0.1, atol=1e-12)
-    assert ordinary[["error", "met"]].isna().all(axis=None)

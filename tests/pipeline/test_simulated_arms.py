@@ -75,8 +75,10 @@ def test_a_motion_is_within_the_limits_of_both_joints():
     assert is_within_limits(CONFIG, np.stack([load1, own, load2]), program).tolist() == [False, True, False]
 
 
-def test_no_arm_that_trains_is_one_that_is_tested(motions):
+def test_no_arm_that_trains_is_one_that_is_tested(motions, monkeypatch):
     """Compared without viscous friction, to which arms that are tested add their back-EMF."""
+    monkeypatch.setattr(simulated_arms, "run_loop", lambda _, beta, __: [beta])
+    monkeypatch.setattr(simulated_arms, "tracks", lambda _, beta, __: np.ones(len(beta), dtype=bool))
     arms = spread_arms(changed(CONFIG, spread={"arms": 2, "seeds": [1, 2]}))
     tested = np.delete([*arms, *CONFIG["numeric"]["arms"].values()], [5, 6], axis=1)
     trained = np.delete(load_file(motions)["parameters"], [5, 6], axis=1)

@@ -47,17 +47,6 @@ def test_a_claim_that_something_does_not_matter_has_a_margin(lost, verdict):
     assert row["high"] < 0.0
 
 
-def test_levels_say_where_a_claim_is_true():
-    table = analysis.levels(outcomes({"wide": -0.07, "narrow": 0.03})).set_index(["claim", "factor", "level"])
-    counts = ["better", "worse", "conditions"]
-    assert table.loc[("posterior", "prior", "narrow"), counts].tolist() == [4, 0, 4]
-    assert table.loc[("posterior", "prior", "wide"), counts].tolist() == [0, 4, 4]
-    assert table.loc[("posterior", "excitation", "optimal"), counts].tolist() == [2, 2, 4]
-    assert table.loc[("posterior", "friction", 1.0), counts].tolist() == [4, 4, 8]
-    assert table.loc[("posterior", "prior", "narrow"), "difference"] == pytest.approx(0.03, abs=0.002)
-    assert not {"unoptimised", "robust"} & set(table.index.get_level_values("claim"))
-
-
 def test_uniform_ranks_stay_in_the_band_and_narrow_claims_leave_it():
     right = outcomes({"wide": 0.0, "narrow": 0.0}, arms=40)
     table = analysis.calibration(right)
