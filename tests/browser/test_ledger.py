@@ -1,17 +1,13 @@
-"""The ledger of the reproduction's report in a real browser; without Chromium these tests are skipped and say so."""
+"""The ledger of the reproduction's report in a real browser."""
 
 import itertools
 
 import pytest
-from chromium import find_chromium
 
 #: What an empty cell of the ledger shows.
 NOTHING = "\N{EN DASH}"
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not find_chromium(), reason="no Chromium on this machine (Debian: chromium)"),
-]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -19,26 +15,27 @@ def report(reproduction):
     return reproduction
 
 
+ROWS = "[...document.querySelectorAll('#ledger tbody tr:not([hidden])')]"
+
+
 def column(page, number):
     """Texts of a column of the ledger's visible rows."""
-    rows = "[...document.querySelectorAll('#ledger tbody tr:not([hidden])')]"
-    return page.evaluate(f"{rows}.map(row => row.cells[{number}].dataset.value ?? row.cells[{number}].textContent)")
+    return page.evaluate(f"{ROWS}.map(row => row.cells[{number}].dataset.value ?? row.cells[{number}].textContent)")
 
 
 def data(page, name):
     """What the ledger's visible rows are filtered by."""
-    rows = "[...document.querySelectorAll('#ledger tbody tr:not([hidden])')]"
-    return page.evaluate(f"{rows}.map(row => row.dataset[{name!r}])")
+    return page.evaluate(f"{ROWS}.map(row => row.dataset[{name!r}])")
+
+
+def wait(page, milliseconds):
+    page.evaluate(f"new Promise(done => setTimeout(done, {milliseconds}))")
 
 
 def enter(page, selector, value):
     """Type or choose a value."""
     event = "dispatchEvent(new Event('input', {bubbles: true}))"
     page.evaluate(f"(box => {{ box.value = {value!r}; box.{event}; }})(document.querySelector('{selector}'))")
-
-
-def numbers(texts):
-    return [float(text) for text in texts if text != NOTHING]
 
 
 def test_the_ledger_is_searched_and_filtered(page):
@@ -48,7 +45,7 @@ def test_the_ledger_is_searched_and_filtered(page):
     assert 0 < len(column(page, 0)) < everything
     assert page.evaluate("document.getElementById('shown').textContent").startswith(f"{len(column(page, 0))} of ")
     page.evaluate("document.querySelector('#filters [type=reset]').click()")
-    page.evaluate("new Promise(done => setTimeout(done, 50))")
+    wait(page, 50)
     assert len(column(page, 0)) == everything
     for field in ("verdict", "place", "basis"):
         wanted = data(page, field)[-1]
@@ -70,8 +67,9 @@ def test_the_ledger_is_sorted_by_the_buttons_in_its_header(page):
     for place, (order, falling) in itertools.product((2, 3, 4, 5), (("ascending", False), ("descending", True))):
         page.evaluate(press.format(place))
         texts = column(page, place)
-        assert numbers(texts) == sorted(numbers(texts), reverse=falling)
-        assert NOTHING not in texts[: len(numbers(texts))]
+        numbers = [float(text) for text in texts if text != NOTHING]
+        assert numbers == sorted(numbers, reverse=falling)
+        assert NOTHING not in texts[: len(numbers)]
         assert {at: name for at, name in enumerate(page.evaluate(state)) if name} == {place: order}
     page.evaluate(press.format(1))
     assert column(page, 1) == sorted(column(page, 1))
@@ -83,13 +81,13 @@ def test_a_link_to_a_hidden_row_shows_it(page):
     enter(page, "#search", "zzz")
     assert page.evaluate(hidden)
     page.evaluate(f"location.hash = '#' + {claim!r}")
-    page.evaluate("new Promise(done => setTimeout(done, 200))")
+    wait(page, 200)
     assert not page.evaluate(hidden)
 
 
 def test_a_command_is_copied_or_at_least_selected(page):
     page.evaluate("document.querySelector('.command button').click()")
-    page.evaluate("new Promise(done => setTimeout(done, 200))")
+    wait(page, 200)
     assert page.evaluate("document.querySelector('.command button').textContent") in ("Copied", "Selected")
 
 

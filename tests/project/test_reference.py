@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 from repro.comparison.tolerances import LEDGER
 from repro.exhibits.catalogue import tolerances
-from repro.paper.claims import CAUSES, Basis, broken, specificity
+from repro.paper.claims import CAUSES, broken, specificity
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,10 +31,9 @@ def totals(name, method):
 
 
 @pytest.mark.parametrize("name", ["table06", "table07"])
-def test_totals_are_products_and_every_cell_is_there(name):
+def test_every_method_has_its_seeds(name):
     frame = table(name)
-    np.testing.assert_allclose(frame["total"], frame["time"] * frame["frequency"], rtol=1e-8)
-    assert len(frame) == frame["method"].nunique() * 8 == 56
+    assert frame["method"].nunique() == 7
     assert (frame["seeds"] == 5).all()
     # Random numbers have a part in least squares only through the validation motion of each seed.
     searched = frame[~frame["method"].isin(["least-squares", "bounded"]) | (name == "table07")]
@@ -55,15 +53,6 @@ def test_least_squares_is_ahead_of_the_listed_search_on_its_own_ground(name):
     assert (totals(name, "least-squares") > totals(name, "algorithm1")).all()
 
 
-def test_parameters_of_the_reference_are_those_of_the_configuration():
-    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-    for name, cases in (("table04", CASES[:2]), ("table05", CASES[2:])):
-        frame = table(name)
-        for case in cases:
-            true = frame[(frame["case"] == case) & (frame["method"] == "algorithm1")]["true"]
-            assert true.tolist() == config["numeric"]["arms"][case]
-
-
 def test_tables_of_the_pages_are_those_of_the_reference():
     """docs/pages.py writes them."""
     pages = runpy.run_path(str(ROOT / "docs/pages.py"))
@@ -73,29 +62,22 @@ def test_tables_of_the_pages_are_those_of_the_reference():
     assert {name: pages["written"](text) for name, text in texts.items()} == texts
 
 
-def test_the_checks_of_a_run_find_a_changed_total_cell_and_input(tmp_path):
+def test_the_check_of_tables_finds_none_wrong_and_a_changed_total(tmp_path):
     shutil.copytree(REFERENCE / "tables", tmp_path, dirs_exist_ok=True)
-    check, golden = (runpy.run_path(str(ROOT / ".ci" / name)) for name in ("check_tables.py", "golden.py"))
-    assert check["faults"](tmp_path) == []
+    check = runpy.run_path(str(ROOT / ".ci/check_tables.py"))["faults"]
+    assert check(tmp_path) == []
+    whole = table("table07")
     for change in (1e-6, -1e-6):
-        whole = table("table07")
         whole.assign(total=whole["total"] + change).to_csv(tmp_path / "table07.csv")
-        assert len(check["faults"](tmp_path)) == 1
-    assert [golden["like"]("| ID | 90.00 |", f"| ID | {cell} |") for cell in ("90.10", "95.00")] == [True, False]
-    lines = list(golden["changes"]("claims.csv", {"input": ["a.csv", "b.csv"]}, {"input": ["b.csv", "d.json"]}))
-    assert [line.split(": ")[2:] for line in lines] == [["new", "d.json"], ["gone", "a.csv"]]
+        assert len(check(tmp_path)) == 1
 
 
 @pytest.mark.slow
 def test_the_check_that_every_file_has_a_rule_fails_where_one_has_none(tmp_path):
     (tmp_path / "logs").mkdir()
-    (tmp_path / "stray.csv").touch()
-    for name, text in (
-        ("ro-crate-metadata.json", '{"@graph": []}'),
-        ("logs/costs.csv", ""),
-        ("logs/provenance.json", ""),
-    ):
-        (tmp_path / name).write_text(text, encoding="utf-8")
+    for name in ("stray.csv", "logs/costs.csv", "logs/provenance.json"):
+        (tmp_path / name).touch()
+    (tmp_path / "ro-crate-metadata.json").write_text('{"@graph": []}', encoding="utf-8")
     command = [sys.executable, ".ci/every_file_has_a_rule.py", "config/smoke.yaml", str(tmp_path)]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == 1
@@ -104,26 +86,20 @@ def test_the_check_that_every_file_has_a_rule_fails_where_one_has_none(tmp_path)
     assert "Traceback" not in ended.stderr
 
 
-def arm_totals(method):
-    rows = table("table10").query("method == @method")
-    return rows.pivot(index="case", columns="joint", values="total")
-
-
-def test_the_arm_is_as_hard_for_least_squares_as_the_published_one():
-    """Half a point on ID, which the arm is calibrated on."""
+def test_least_squares_and_the_sign_constraint_alone_come_as_near_as_published_on_the_arm():
+    rows = table("table10").set_index(["method", "case", "joint"])["total"].unstack()
     published = load_published()
-    printed = [published[f"table10/ID/least-squares/total/joint{j}"].value / 100 for j in (1, 2)]
-    np.testing.assert_allclose(arm_totals("least-squares").loc["ID"], printed, atol=0.005)
 
+    def printed(case, method):
+        return [published[f"table10/{case}/{method}/total/joint{joint}"].value / 100 for joint in (1, 2)]
 
-def test_the_sign_constraint_alone_gives_the_published_level_of_algorithm_1():
-    """Mean over T1 to T4 to one point; neither was used in the calibration."""
-    published = load_published()
-    cells = [f"table10/T{k}/algorithm1/total/joint{j}" for k in (1, 2, 3, 4) for j in (1, 2)]
-    printed = np.mean([published[name].value for name in cells]) / 100
-    assert arm_totals("bounded").drop("ID").to_numpy().mean() == pytest.approx(printed, abs=0.01)
-    better = arm_totals("bounded").drop("ID") - arm_totals("least-squares").drop("ID")
-    assert (better > 0).all(axis=None)
+    # Half a point on ID, which the arm is calibrated on.
+    np.testing.assert_allclose(rows.loc["least-squares", "ID"], printed("ID", "least-squares"), atol=0.005)
+    # The mean over T1 to T4 to one point; neither was used in the calibration.
+    unseen = np.mean([printed(case, "algorithm1") for case in ("T1", "T2", "T3", "T4")])
+    bounded, linear = (rows.loc[method].drop("ID") for method in ("bounded", "least-squares"))
+    assert bounded.to_numpy().mean() == pytest.approx(unseen, abs=0.01)
+    assert (bounded > linear).all(axis=None)
 
 
 CLAIMS = pd.read_csv(REFERENCE / "claims.csv", keep_default_na=False).set_index("id")
@@ -145,16 +121,9 @@ def test_asserted_claims_about_networks_keep_twice_the_spread_over_networks():
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
-def test_the_counts_of_the_ledgers_page_are_those_of_the_rows():
-    page = (REFERENCE / "claims.md").read_text(encoding="utf-8")
-    own = CLAIMS[~CLAIMS.index.str.contains("@")]
-    for verdict in sorted(set(own["verdict"])):
-        counts = [int(((own["verdict"] == verdict) & (own["basis"] == basis)).sum()) for basis in Basis]
-        (row,) = re.findall(rf"^\| {verdict} \| (.*) \|$", page, flags=re.MULTILINE)
-        assert [int(cell) for cell in row.split("|")][: len(counts)] == counts, verdict
-    asserted = (CLAIMS["asserted"] != "").sum()
-    assert f"{asserted} asserted" in (ROOT / "README.md").read_text(encoding="utf-8")
+def test_asserted_claims_hold_and_the_readme_counts_them():
     assert broken(CLAIMS.reset_index()).empty
+    assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_verdicts_are_specific():
@@ -165,12 +134,9 @@ def test_verdicts_are_specific():
 
 
 def test_every_difference_has_a_cause_with_evidence():
-    differing = CLAIMS[CLAIMS["verdict"] == "differs"]
-    assert differing["cause"].isin(CAUSES).all()
+    assert CLAIMS.loc[CLAIMS["verdict"] == "differs", "cause"].isin(CAUSES).all()
     for cause in CAUSES.values():
         page, _, anchor = cause.evidence.partition("#")
-        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-        headings = [
-            re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ").lower()).replace(" ", "-") for line in text.splitlines()
-        ]
+        lines = (ROOT / "docs" / page).read_text(encoding="utf-8").lower().splitlines()
+        headings = [re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ")).replace(" ", "-") for line in lines]
         assert not anchor or anchor in headings, cause.evidence

@@ -1,8 +1,9 @@
 """The walks of docs/architecture.md: each step exists, each caller refers to what it calls, and the files are few."""
 
 import ast
+import inspect
 import re
-from functools import cache
+import textwrap
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
@@ -28,34 +29,23 @@ def file_of(place):
     return ROOT / (name if "/" in name else f"src/{name.replace('.', '/')}.py")
 
 
-@cache
-def parsed(path):
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
 def names_in(place):
-    """Names that a definition refers to."""
-    node = parsed(file_of(place))
-    for part in place.partition(":")[2].split("."):
-        node = next(each for each in node.body if part in defined_by(each))
-    parts = list(ast.walk(node))
+    """Names that a definition refers to; of a constant, those of its module."""
+    module, _, name = place.partition(":")
+    whole = import_module(module)
+    part = attrgetter(name)(whole)
+    source = inspect.getsource(part if inspect.isroutine(part) or inspect.isclass(part) else whole)
+    parts = list(ast.walk(ast.parse(textwrap.dedent(source))))
     names = {each.id for each in parts if isinstance(each, ast.Name)}
     names |= {alias.name for each in parts if isinstance(each, ast.ImportFrom) for alias in each.names}
     return names, {each.attr for each in parts if isinstance(each, ast.Attribute)}
 
 
-def defined_by(statement):
-    if isinstance(statement, ast.Assign | ast.AnnAssign):
-        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-        return [target.id for target in targets if isinstance(target, ast.Name)]
-    return [getattr(statement, "name", "")]
-
-
 def refers(caller, called):
     """Whether a rule names a function, or a definition names another."""
+    own, _, rule = caller.partition(":")
     if caller.startswith("workflow/rules/"):
-        path, _, rule = caller.partition(":")
-        text = (ROOT / path).read_text(encoding="utf-8")
+        text = (ROOT / own).read_text(encoding="utf-8")
         block = re.search(rf"^rule {rule}:\n(?:(?!^rule ).*\n)*", text, re.MULTILINE)[0] if rule else text
         return f'"{called}"' in block
     module, _, name = called.partition(":")
@@ -65,10 +55,8 @@ def refers(caller, called):
         return rest[-1] in attributes
     if first not in names:
         return first in attributes
-    own = caller.partition(":")[0]
-    if not hasattr(import_module(own), first):
-        return True  # an import within the function
-    return getattr(import_module(own), first) is getattr(import_module(module), first)
+    found = getattr(import_module(own), first, None)  # None where the import is within the function
+    return found is None or found is getattr(import_module(module), first)
 
 
 @pytest.mark.parametrize("title", LIMITS)

@@ -3,7 +3,6 @@
 import argparse
 import ast
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -38,22 +37,12 @@ def found(text: str) -> list[str]:
     return [f"{phrase!r}: write {instead}" for phrase, instead in hits]
 
 
-def help_texts() -> Iterator[str]:
-    """Descriptions and options of the commands."""
-    (subcommands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
-    for command in subcommands.choices.values():
-        yield from (command.description or "", command.epilog or "", *(each.help or "" for each in command._actions))
-
-
-def messages(path: Path) -> Iterator[str]:
+def messages(path: Path) -> list[str]:
     """Strings of a module with blanks, without its docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    bodies = [node.body for node in ast.walk(tree) if isinstance(getattr(node, "body", None), list)]
-    docstrings = {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
-    for node in ast.walk(tree):
-        text = node.value if isinstance(node, ast.Constant) and id(node) not in docstrings else None
-        if isinstance(text, str) and " " in text:
-            yield text
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    alone = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    strings = [node.value for node in nodes if isinstance(node, ast.Constant) and id(node) not in alone]
+    return [string for string in strings if isinstance(string, str) and " " in string]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -62,7 +51,9 @@ def test_pages(page):
 
 
 def test_help_texts_and_messages():
-    texts = [*help_texts(), *(text for path in sorted((ROOT / "src/repro").rglob("*.py")) for text in messages(path))]
+    (subcommands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    texts = [" ".join(command.format_help().split()) for command in subcommands.choices.values()]
+    texts += [text for path in sorted((ROOT / "src/repro").rglob("*.py")) for text in messages(path)]
     assert len(texts) > 1000
     assert not [(text, hits) for text in texts if (hits := found(text))]
 

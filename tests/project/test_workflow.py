@@ -4,11 +4,13 @@ Each run of Snakemake takes seconds, so there are few, all in folders of their o
 """
 
 import hashlib
+import io
 import json
 import os
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
@@ -19,50 +21,46 @@ import yaml
 from claims_example import write_results
 from kept import same
 from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
+from snakemake.cli import main
 
 from repro.exhibits import catalogue
 from repro.paper.ledger import compute
 from repro.paper.our_values import Results
 from repro.paper.published import load_published
 from repro.pipeline.factorial import CELLS
+from repro.signals.programs import PROGRAMS
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
 WORKFLOW = ROOT / "workflow"
 FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional]
-TABLES = [exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional]
+TABLES = ["audit", *(exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional)]
 EXHIBITS = {exhibit.target: exhibit for exhibit in catalogue.EXHIBITS}
 DECLARED = {exhibit.definition: exhibit for exhibit in catalogue.EXHIBITS}
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
-SCRIPTS = sorted((WORKFLOW / "scripts").glob("*.py"))
+QUICK = str(ROOT / "config" / "quick.yaml")
 #: Networks of Tables 4 to 7, and those of the arm, by the suffix of their files.
 NETWORKS = ("", "-tracked")
 ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
-LEAST_SQUARES = {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
 #: Needs the extra rtl.
 SYNTHESIS = "synthesise_board"
 #: Rules that only name other rules' files.
 COLLECTIONS = {"all", "training", "tutorials", *EXHIBITS, *(exhibit.name for exhibit in catalogue.EXHIBITS)}
 
 
-def targets(results="results", figures="paper_figures"):
-    """Files of DESIGN's naming that exist so far."""
-    drawn = [f"{figures}/{name}.{e}" for name in FIGURES for e in ("pdf", "png")]
-    numbers = [f"{results}/figures/{name}.csv" for name in FIGURES]
-    tables = [f"{results}/tables/{name}.{e}" for name in [*TABLES, "audit"] for e in ("csv", "tex", "md")]
-    models = [f"{results}/model/{name}" for name in ("cnn.safetensors", "training.csv", "model-card.md")]
-    ledger = [f"{results}/{name}" for name in ("claims.csv", "claims.md", "claims.sha256", "verified.txt")]
-    return {*drawn, *numbers, *tables, *models, *ledger}
+def project(folder):
+    """Make a folder a working directory, so that no run in the checkout is disturbed."""
+    for name in ("config", "data"):
+        (folder / name).symlink_to(ROOT / name)
+    return folder
 
 
 @pytest.fixture(scope="module")
 def rules(tmp_path_factory):
     """Every rule by its name, as Snakemake has it."""
-    folder = tmp_path_factory.mktemp("rules")
-    for name in ("config", "data"):
-        (folder / name).symlink_to(ROOT / name)
+    folder = project(tmp_path_factory.mktemp("rules"))
     with pytest.MonkeyPatch.context() as patch, SnakemakeApi(OutputSettings()) as api:
         patch.chdir(folder)
         patch.setattr(os, "environ", os.environ.copy())
@@ -77,17 +75,34 @@ def working(rules):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A working directory of its own, so that no run in the checkout is disturbed."""
-    for name in ("config", "data"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    return tmp_path
+    return project(tmp_path)
+
+
+def options(*arguments):
+    return ["--snakefile", str(ROOT / "Snakefile"), "--cores", "1", *arguments]
+
+
+def run(folder, *arguments):
+    """Exit code and output of a run with jobs."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "snakemake", *options(*arguments)]
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return ended.returncode, ended.stdout + ended.stderr
 
 
 def snakemake(folder, *arguments):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "1", *arguments]
-    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    return run.returncode, run.stdout + run.stderr
+    """Exit code and output of a run without jobs, in this process: another one would take seconds to load."""
+    said = io.StringIO()
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        redirect_stdout(said),
+        redirect_stderr(said),
+        pytest.raises(SystemExit) as ended,
+    ):
+        patch.chdir(folder)
+        patch.setattr(os, "environ", os.environ.copy())
+        main(options(*arguments))
+    return ended.value.code, said.getvalue()
 
 
 def summary(folder, *arguments):
@@ -100,35 +115,40 @@ def summary(folder, *arguments):
     return {row["output_file"]: row["rule"] for row in rows}
 
 
-def test_the_default_target_makes_every_table_and_figure(folder):
-    files = summary(folder)
-    assert targets() <= files.keys()
+@pytest.fixture(scope="module")
+def full(tmp_path_factory):
+    """What the default target makes."""
+    return summary(project(tmp_path_factory.mktemp("full")))
+
+
+def test_the_default_target_makes_every_table_and_figure(full):
     expected = {f"results/identification/numeric{s}-seed{k}.json" for s in NETWORKS for k in SEEDS}
     expected |= {f"results/identification/experiment{s}-seed{k}.json" for s in ARM_NETWORKS for k in SEARCH_SEEDS}
-    expected |= LEAST_SQUARES
-    assert {name for name in files if "/identification/" in name} == expected
-    assert not [name for name in files if "paper-recipe" in name]  # a target of its own
-    drawn = {file: rule for file, rule in files.items() if rule.startswith("draw_")}
-    assert {Path(file).stem for file in drawn} == {*FIGURES, *TABLES, "audit"}
+    expected |= {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
+    assert {name for name in full if "/identification/" in name} == expected
+    assert not [name for name in full if "paper-recipe" in name]  # a target that must be named
+    figures = {f"paper_figures/{name}.{end}" for name in FIGURES for end in ("pdf", "png")}
+    numbers = {f"results/figures/{name}.csv" for name in FIGURES}
+    tables = {f"results/tables/{name}.{end}" for name in TABLES for end in ("csv", "tex", "md")}
+    drawn = {file: rule for file, rule in full.items() if rule.startswith("draw_")}
+    assert drawn.keys() == figures | numbers | tables
     assert len({*drawn.values()}) < len(EXHIBITS) / 2
-    ends = ("bin", "program", "json")
-    recordings = {f"results/experiment/{m}.{e}" for m in ("ID", "T1", "T2", "T3", "T4") for e in ends}
-    assert {name for name, rule in files.items() if rule == "acquire"} == recordings
-    durations = range(len(CONFIG["spread"]["durations_s"]))
-    scores = {f"results/spread/scores-{k}.csv" for k in durations}
-    assert {name for name, rule in files.items() if rule == "score_spread"} == scores
+    others = ("model/cnn.safetensors", "model/training.csv", "model/model-card.md", "report/index.html")
+    ledger = ("claims.csv", "claims.md", "claims.sha256", "verified.txt")
+    assert {f"results/{name}" for name in (*others, *ledger)} <= full.keys()
+    recordings = {f"results/experiment/{motion}.{end}" for motion in PROGRAMS for end in ("bin", "program", "json")}
+    assert {name for name, rule in full.items() if rule == "acquire"} == recordings
+    scores = {f"results/spread/scores-{k}.csv" for k, _ in enumerate(CONFIG["spread"]["durations_s"])}
+    assert {name for name, rule in full.items() if rule == "score_spread"} == scores
 
 
-def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(folder):
-    full, quick = summary(folder), summary(folder, "--configfile", str(ROOT / "config" / "quick.yaml"))
-    moved = {name.replace("results/", "results/quick/", 1) for name in full if name.startswith("results/")}
-    moved |= {name.replace("paper_figures/", "paper_figures/quick/", 1) for name in full if name.startswith("paper_")}
-    assert set(quick) == moved
+def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(full, folder):
+    quick = summary(folder, "--configfile", QUICK)
+    moved = {re.sub("^(results|paper_figures)/", r"\1/quick/", name) for name in full}
+    assert set(quick) == {name for name in moved if name.startswith(("results/", "paper_"))}
     (folder / "data").unlink()
     assert snakemake(folder, "--dry-run", "results/model/training.csv")[0] == 0  # what is trained needs none
-    overlay = ("--configfile", str(ROOT / "config" / "quick.yaml"))
-    code, said = snakemake(folder, "--dry-run", "results/quick/model/training.csv", *overlay)
-    assert code == 2
+    said = refused(folder, "results/quick/model/training.csv", "--configfile", QUICK)
     assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in said
 
 
@@ -160,14 +180,14 @@ def test_a_serial_port_is_opened_by_one_job_at_a_time(folder):
     overlay = folder / "my.yaml"
     overlay.write_text("experiment: {source: serial, port: ./none}", encoding="utf-8")
     wanted = [f"results/experiment/{motion}.bin" for motion in ("ID", "T1")]
-    code, said = snakemake(folder, "--configfile", str(overlay), "--cores", "4", "--", *wanted)
+    code, said = run(folder, "--configfile", str(overlay), "--cores", "4", "--", *wanted)
     assert code != 0  # there is no such port, so the first job is the last
     assert re.findall(r"^Execute (\d+) jobs", said, re.MULTILINE) == ["1"]
 
 
 def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
     """Unless its job draws others too."""
-    code, said = snakemake(folder, "audit")
+    code, said = run(folder, "audit")
     assert code == 0, said
     made = {str(p.relative_to(folder)) for p in (folder / "results").rglob("*") if p.is_file()}
     expected = {f"results/tables/audit.{e}" for e in ("csv", "tex", "md")}
@@ -182,49 +202,27 @@ def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
     assert not (folder / "paper_figures").exists()
 
 
-BAD = {
-    "overlay": ("training: {stepz: 5}", "training.stepz"),
-    "value": ("training: {steps: -5}", "training.steps"),
-    "pair": ("data: {guess_low: 5.0}", "data.guess_low"),
-    "captures": ("experiment: {captures: none}", "experiment.captures"),
-}
-
-
-@pytest.mark.parametrize(("text", "field"), BAD.values(), ids=BAD)
-def test_a_bad_overlay_ends_the_run_with_one_line_and_exit_code_2(folder, text, field):
-    overlay = folder / "my.yaml"
-    overlay.write_text(text, encoding="utf-8")
-    code, said = snakemake(folder, "--dry-run", "--configfile", str(overlay))
-    assert code == 2, said
-    lines = [line for line in said.splitlines() if ": found " in line]
-    assert len(lines) == 1, said
-    assert lines[0].startswith(f"{overlay}: {field}: found ")
-    assert ", expected " in lines[0]
-    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
-    assert not (folder / "results").exists()
-
-
-def test_captures_without_check_sums_end_the_ledger_with_one_line_and_exit_code_2(folder):
-    (folder / "mine").mkdir()
-    for file in (ROOT / "data/captures").glob("*.[bpj]*"):
-        (folder / "mine" / file.name).symlink_to(file)
-    overlay = folder / "my.yaml"
-    overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
-    code, said = snakemake(folder, "--dry-run", "claims", "--configfile", str(overlay))
+def refused(folder, *arguments):
+    """The one line that a run ends with, and exit code 2."""
+    code, said = snakemake(folder, "--dry-run", *arguments)
     assert code == 2, said
     (line,) = (line for line in said.splitlines() if ": found " in line)
+    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
+    assert not (folder / "results").exists()
+    return line
+
+
+def test_a_bad_configuration_ends_the_run_with_one_line(folder):
+    overlay, captures = folder / "my.yaml", folder / "mine"
+    overlay.write_text("training: {stepz: 5}", encoding="utf-8")
+    assert refused(folder, "--configfile", str(overlay)).startswith(f"{overlay}: training.stepz: found an unknown key")
+    assert refused(folder, "--config", "stepz=3").startswith("command line: stepz: found an unknown key")
+    captures.mkdir()  # without check sums
+    for file in (ROOT / "data/captures").glob("*.[bpj]*"):
+        (captures / file.name).symlink_to(file)
+    overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
+    line = refused(folder, "claims", "--configfile", str(overlay))
     assert line.startswith(f"{overlay}: experiment.captures: found ") and "SHA256SUMS" in line
-    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
-
-
-def test_a_bad_value_on_the_command_line_ends_the_run_with_one_line_and_exit_code_2(folder):
-    code, said = snakemake(folder, "--dry-run", "--config", "stepz=3")
-    assert code == 2, said
-    lines = [line for line in said.splitlines() if ": found " in line]
-    assert len(lines) == 1, said
-    assert "stepz: found an unknown key" in lines[0]
-    assert "config.yaml" not in lines[0]
-    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
@@ -260,12 +258,6 @@ def test_logs_and_benchmarks_of_two_jobs_never_meet(working):
             assert set(re.findall(r"\{(\w+)", str(path))) == rule.wildcard_names, rule.name
 
 
-def captions_of(rule):
-    return [
-        file.flags["report"].caption.get_path_or_uri(secret_free=True) for file in rule.output if "report" in file.flags
-    ]
-
-
 def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
     drawing = [rule for name, rule in rules.items() if name.startswith("draw_")]
     assert sorted(name for rule in drawing for name in rule.params.exhibits) == sorted(DECLARED)
@@ -274,8 +266,9 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
         assert len({(one.definition.partition(":")[0], one.inputs) for one in exhibits}) == 1
         assert {name.rpartition("_")[0] for name, _ in rule.output.items()} == {one.target for one in exhibits}
         assert set(rule.params.config) == {section for one in exhibits for section in one.sections}
-        captions = {Path(caption).stem for caption in captions_of(rule)}
-        assert captions == {one.target for one in exhibits}
+        captions = [file.flags["report"].caption for file in rule.output if "report" in file.flags]
+        names = {Path(caption.get_path_or_uri(secret_free=True)).stem for caption in captions}
+        assert names == {one.target for one in exhibits}
         for one in exhibits:
             own = [file for name, file in rule.output.items() if name.rpartition("_")[0] == one.target]
             assert {Path(file).stem for file in own} == {one.name}
@@ -284,8 +277,12 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 
 #: Values of every wildcard, for what depends on one.
-ONE = {"suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked-few"}
-ONE |= {
+ONE = {
+    "suffix": "-tracked",
+    "motion": "T3",
+    "index": "1",
+    "reading": "tracked-guesses",
+    "trained": "tracked-few",
     "cell": "plain-tracked-index",
     "seed": "2",
     "search": "3",
@@ -364,7 +361,9 @@ def test_inputs_are_named_as_files(rules):
 
 
 def test_no_script_is_left_over(working):
-    assert {Path(rule.script).name for rule in working} == {script.name for script in SCRIPTS}
+    assert {Path(rule.script).name for rule in working} == {
+        script.name for script in (WORKFLOW / "scripts").glob("*.py")
+    }
 
 
 def test_emulated_hosts_run_tests_that_exist():

@@ -1,7 +1,6 @@
 """The report as a text: what it holds, where it comes from, and what is refused."""
 
 import base64
-import csv
 import hashlib
 import re
 from dataclasses import replace
@@ -13,10 +12,11 @@ import pytest
 from exhibit_examples import SIMULATED
 from html_page import Page
 from PIL import Image
-from report_example import TRICKY, claim_rows, make_example, verdict_rows, write_rows
+from report_example import TRICKY, claim_rows, make_example
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES
+from repro.files import read_csv, write_csv
 from repro.report import page as page_module
 from repro.report.embed import link
 from repro.report.page import answer, build_report, closing_lines, made_on_request, read_claims
@@ -172,12 +172,10 @@ def test_a_run_ends_with_the_command_that_verifies_it(inputs, files, option):
     ],
 )
 def test_the_answer_follows_the_conclusions(inputs, conclusions, word, tmp_path):
-    rows = verdict_rows()
-    of_durations = dict(zip((9.42, 19.53), conclusions, strict=True))
-    for row in rows:
-        if (row["method"], row["opponent"], row["set"]) == ("algorithm1", "least-squares", "all"):
-            row["conclusion"] = of_durations[row["duration"]]
-    write_rows(tmp_path / "tables" / "verdict.csv", rows)
+    rows = read_csv(inputs.results / "tables" / "verdict.csv")
+    asked = rows.query("method == 'algorithm1' and opponent == 'least-squares' and set == 'all'")
+    of_durations = [asked.assign(duration=d, conclusion=c) for d, c in zip((9.42, 19.53), conclusions, strict=True)]
+    write_csv(tmp_path / "tables" / "verdict.csv", pd.concat([rows.drop(asked.index), *of_durations]))
     assert answer(replace(inputs, results=tmp_path))[0].startswith(f"{word}: ")
 
 
@@ -189,18 +187,19 @@ def test_the_answer_follows_the_conclusions(inputs, conclusions, word, tmp_path)
         "paper_figures/spread.pdf", "SHA256SUMS",
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("content", [None, b" \n"])
-def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, name, content):
-    example = make_example(tmp_path)
-    path = tmp_path / name
-    path.unlink()
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(InputError) as refused:
-        build_report(example)
-    assert str(path) in str(refused.value)
-    assert content is not None or "found No such file or directory, expected " in str(refused.value)
-    assert "\n" not in str(refused.value)
+def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(inputs, name):
+    path = inputs.captures.parent / name
+    whole = path.read_bytes()
+    try:
+        for spoil in (path.unlink, lambda: path.write_bytes(b" \n")):
+            spoil()
+            with pytest.raises(InputError) as refused:
+                build_report(inputs)
+            assert str(path) in str(refused.value)
+            assert path.exists() or "found No such file or directory, expected " in str(refused.value)
+            assert "\n" not in str(refused.value)
+    finally:
+        path.write_bytes(whole)
 
 
 @pytest.mark.parametrize(
@@ -216,29 +215,25 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(tmp_path, na
     ],
 )
 def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, words):
-    example = make_example(tmp_path)
     rows = claim_rows()
     rows[2] |= change
-    write_rows(example.results / "claims.csv", rows)
+    write_csv(tmp_path / "claims.csv", pd.DataFrame(rows))
     with pytest.raises(InputError, match=re.escape(words)):
-        build_report(example)
+        read_claims(tmp_path / "claims.csv")
 
 
 def test_a_ledger_that_is_no_table_is_refused(tmp_path):
-    example = make_example(tmp_path)
-    path = example.results / "claims.csv"
-    header = next(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    path.write_text(",".join(header[:-1]) + "\n", encoding="utf-8")
+    write_csv(tmp_path / "claims.csv", pd.DataFrame(claim_rows()).drop(columns="note"))
     with pytest.raises(InputError, match="header: found no column note"):
-        build_report(example)
+        read_claims(tmp_path / "claims.csv")
 
 
 @pytest.mark.parametrize("line", [f"{'0' * 63}  ID.bin", f"{'0' * 64} ID.bin", f"{'0' * 64}  "])
-def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(tmp_path, line):
-    example = make_example(tmp_path)
-    example.captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
+def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(inputs, tmp_path, line):
+    captures = tmp_path / "SHA256SUMS"
+    captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
-        build_report(example)
+        build_report(replace(inputs, captures=captures))
 
 
 def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):
