@@ -59,7 +59,7 @@ def parameters(*sets):
 
 
 def write_results(folder):
-    """Write every result file that a ledger needs; return them."""
+    """Write every result file that a ledger needs."""
     arms = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))["numeric"]["arms"]
     # One per cent too high.
     estimated = [(case, "algorithm1", arms[case], [1.01 * value for value in arms[case]]) for case in NUMERIC]
@@ -89,7 +89,6 @@ def write_results(folder):
     }
     for name, frame in files.items():
         write_csv(folder / name, frame)
-    return [folder / name for name in files]
 
 
 def make_project(root):
@@ -105,6 +104,6 @@ def make_project(root):
     (captures / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
     shutil.copy(PUBLISHED_FILE, root / "published.csv")
     results = root / "results"
-    files = [path.relative_to(root) for path in write_results(results)]
-    config = load_config(root / "config" / "config.yaml")
-    write_ledger(results, config, files, root)
+    write_results(results)
+    shutil.copy(CONFIG, results)
+    write_ledger(results, load_config(CONFIG), [], root, folders=[Path("results")])

@@ -1,4 +1,4 @@
-"""Both reports in a real browser: nothing fetched, nothing on the console, accessible, usable on a phone and on paper."""
+"""Both reports in a real browser: nothing fetched, nothing on the console, accessible, usable on a phone and paper."""
 
 from pathlib import Path
 from urllib.parse import unquote
