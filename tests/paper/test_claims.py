@@ -27,8 +27,8 @@ from repro.paper.claims import (
     specificity,
     summary,
 )
-from repro.paper.ledger import ASSERTED, compute, our_values, refuted_number
-from repro.paper.our_values import FILES, Results
+from repro.paper.ledger import ASSERTED, compute, refuted_number
+from repro.paper.our_values import FILES, Results, values_of
 from repro.paper.published import PublishedValue, load_published
 
 
@@ -320,23 +320,22 @@ def test_a_missing_result_is_named(stored, tmp_path):
             Results(folder)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "old", "new", "named"),
+    ("name", "old", "new", "number", "named"),
     [
-        ("tables/table10.csv", "T4,algorithm1,2", "T5,algorithm1,2", "case T4, method algorithm1, joint 2"),
-        ("tables/table07.csv", "N1,algorithm1,1,0.975", "N1,algorithm1,1,", "time of case N1.* found nothing"),
-        ("tables/table07.csv", "N3,algorithm1,2,0.975", "N3,algorithm1,2,n/a", "time of case N3.* found n/a"),
-        ("tables/stability.csv", "appendix,Rate", "appendix,Race", "quantity Rate"),
-        ("tables/table09.csv", "ID,least-squares,b2", "ID,least-squares,b3", "method least-squares, parameter b2"),
-        ("tables/table04.csv", "estimate,", "estimation,", "no column estimate"),
+        ("table10", "T4,algorithm1,2", "T5,algorithm1,2", "table10/T4/algorithm1/total/joint2", "case T4, .*, joint 2"),
+        ("table07", "N1,algorithm1,1,0.975", "N1,algorithm1,1,", "table07/N1/time/joint1", "time of case N1.* nothing"),
+        ("table07", "N3,algorithm1,2,0.975", "N3,algorithm1,2,n/a", "table07/N3/time/joint2", "time of case N3.* n/a"),
+        ("stability", "appendix,Rate", "appendix,Race", "appendix/r1_min", "quantity Rate"),
+        ("table09", "least-squares,b2", "least-squares,b3", "section5c/viscous-over-algorithm1", "parameter b2"),
+        ("table04", "estimate,", "estimation,", "table04/N1/algorithm1/I1", "no column estimate"),
     ],
 )
-def test_a_damaged_result_is_named(stored, tmp_path, name, old, new, named):
-    folder = shutil.copytree(stored, tmp_path / "results")
-    text = (folder / name).read_text()
+def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, number, named):
+    file = shutil.copytree(stored, tmp_path / "results") / f"tables/{name}.csv"
+    text = file.read_text()
     assert old in text
-    (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InputError, match=named) as caught:
-        our_values(PUBLISHED, SETTINGS, Results(folder))
-    assert name in str(caught.value) and "\n" not in str(caught.value)
+        values_of(PUBLISHED[number], PUBLISHED, SETTINGS, {}, Results(tmp_path / "results"))
+    assert str(file) in str(caught.value) and "\n" not in str(caught.value)

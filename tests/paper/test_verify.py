@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-import logging
 import os
 import re
 import shutil
@@ -174,14 +173,39 @@ def test_a_list_that_was_edited_or_names_what_lies_outside_is_refused(project, c
         assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
 
 
-def test_an_overlay_is_merged_as_the_workflow_merges_it(project, capsys):
+def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project, capsys, monkeypatch):
     overlay = project / "config/mine.yaml"
     overlay.write_text("results: other\nboard:\n  kp_nm_per_rad: [180.4817, 30.0]\n", encoding="utf-8")
     shutil.copytree("results", "other", ignore=shutil.ignore_patterns("config.yaml"))
-    write_ledger(Path("other"), load_config(Path("config/config.yaml"), overlay), [], folders=[Path("other")])
+    config = load_config(Path("config/config.yaml"), overlay)
+    sources = ["data/captures/SHA256SUMS", "other/model/training.csv", "other/tables/table10.csv"]
+    write_ledger(Path("other"), config, [Path(name) for name in sources])
+    folders, listed = read_sources(Path("other/claims.sha256"))
+    assert folders == ["data/captures"]
+    captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
+    assert set(listed) == {*sources, *captures, "other/claims.csv", "other/claims.md", PUBLISHED_NAME}
+
+    verify_ledger, found = ledger.verify_ledger, []
+
+    def verify_once(*given):
+        if not found:
+            found.extend(verify_ledger(*given))
+        return found
+
+    monkeypatch.setattr(ledger, "verify_ledger", verify_once)
     code, out, _ = verify(capsys, "--config", "config/config.yaml", "config/mine.yaml")
     assert code == 1 and "disagrees" not in out
     assert out.count("not as asserted") == 1 and "not as asserted: table08/kp/joint2" in out
+    assert config["claims"]["enforce"]
+    with pytest.raises(InputError, match="1 claims that fail"):
+        ledger.verified(Path("other"), config)
+    assert "not as asserted: table08/kp/joint2" in capsys.readouterr().err
+    lenient = {**config, "claims": {"enforce": False}}
+    assert "not as asserted: table08/kp/joint2" in ledger.verified(Path("other"), lenient)
+    found[1].append("results/tables/table09.csv: found another text")
+    with pytest.raises(InputError, match="1 disagreements"):
+        ledger.verified(Path("other"), lenient)
+    assert "results/tables/table09.csv: found another text" in capsys.readouterr().err
 
 
 def test_a_copy_of_the_results_is_checked_itself_from_another_place(project, capsys, monkeypatch):
@@ -205,32 +229,6 @@ def test_the_list_is_what_sha256sum_checks(project):
     change(project / "results/tables/table04.csv", "N1", "N7")
     failed = subprocess.run(command, check=False, capture_output=True, text=True)
     assert failed.returncode != 0 and "results/tables/table04.csv: FAILED" in failed.stdout
-
-
-def test_a_ledger_whose_claims_fail_is_written_and_its_verification_fails_only_if_enforced(
-    project, caplog, monkeypatch
-):
-    change(project / "results/model/training.csv", "0.00025", "0.0025")
-    config = load_config(project / "config/config.yaml")
-    sources = ["data/captures/SHA256SUMS", "results/model/training.csv", "results/tables/table10.csv"]
-    write_ledger(Path("results"), config, [Path(name) for name in sources])
-    folders, listed = read_sources(Path("results/claims.sha256"))
-    assert folders == ["data/captures"]
-    captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
-    assert set(listed) == {*sources, *captures, "results/claims.csv", "results/claims.md", PUBLISHED_NAME}
-    claims, problems = ledger.verify_ledger(Path("results"), config)
-    assert problems == []
-    monkeypatch.setattr(ledger, "verify_ledger", lambda *_: (claims, problems))
-    assert config["claims"]["enforce"]
-    with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 claims that fail"):
-        ledger.verified(Path("results"), config)
-    assert "not as asserted: section5a/loss" in caplog.text
-    lenient = {**config, "claims": {"enforce": False}}
-    assert "not as asserted: section5a/loss" in ledger.verified(Path("results"), lenient)
-    problems.append("results/tables/table09.csv: found another text")
-    with caplog.at_level(logging.ERROR), pytest.raises(InputError, match="1 disagreements"):
-        ledger.verified(Path("results"), lenient)
-    assert problems[0] in caplog.text
 
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
