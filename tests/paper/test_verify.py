@@ -163,7 +163,7 @@ def test_a_list_that_was_edited_or_names_what_lies_outside_is_refused(project, c
     path = project / "results" / SOURCES
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     edited = ["".join(lines[:k] + lines[k + 1 :]) for k in (0, 1, 3)]  # its own check sum, a folder, and a file
-    for line in ("# every file in ../..", "# every file in /usr", f"{'0' * 64}  src/a\0b", f"{'0' * 64}  src/a"):
+    for line in ("# every file in data/../..", "# every file in /usr", f"{'0' * 64}  src/a\0b", f"{'0' * 64}  src/a"):
         text = f"{''.join(lines[1:])}{line}\n"
         seal = hashlib.sha256(text.encode()).hexdigest()
         edited.append(f"# SHA-256 of the lines below: {seal}\n{text}")
