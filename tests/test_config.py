@@ -3,14 +3,17 @@
 import copy
 import re
 import runpy
+from functools import cache
 from pathlib import Path
 
 import pytest
 import yaml
 from pydantic import BaseModel
 
+from repro.cli import main
 from repro.config import accept_config, check_config, load_config, merged
 from repro.config_model import Configuration
+from repro.documents import read_yaml
 from repro.errors import InputError
 from repro.settings import of_network
 
@@ -18,6 +21,8 @@ ROOT = Path(__file__).resolve().parent.parent
 BASE, SMOKE, QUICK = (ROOT / "config" / f"{name}.yaml" for name in ("config", "smoke", "quick"))
 REFERENCE = runpy.run_path(str(ROOT / "config/reference.py"))
 
+#: Reads a file of the repository once, which takes a tenth of a second.
+READ_ONCE = cache(read_yaml)
 ONE_LINE = re.compile(r"(?P<file>[^:]+): (?P<field>[^:]+): found (?P<found>.+), expected (?P<expected>.+)")
 
 
@@ -28,30 +33,12 @@ def load(*files):
     return config
 
 
-def leaves(node, path=()):
-    if isinstance(node, dict):
-        for key, value in node.items():
-            yield from leaves(value, (*path, key))
-    else:
-        yield path
-
-
 def refused(config, *files):
     with pytest.raises(InputError) as error:
         check_config(config, files)
     match = ONE_LINE.fullmatch(str(error.value))
     assert match, f"not one line of file, field, found and expected: {str(error.value)!r}"
     return match
-
-
-@pytest.fixture
-def overlay(tmp_path):
-    def write(text):
-        path = tmp_path / "my.yaml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
 
 
 # --- The files of the repository ----------------------------------------------------------------------------------
@@ -62,6 +49,8 @@ def test_the_configuration_in_the_repository_is_valid(overlays, capsys):
     accept_config(load(BASE, *overlays), [BASE, *overlays])
     assert capsys.readouterr() == ("", "")
     assert load_config(BASE, *overlays) == load(BASE, *overlays)
+    assert main(["check", "--config", *map(str, (BASE, *overlays))]) == 0
+    assert capsys.readouterr().out.endswith(".yaml: valid\n")
 
 
 def test_the_schema_is_that_of_the_model():
@@ -75,23 +64,24 @@ def test_the_page_has_the_tables_of_the_model():
     assert tables == {".".join(path) or "configuration" for path, _ in sections(Configuration)} - {"numeric.arms"}
 
 
-@pytest.mark.parametrize("overlay", [SMOKE, QUICK], ids=["smoke", "quick"])
-def test_another_run_writes_to_folders_of_its_own(overlay):
-    full, other = load(BASE), load(BASE, overlay)
-    assert other["results"] == f"{full['results']}/{overlay.stem}"
-    assert other["figures"] == f"{full['figures']}/{overlay.stem}"
-
-
 def test_the_quick_run_computes_with_the_settings_of_the_full_one():
-    assert set(leaves(load(QUICK))) == {("results",), ("figures",), ("training", "source")}
+    folders = {"results": "results/quick", "figures": "paper_figures/quick"}
+    assert load(QUICK) == folders | {"training": {"source": "stored"}}
+
+
+def leaves(node):
+    """Keys whose values are no sections."""
+    for key, value in node.items():
+        yield from leaves(value) if isinstance(value, dict) else [key]
 
 
 def test_the_smoke_run_changes_budgets_and_folders_only():
     budgets = {"steps", "batch", "images", "test_samples", "log_every", "checkpoint_every", "seeds", "repeats"}
     budgets |= {"inner_limit", "threshold_numeric", "threshold", "restarts", "keep", "passes", "search_seeds"}
     budgets |= {"arms", "guesses", "results", "figures", "enforce", "specimens", "training_seeds"}
-    assert {path[-1] for path in leaves(load(SMOKE))} <= budgets
+    assert set(leaves(load(SMOKE))) <= budgets
     config = load(BASE, SMOKE)
+    assert (config["results"], config["figures"]) == ("results/smoke", "paper_figures/smoke")
     for name in ("published", *config["networks"]):
         assert of_network(config, name)["training"]["steps"] <= 100, name
 
@@ -149,7 +139,8 @@ def at(config, path):
 
 
 @pytest.mark.parametrize(("path", "key"), [*keys()], ids=lambda each: ".".join(each) if isinstance(each, tuple) else "")
-def test_a_value_that_a_key_does_not_allow_is_one_line(path, key):
+def test_a_value_that_a_key_does_not_allow_is_one_line(monkeypatch, path, key):
+    monkeypatch.setattr("repro.config.read_yaml", READ_ONCE)
     config = load(BASE)
     for wrong in wrong_values(key, at(config, path)):
         spoilt = copy.deepcopy(config)
@@ -160,16 +151,14 @@ def test_a_value_that_a_key_does_not_allow_is_one_line(path, key):
 
 
 @pytest.mark.parametrize("path", [path for path, _ in sections(Configuration)], ids=".".join)
-def test_missing_and_unknown_keys_are_one_line(path, tmp_path):
-    file = tmp_path / "config.yaml"
-    for name in at(load(BASE), path):
-        config = load(BASE)
-        del at(config, path)[name]
-        file.write_text(yaml.safe_dump(config), encoding="utf-8")
-        line = refused(config, file)
-        assert (line["file"], line["field"]) == (str(file), ".".join((*path, name)))
-        assert line["found"] == "nothing"
-    config = load(BASE)
+def test_missing_and_unknown_keys_are_one_line(monkeypatch, path, tmp_path):
+    monkeypatch.setattr("repro.config.read_yaml", READ_ONCE)
+    config, file = load(BASE), tmp_path / "config.yaml"
+    for name in at(config, path):
+        spoilt = copy.deepcopy(config)
+        del at(spoilt, path)[name]
+        line = refused(spoilt, BASE)
+        assert (line["file"], line["field"], line["found"]) == (str(BASE), ".".join((*path, name)), "nothing")
     at(config, path)["colour"] = 1
     file.write_text(yaml.safe_dump(config), encoding="utf-8")
     line = refused(config, file)
@@ -186,6 +175,8 @@ BAD = {
     "results: .snakemake/x": ("results", ".snakemake/x", "results/mine"),
     "results: out\nfigures: out": ("results", "out", "two folders"),
     "training:": ("training", "None", "a section"),
+    # Snakemake's loader has accepted this before it is checked.
+    "training:\n  steps: 5\n  steps: 50\n": ("line 3", "'steps' twice", "each key once"),
     "data: {guess_low: 5.0}": ("data.guess_low", "5.0", "below data.guess_high"),
     "data: {near_high: 1.0e-4}": ("data.near_high", "0.0001", "data.near_low (0.003) below"),
     "data: {exact_share: 0.6, near_share: 0.6}": ("data.exact_share", "0.6", "add up to 1"),
@@ -226,8 +217,9 @@ BAD = {
 
 
 @pytest.mark.parametrize(("text", "field", "found", "expected"), [(text, *line) for text, line in BAD.items()], ids=BAD)
-def test_a_contradiction_is_one_line_that_names_the_overlay(overlay, capsys, text, field, found, expected):
-    file = overlay(text)
+def test_a_contradiction_is_one_line_that_names_the_overlay(tmp_path, capsys, text, field, found, expected):
+    file = tmp_path / "my.yaml"
+    file.write_text(text, encoding="utf-8")
     line = refused(load(BASE, file), BASE, file)
     assert (line["file"], line["field"]) == (str(file), field)
     assert found in line["found"]
@@ -238,21 +230,13 @@ def test_a_contradiction_is_one_line_that_names_the_overlay(overlay, capsys, tex
     assert capsys.readouterr() == ("", f"{line[0]}\n")
 
 
-def test_what_yaml_would_accept_in_silence_is_refused(overlay):
-    """Snakemake's loader has accepted the file before it is checked."""
-    file = overlay("training:\n  steps: 5\n  steps: 50\n")
-    with pytest.raises(InputError) as error:
-        check_config(load(BASE), [BASE, file])
-    assert str(error.value).startswith(f"{file}: line 3: found ")
-
-
-def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path, overlay):
-    base = tmp_path / "config.yaml"
+def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path):
+    base, overlay = tmp_path / "config.yaml", tmp_path / "my.yaml"
     config = load(BASE)
     config["training"]["steps"] = -1
     base.write_text(yaml.safe_dump(config), encoding="utf-8")
-    file = overlay("training: {batch: 8}")
-    assert refused(load(base, file), base, file)["file"] == str(base)
+    overlay.write_text("training: {batch: 8}", encoding="utf-8")
+    assert refused(load(base, overlay), base, overlay)["file"] == str(base)
 
 
 @pytest.mark.parametrize("target", ["src", ".git", "/etc", "results/link", ".", "..", "../gone/x"])
@@ -290,19 +274,12 @@ def test_a_key_that_is_not_text_is_refused_in_one_line(place):
     assert refused(config, BASE)["found"] == "the key 1"
 
 
-SPOILT = {
-    "missing": lambda path: path.unlink(),
-    "a folder": lambda path: (path.unlink(), path.mkdir()),
-    "empty": lambda path: path.write_text("", encoding="utf-8"),
-    "a list": lambda path: path.write_text("- 1\n", encoding="utf-8"),
-}
-
-
-@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
-def test_a_file_that_cannot_be_read_is_refused_in_one_line(overlay, spoil):
-    path = overlay("")
-    spoil(path)
+@pytest.mark.parametrize("name", ["missing", "folder", "empty", "list"])
+def test_a_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, name):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "empty").touch()
+    (tmp_path / "list").write_text("- 1\n", encoding="utf-8")
     with pytest.raises(InputError) as error:
-        load_config(path)
-    assert str(error.value).startswith(str(path))
+        load_config(tmp_path / name)
+    assert str(error.value).startswith(str(tmp_path / name))
     assert "\n" not in str(error.value)

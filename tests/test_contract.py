@@ -13,7 +13,7 @@ from repro.fpga.capture import read_capture
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.pipeline.experiment import check_recorded, program_from_config
 
-from experiment_example import CAPTURES, MOTIONS, full_config  # isort: skip
+from experiment_example import CAPTURES, full_config  # isort: skip
 
 
 def test_what_the_user_has_set_stays(monkeypatch):
@@ -79,13 +79,12 @@ print(*(program_from_config(config, name).q.tobytes().hex() for name in ("ID", "
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not contract.is_v3(), reason="SkylakeX and Nehalem are of x86-64")
-@pytest.mark.parametrize("kernel", ["Nehalem", "Haswell"])
-def test_a_motion_computed_on_another_processor_is_the_recorded_one(kernel, monkeypatch):
+@pytest.mark.skipif(not contract.is_v3(), reason="Nehalem is of x86-64")
+def test_a_motion_computed_on_another_processor_is_the_recorded_one(monkeypatch):
     """Last bits may differ there; in encoder counts it is the same motion, and the capture is accepted."""
     monkeypatch.chdir(CAPTURES.parent.parent)
     config = full_config()
-    texts = probe(DESIRED, OPENBLAS_CORETYPE=kernel).split()
+    texts = probe(DESIRED, OPENBLAS_CORETYPE="Nehalem").split()
     for name, text in zip(("ID", "T3"), texts, strict=True):
         program = program_from_config(config, name)
         elsewhere = np.frombuffer(bytes.fromhex(text)).reshape(2, -1)
@@ -96,10 +95,8 @@ def test_a_motion_computed_on_another_processor_is_the_recorded_one(kernel, monk
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("counts", [0.0105, -1.0])
-def test_a_motion_that_is_more_than_a_hundredth_of_a_count_away_is_another(motion, counts):
-    capture, program = read_capture(CAPTURES / f"{motion}.bin"), program_from_config(full_config(), motion)
+def test_a_motion_that_is_more_than_a_hundredth_of_a_count_away_is_another():
+    capture, program = read_capture(CAPTURES / "T4.bin"), program_from_config(full_config(), "T4")
 
     def moved(by):
         q = program.q.copy()
@@ -107,5 +104,6 @@ def test_a_motion_that_is_more_than_a_hundredth_of_a_count_away_is_another(motio
         return type(program)(program.name, q, program.n1, program.n2, program.h)
 
     check_recorded(capture, moved(0.0095))
-    with pytest.raises(InputError, match="a recording of another"):
-        check_recorded(capture, moved(counts))
+    for counts in (0.0105, -1.0):
+        with pytest.raises(InputError, match="a recording of another"):
+            check_recorded(capture, moved(counts))

@@ -122,6 +122,6 @@ def test_missing_columns_are_named(tmp_path):
 
 def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path):
     path = tmp_path / "table.csv"
-    path.write_bytes("\ufeffa,b\n1,2.5\n".encode())
+    path.write_bytes("\ufeffa,b\r\n1,2.5\r\n".encode())
     assert read_csv(path, ("a", "b")).to_dict("list") == {"a": [1], "b": [2.5]}
     assert read_rows(path, ("a", "b")) == [{"a": "1", "b": "2.5"}]

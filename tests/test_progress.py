@@ -1,7 +1,6 @@
-"""Progress of long work, told by a clock that the test moves."""
+"""Progress of long work, by a clock that the test moves."""
 
 import logging
-import re
 
 import pytest
 
@@ -26,10 +25,6 @@ def lines(caplog):
     return lambda: caplog.messages
 
 
-def seconds_left(line):
-    return float(re.search(r"about (\d+) s left", line)[1])
-
-
 def test_lines_come_no_closer_than_asked_for(clock, lines):
     progress = Progress("training", every=3.0, clock=clock)
     at = []
@@ -45,27 +40,13 @@ def test_the_last_line_always_comes(clock, lines):
     for done in (1, 2, 3):
         clock.now += 0.1
         progress(done, 3)
-    (line,) = lines()
-    assert line == "training: 3 of 3 (100 %)"
+    assert lines() == ["training: 3 of 3 (100 %)"]
 
 
-def test_a_line_says_how_much_is_done_and_how_long_the_rest_takes(clock, lines):
-    progress = Progress("training", every=3.0, clock=clock)
-    progress(0, 200)
-    clock.now += 10.0
-    progress(50, 200)  # 5 a second, 150 to go
-    (line,) = lines()
-    assert line.startswith("training: 50 of 200 (25 %)")
-    assert seconds_left(line) == 30
-
-
-def test_work_from_a_checkpoint_does_not_count_as_speed(clock, lines):
-    clock.now += 500.0  # whatever happened before
+def test_a_line_says_how_long_the_rest_takes_at_the_speed_since_the_checkpoint(clock, lines):
     progress = Progress("training", every=3.0, clock=clock)
     clock.now += 2.0
     progress(9000, 10_000)
     clock.now += 10.0
     progress(9100, 10_000)  # 10 a second, 900 to go: 90 s, not 1
-    (line,) = lines()
-    assert line.startswith("training: 9100 of 10000 (91 %)")
-    assert seconds_left(line) == 90
+    assert lines() == ["training: 9100 of 10000 (91 %), about 90 s left"]

@@ -20,8 +20,8 @@ from repro.signals.programs import TrajectorySettings
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).resolve().parent.parent
-
+#: The configuration of the project.
+DEFAULT = yaml.safe_load((Path(__file__).resolve().parents[1] / "config" / "config.yaml").read_text(encoding="utf-8"))
 #: A value of its own for every key that is passed on by its place, and of the networks' changes.
 CONFIG = yaml.safe_load("""
 signals: {sampling_period_s: 0.005, filter_coefficient: 2.0e-4, frequency_reading: index, image_samples: 64,
@@ -47,15 +47,12 @@ def test_sampling_and_filters():
 
 
 @pytest.mark.parametrize(("network", "scale"), NETWORKS.items())
-def test_data_of_a_network(network, scale):
+def test_data_and_training_of_a_network(network, scale):
+    config = settings.of_network(CONFIG, network)
     guess = GuessSettings(low=0.011, high=2.5, exact_share=0.15, near_share=0.35, near_low=0.004, near_high=0.6)
-    found = settings.data_settings(settings.of_network(CONFIG, network))
     beyond = UnmodelledSettings(stribeck=0.41, ripple=0.09, noise=0.02, delay_s=0.001)
-    assert found == DataSettings("links", guess, ImageSettings(scale, 5.5), "physical", beyond)
-
-
-@pytest.mark.parametrize("network", NETWORKS)
-def test_training_of_a_network(network):
+    data = DataSettings("links", guess, ImageSettings(scale, 5.5), "physical", beyond)
+    assert settings.data_settings(config) == data
     schedule = PaperSchedule(
         images=500, train_share=0.7, learning_rate=0.05, learning_rate_slope=1e-6, gradient_gain=50.0
     )
@@ -72,34 +69,30 @@ def test_training_of_a_network(network):
         paper=schedule if network == "paper-recipe" else PaperSchedule(),
         **own,
     )
-    assert settings.training_settings(settings.of_network(CONFIG, network)) == expected
+    assert settings.training_settings(config) == expected
 
 
 def test_test_arms_are_of_floats():
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-    config["numeric"]["arms"]["N2"] = [1, 2, 3, 4, 5, 6, 7, 8, 9]
-    arms = settings.numeric_arms(config)
-    assert list(arms) == ["N1", "N2", "N3", "N4"] and arms["N2"].dtype == np.float64
+    arms = settings.numeric_arms({"numeric": {"arms": {"N2": [1, 2, 3], "N1": [0.5]}}})
+    assert list(arms) == ["N2", "N1"] and arms["N2"].dtype == np.float64
 
 
 def test_defaults_agree_with_the_default_configuration():
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-    assert settings.refinement_settings(config) == RefinementSettings()
-    assert settings.search_settings(config) == SearchSettings()
-    assert settings.metric_settings(config) == MetricSettings()
-    assert program_settings(config) == TrajectorySettings(duration=config["signals"]["duration_s"])
+    assert settings.refinement_settings(DEFAULT) == RefinementSettings()
+    assert settings.search_settings(DEFAULT) == SearchSettings()
+    assert settings.metric_settings(DEFAULT) == MetricSettings()
+    assert program_settings(DEFAULT) == TrajectorySettings(duration=DEFAULT["signals"]["duration_s"])
 
 
 def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_value():
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-    signals, search = settings.signal_settings(config), settings.search_settings(config)
+    signals, search = settings.signal_settings(DEFAULT), settings.search_settings(DEFAULT)
     assert (signals.h, signals.c_f, signals.samples) == (2.5e-3, 1e-4, 100)
     assert round(signals.duration / signals.h) == 3770  # 3 pi s
     assert (search.executions, search.threshold, search.low, search.high) == (100, 0.9282, 1e-3, 3.0)
     assert ARM_THRESHOLD == 0.9237
-    assert settings.metric_settings(config).exponent == 0.4
-    paper = settings.training_settings(settings.of_network(config, "paper-recipe"))
+    assert settings.metric_settings(DEFAULT).exponent == 0.4
+    paper = settings.training_settings(settings.of_network(DEFAULT, "paper-recipe"))
     assert (paper.recipe, paper.steps, paper.batch) == ("paper", 500_000, 1)
     assert paper.paper == PaperSchedule(10_000, 0.8, 20e-3, 0.2e-7, 100.0)
-    guess = settings.data_settings(config).guess
+    guess = settings.data_settings(DEFAULT).guess
     assert (guess.low, guess.high) == (1e-3, 3.0)

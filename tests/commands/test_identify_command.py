@@ -1,7 +1,6 @@
 """`repro identify` as a user runs it: on a table, on captures, on a port; and refused without a trace."""
 
 import json
-import os
 import re
 import shutil
 import signal
@@ -12,7 +11,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import torch
 from log_example import BETA, Recording, columns, motion, recording, text
@@ -22,7 +20,7 @@ from repro.cnn import architecture
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
 from repro.model.dynamics import inverse_dynamics
-from repro.model.parameters import NAMES, is_positive_definite
+from repro.model.parameters import NAMES
 
 pytestmark = pytest.mark.slow
 
@@ -62,14 +60,20 @@ def found(folder, method):
 
 
 @pytest.mark.parametrize(
-    ("role", "name"), [("log", "scores.csv"), ("--validate", "residuals.csv"), ("--arm", "no-links.txt")]
+    ("role", "name", "content"),
+    [
+        ("log", "scores.csv", None),
+        ("--validate", "residuals.csv", None),
+        ("--arm", "no-links.txt", "gravity: 9.81\n"),
+        ("--prior", "parameters.json", '{"g1": {"value": 3.2, "sd": 0.1}}'),
+    ],
 )
 @pytest.mark.usefixtures("no_figures")
-def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, role, name):
+def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, role, name, content):
     out = tmp_path / "out"
     out.mkdir()
     own = out / name
-    own.write_bytes(b"gravity: 9.81\n" if role == "--arm" else log.read_bytes())
+    own.write_text(content or log.read_text())
     before = own.read_bytes()
     given = [own] if role == "log" else [log, role, own]
     assert identify(*given, "--method", "ordinary", "-o", out, "--overwrite") == 2
@@ -92,23 +96,6 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
 
 
-def test_captures_are_identified_validated_and_called_simulated(tmp_path, capsys, no_figures):
-    out = tmp_path / "out"
-    validate = [CAPTURES / f"T{k}.bin" for k in (1, 4)]
-    assert identify(CAPTURES / "ID.bin", "--validate", *validate, "--method", "consistent", "-o", out) == 0
-    result = json.loads((out / "parameters.json").read_text())
-    assert result["simulated"]
-    assert "(simulated)" in capsys.readouterr().out
-    assert "simulated" in (out / "report.html").read_text()
-    scores = result["methods"][0]["validation"]
-    assert [score["log"] for score in scores] == ["T1.bin", "T4.bin"]
-    assert np.max([score["relative_rms"] for score in scores]) < 0.25
-    assert is_positive_definite(found(out, "consistent"))
-    # Eq. 10 is too slow to determine I2: its estimate is negative here, and no two links have such an I2.
-    assert not (out / "arm.urdf").exists()
-    assert (out / "no-links.txt").read_text().startswith("No URDF or MJCF. No two links have these parameters. I2 = -")
-
-
 def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path, no_figures):
     t = np.arange(0.0, 10.0, 0.005)
     stretched = [x * np.array([[1.0], [0.0]]) for x in motion(t)]
@@ -120,29 +107,14 @@ def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(
     assert reason.startswith("No URDF or MJCF. The motion does not determine")
 
 
-def test_the_same_command_gives_the_same_bytes(log, tmp_path, no_figures):
-    for name in ("a", "b"):
-        assert identify(log, "--method", "weighted", "--method", "parsimonious", "-o", tmp_path / name) == 0
-    for path in (tmp_path / "a").iterdir():
-        if path.name == "provenance.json":  # when it was made, the one thing that may differ
-            continue
-        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
-
-
 def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_figures):
-    common = (log, "--method", "ordinary")
-    assert identify(*common, "-o", tmp_path / "without") == 0
-    assert json.loads((tmp_path / "without" / "parameters.json").read_text())["selftest"] is None
-    told = []
-    for name, seed in (("a", 1), ("b", 2)):
-        capsys.readouterr()
-        assert identify(*common, "--self-test", "--seed", seed, "-o", tmp_path / name) == 0
-        told.append(capsys.readouterr().out.partition("self-test: ")[2].partition("WARNING")[0])
-    assert told[0] != told[1]
-    assert [line.split()[0] for line in told[0].splitlines()[2:11]] == list(NAMES)
-    test = json.loads((tmp_path / "a" / "parameters.json").read_bytes())["selftest"]
-    assert [row["true"] for row in test["parameters"]] == pytest.approx(found(tmp_path / "without", "ordinary"))
-    assert 'id="self-test"' in (tmp_path / "a" / "report.html").read_text()
+    out = tmp_path / "out"
+    assert identify(log, "--method", "ordinary", "--self-test", "-o", out) == 0
+    printed = capsys.readouterr().out.partition("self-test: ")[2]
+    assert [line.split()[0] for line in printed.splitlines()[2:11]] == list(NAMES)
+    test = json.loads((out / "parameters.json").read_bytes())["selftest"]
+    assert [row["true"] for row in test["parameters"]] == pytest.approx(found(out, "ordinary"))
+    assert 'id="self-test"' in (out / "report.html").read_text()
 
 
 @pytest.fixture
@@ -155,44 +127,37 @@ def small_budgets(monkeypatch):
     monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few, refinement=short))
 
 
-def test_a_trained_network_is_kept_and_found_again(log, tmp_path, capsys, no_figures, small_budgets):
+def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, no_figures, small_budgets, monkeypatch):
+    monkeypatch.setattr(algorithm1, "on_this_processor", lambda precision: "float32")
+    changes = (
+        None,
+        None,  # the network of the first run is read again
+        (algorithm1, "on_this_processor", lambda precision: "bfloat16"),
+        (torch, "__version__", "1.0"),
+        (torch.backends.cpu, "get_cpu_capability", lambda: "DEFAULT"),
+    )
     common = (log, "--method", "algorithm1", "--steps", 2, "--cache", tmp_path / "cache")
-    assert identify(*common, "-o", tmp_path / "a") == 0
-    assert "training the CNN" in capsys.readouterr().err
-    assert identify(*common, "-o", tmp_path / "b") == 0
-    assert "training the CNN" not in capsys.readouterr().err
-    assert (tmp_path / "a" / "parameters.json").read_bytes() == (tmp_path / "b" / "parameters.json").read_bytes()
-
-
-def test_a_network_of_another_arithmetic_is_not_used(log, tmp_path, no_figures, small_budgets, monkeypatch):
-    for number, (module, name, value) in enumerate(
-        (
-            (algorithm1, "on_this_processor", lambda precision: "float32"),
-            (algorithm1, "on_this_processor", lambda precision: "bfloat16"),
-            (torch, "__version__", "1.0"),
-            (torch.backends.cpu, "get_cpu_capability", lambda: "DEFAULT"),
-        ),
-        start=1,
-    ):
-        monkeypatch.setattr(module, name, value)
-        common = (log, "--method", "algorithm1", "--steps", 1, "--cache", tmp_path / "cache")
-        assert identify(*common, "-o", tmp_path / f"out{number}") == 0
-        assert len(list((tmp_path / "cache").iterdir())) == number
+    for number, change in enumerate(changes):
+        if change:
+            monkeypatch.setattr(*change)
+        assert identify(*common, "-o", tmp_path / f"{number}") == 0
+        assert ("training the CNN" in capsys.readouterr().err) == (number != 1)
+        assert len(list((tmp_path / "cache").iterdir())) == max(number, 1)
+    assert (tmp_path / "0" / "parameters.json").read_bytes() == (tmp_path / "1" / "parameters.json").read_bytes()
 
 
 def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
     runs, run = [], algorithm1._run
     monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(run(*given, **named)) or runs[-1])
-    common = (log, "--steps", 2, "--cache", tmp_path / "cache", "--method", "algorithm1")
-    found = {}
-    for name, more in (("alone", ()), ("both", ("--method", "algorithm1+refinement"))):
-        assert identify(*common, *more, "-o", tmp_path / name) == 0
-        found[name] = pd.read_csv(tmp_path / name / "parameters.csv").groupby("method")["estimate"].apply(list)
-    assert len(runs) == 2
-    assert found["alone"]["algorithm1"] == found["both"]["algorithm1"] != found["both"]["algorithm1+refinement"]
-    content = json.loads((tmp_path / "both" / "parameters.json").read_text())
+    out, both = tmp_path / "out", ("--method", "algorithm1", "--method", "algorithm1+refinement")
+    assert identify(log, "--steps", 2, "--cache", tmp_path / "cache", *both, "-o", out) == 0
+    ((estimates, *_),) = runs
+    for method in both[1::2]:
+        assert found(out, method).tolist() == estimates[method].beta.tolist()
+    assert found(out, "algorithm1").tolist() != found(out, "algorithm1+refinement").tolist()
+    content = json.loads((out / "parameters.json").read_text())
     (note,) = next(m["notes"][:1] for m in content["methods"] if m["method"] == "algorithm1+refinement")
-    reached = [runs[1][0][f"algorithm1+{name}"].details["similarity"] for name in ("refinement", "local-search")]
+    reached = [estimates[f"algorithm1+{name}"].details["similarity"] for name in ("refinement", "local-search")]
     assert [float(number) / 100 for number in re.findall(r"[\d.]+(?= %)", note)] == pytest.approx(reached, abs=5.1e-5)
 
 
@@ -204,7 +169,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
     try:
         port = board.stdout.readline().strip()
         config = ROOT / "config" / "config.yaml"
-        assert identify(port, "--config", config, "--method", "consistent", "-o", out) == 0
+        assert identify(port, "--config", config, "--method", "ordinary", "-o", out) == 0
     finally:
         board.send_signal(signal.SIGTERM)
         board.communicate(timeout=10)
@@ -218,7 +183,8 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
         (["nothing.csv", "-o", "out"], "nothing.csv"),
         (["log.csv", "-o", "full"], "--overwrite"),
         (["log.csv", "-o", "out", "--arm", "degrees.yaml"], "degrees: 3.1416"),
-        (["/dev/ttyNOPE", "-o", "out"], "no such port"),
+        (["/dev/ttyNOPE", "-o", "out", "--config", "gone.yaml"], "/dev/ttyNOPE: found no such port"),
+        (["socket://127.0.0.1:1", "-o", "out"], "socket://127.0.0.1:1: found one that cannot be opened"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
@@ -241,60 +207,20 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     assert Path("full/kept.txt").read_text() == "mine"
 
 
-def test_a_log_too_short_for_an_image_is_told_and_no_traceback(log, tmp_path, capsys):
+def test_a_log_too_short_for_an_image_is_reported_without_a_traceback(log, tmp_path, capsys):
     brief = tmp_path / "brief.csv"
     brief.write_text("".join(log.read_text().splitlines(keepends=True)[:442]))
     low = ("--cutoff", 1.5)  # leaves few samples that differ
     assert identify(brief, *low, "--method", "algorithm1", "--cache", tmp_path / "cache", "-o", tmp_path / "out") == 2
-    told = capsys.readouterr().err
-    assert "fewer than the 100 of an image" in told
-    assert "no solution by any method" in told.splitlines()[-1]
+    errors = capsys.readouterr().err
+    assert "fewer than the 100 of an image" in errors
+    assert "no solution by any method" in errors.splitlines()[-1]
     assert not (tmp_path / "out").exists()
 
 
-def test_a_port_that_cannot_be_opened_is_one_line(tmp_path, capsys):
-    config = ROOT / "config" / "config.yaml"
-    out = tmp_path / "out"
-    assert identify("socket://127.0.0.1:1", "--config", config, "--method", "ordinary", "-o", out) == 2
-    (line,) = capsys.readouterr().err.strip().splitlines()
-    assert "socket://127.0.0.1:1: found one that cannot be opened" in line
-    assert not any(tmp_path.iterdir())
-
-
-def test_overwrite_replaces_our_files_and_keeps_the_users(log, tmp_path, no_figures):
-    out = tmp_path / "out"
-    out.mkdir()
-    (out / "notes.txt").write_text("mine")
-    (out / "report.html").write_text("old")
-    assert identify(log, "--method", "ordinary", "-o", out, "--overwrite") == 0
-    assert (out / "notes.txt").read_text() == "mine"
-    assert (out / "report.html").read_text() != "old"
-
-
-def test_a_method_is_a_function_and_an_entry(log, tmp_path):
-    """The example of docs/architecture.md in a copy of the package."""
-    shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
-    guide = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    function = re.search(r"^def ridge.*?^    return [^\n]*\n", guide, re.M | re.S)[0]
-    entry = re.search(r"^\((Method\(\"ridge\".*,)\)$", guide, re.M)[1].replace("hoerl1970ridge", "gautier1992exciting")
-    folder = tmp_path / "repro" / "identification"
-    code = (folder / "least_squares.py").read_text()
-    code = code.replace("METHODS: dict", f"{function}\n\nMETHODS: dict")
-    (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
-    names = (folder / "method.py").read_text()
-    (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
-    command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert found(tmp_path / "out", "ridge")[3:5] == pytest.approx(BETA[3:5], rel=0.05)
-
-
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="no folder below /dev to write to")
-def test_a_file_below_dev_is_read_and_a_port_that_is_gone_is_named(tmp_path, capsys):
+def test_a_file_below_dev_is_read(tmp_path, no_figures):
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
         for file in (ROOT / "data/captures").glob("T3.*"):
             shutil.copy(file, folder)
         assert identify(Path(folder) / "T3.bin", "--method", "ordinary", "-o", tmp_path / "out") == 0
-    assert identify("/dev/ttyGONE7", "--config", "gone.yaml", "--method", "ordinary", "-o", tmp_path / "none") == 2
-    assert capsys.readouterr().err.splitlines()[-1].startswith("/dev/ttyGONE7: found no such port")

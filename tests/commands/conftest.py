@@ -1,0 +1,20 @@
+"""What tests of several commands share."""
+
+import pytest
+
+from repro.cli import main
+
+
+@pytest.fixture
+def refused(capsys):
+    """Runs a command that refuses its input, and gives its one line."""
+
+    def line_of(*argv):
+        assert main([*map(str, argv)]) == 2
+        printed, errors = capsys.readouterr()
+        assert printed == ""
+        (line,) = errors.splitlines()
+        assert ": found " in line and ", expected " in line
+        return line
+
+    return line_of
