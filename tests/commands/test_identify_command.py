@@ -132,9 +132,9 @@ def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, no
     changes = (
         None,
         None,  # the network of the first run is read again
-        (algorithm1, "on_this_processor", lambda precision: "bfloat16"),
         (torch, "__version__", "1.0"),
         (torch.backends.cpu, "get_cpu_capability", lambda: "DEFAULT"),
+        (algorithm1, "on_this_processor", lambda precision: "bfloat16"),
     )
     common = (log, "--method", "algorithm1", "--steps", 2, "--cache", tmp_path / "cache")
     for number, change in enumerate(changes):
