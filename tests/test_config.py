@@ -178,7 +178,7 @@ BAD = {
     # Snakemake's loader has accepted this before it is checked.
     "training:\n  steps: 5\n  steps: 50\n": ("line 3", "'steps' twice", "each key once"),
     "data: {guess_low: 5.0}": ("data.guess_low", "5.0", "below data.guess_high"),
-    "data: {near_high: 1.0e-4}": ("data.near_high", "0.0001", "data.near_low (0.003) below"),
+    "data: {near_high: 0.003}": ("data.near_high", "0.003", "data.near_low (0.003) below"),
     "data: {exact_share: 0.6, near_share: 0.6}": ("data.exact_share", "0.6", "add up to 1"),
     "refinement: {passes: 0}": ("refinement.passes", "0", "at least 1"),
     "signals: {duration_s: 0.1}": ("signals.duration_s", "0.1", "image_samples (100) sampling periods"),
@@ -230,13 +230,15 @@ def test_a_contradiction_is_one_line_that_names_the_overlay(tmp_path, capsys, te
     assert capsys.readouterr() == ("", f"{line[0]}\n")
 
 
-def test_the_base_file_is_named_when_the_overlay_is_innocent(tmp_path):
+def test_the_last_file_with_the_value_is_named(tmp_path):
     base, overlay = tmp_path / "config.yaml", tmp_path / "my.yaml"
     config = load(BASE)
     config["training"]["steps"] = -1
     base.write_text(yaml.safe_dump(config), encoding="utf-8")
     overlay.write_text("training: {batch: 8}", encoding="utf-8")
     assert refused(load(base, overlay), base, overlay)["file"] == str(base)
+    overlay.write_text("training: {steps: -1}", encoding="utf-8")
+    assert refused(load(base, overlay), base, overlay)["file"] == str(overlay)
 
 
 @pytest.mark.parametrize("target", ["src", ".git", "/etc", "results/link", ".", "..", "../gone/x"])

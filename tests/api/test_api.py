@@ -224,6 +224,7 @@ def test_tables_and_drawing_of_a_result(result):
     assert set(result.residuals["log"]) == {"T3.bin", "T1.bin"}
     residual = result.residuals["torque_nm"] - result.residuals["rebuilt_nm"]
     assert residual.to_numpy() == pytest.approx(result.residuals["residual_nm"].to_numpy())
+    assert (result.of("ordinary").residuals["rebuilt_nm"] != result.of("bounded").residuals["rebuilt_nm"]).any()
     assert isinstance(result.plot(-1), Figure)
     assert "simulated" in result._repr_html_()
     named = replace(result, details=replace(result.details, arm="<i>", warnings=("<b>.csv: slow",)))
