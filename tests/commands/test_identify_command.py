@@ -1,6 +1,7 @@
 """`repro identify` as a user runs it: on a table, on captures, on a port; and refused without a trace."""
 
 import json
+import os
 import re
 import shutil
 import signal
@@ -216,6 +217,25 @@ def test_a_log_too_short_for_an_image_is_reported_without_a_traceback(log, tmp_p
     assert "fewer than the 100 of an image" in errors
     assert "no solution by any method" in errors.splitlines()[-1]
     assert not (tmp_path / "out").exists()
+
+
+def test_a_method_is_a_function_and_an_entry(log, tmp_path):
+    """The example of docs/architecture.md in a copy of the package."""
+    shutil.copytree(ROOT / "src" / "repro", tmp_path / "repro", ignore=shutil.ignore_patterns("__pycache__"))
+    guide = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    function = re.search(r"^def ridge.*?^    return [^\n]*\n", guide, re.M | re.S)[0]
+    entry = re.search(r"^\((Method\(\"ridge\".*,)\)$", guide, re.M)[1].replace("hoerl1970ridge", "gautier1992exciting")
+    folder = tmp_path / "repro" / "identification"
+    code = (folder / "least_squares.py").read_text()
+    code = code.replace("METHODS: dict", f"{function}\n\nMETHODS: dict")
+    (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
+    names = (folder / "method.py").read_text()
+    (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
+    command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert found(tmp_path / "out", "ridge")[3:5] == pytest.approx(BETA[3:5], rel=0.05)
 
 
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="no folder below /dev to write to")
