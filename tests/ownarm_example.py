@@ -1,6 +1,9 @@
-"""A made-up result of `repro identify`: three methods, two validation logs, one parameter that is not excited."""
+"""A made-up result of `repro identify`: three methods, a validation log, one parameter that is not excited."""
+
+import io
 
 import numpy as np
+from PIL import Image
 
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
@@ -9,33 +12,25 @@ from repro.ownarm.result import Curves, Excitation, MethodResult, Parameter, Pre
 
 BETA = (0.1213, 0.0701, 0.02342, 3.235, 1.134, 0.0651, 0.0122, 0.2213, 0.1304)
 ERRORS = (0.0019, 0.0011, 0.00064, 0.021, 0.0093, 0.012, 0.0151, 0.0088, 0.0059)
-VERDICTS = (
-    "known to 3 %",
-    "known to 3 %",
-    "known to 5 %",
-    "known to 1.3 %",
-    "known to 1.6 %",
-    "known to 36 %",
-    "not excited by this motion",
-    "known to 8 %",
-    "known to 9 %",
-)
-LOGS = ("excitation.csv", "ramp_1.csv", "ramp_2.csv")
+LOGS = ("excitation.csv", "ramp.csv")
 
 
-def parameters(factor=1.0, b2=None, claims=True):
-    """The nine, all but one a common factor from the made-up truth."""
-    values = [factor * value for value in BETA]
-    if b2 is not None:
-        values[6] = b2
-    verdicts = VERDICTS if claims else ("no interval claimed",) * 9
-    made = []
-    for name, unit, words, value, error, verdict in zip(
-        NAMES, UNITS, DESCRIPTIONS, values, ERRORS, verdicts, strict=True
-    ):
-        spread = (error, value - 1.96 * error, value + 1.96 * error) if claims else (None, None, None)
-        made.append(Parameter(name, unit, words, value, *spread, verdict))
-    return tuple(made)
+def parameters(factor=1.0, b2=BETA[6], claims=True):
+    """The nine, all but b2 a common factor from the made-up truth."""
+    rows = []
+    for name, unit, words, value, error in zip(NAMES, UNITS, DESCRIPTIONS, BETA, ERRORS, strict=True):
+        estimate = b2 if name == "b2" else factor * value
+        spread = (error, estimate - 1.96 * error, estimate + 1.96 * error) if claims else (None, None, None)
+        verdict = "not excited by this motion" if name == "b2" else "known to 3 %" if claims else "no interval claimed"
+        rows.append(Parameter(name, unit, words, estimate, *spread, verdict))
+    return tuple(rows)
+
+
+def png(height=10):
+    """A small PNG file."""
+    file = io.BytesIO()
+    Image.new("RGB", (20, height)).save(file, "PNG")
+    return file.getvalue()
 
 
 def score(log, one, two, position=(0.031, 0.087)):
@@ -52,30 +47,19 @@ def method(name, title, worse=1.0, position=(0.031, 0.087), **changes):
         "consistent": True,
         "why_not_consistent": "",
         "fit": score(LOGS[0], 0.0574 * worse, 0.107 * worse),
-        "validation": (
-            score(LOGS[1], 0.094 * worse, 0.171 * worse, position),
-            score(LOGS[2], 0.097 * worse, 0.183 * worse, position),
-        ),
+        "validation": (score(LOGS[1], 0.094 * worse, 0.171 * worse, position),),
         "halves": (score("second half", 0.0571 * worse, 0.117 * worse), score("first half", 0.0556 * worse, 0.0957)),
         "whiteness": (0.942, 0.957),
         "notes": (f"{title}: 11 % of the samples have a reduced weight.",),
-        "citation": f"{name}Source",
+        "citation": "cnn_identification",
     }
     return MethodResult(**{**given, **changes})
 
 
 def example_result(**changes):
     """A result; `changes` replace fields of `Result`."""
-    description = Description(
-        LOGS[0],
-        (("Samples", "22 524 at 300.0 Hz"), ("Length", "75.1 s"), ("Motion, joint 1", "-2.10 to 2.94 rad")),
-        ("Torque was read in N m.", "Positions were unwrapped."),
-        ("Torque of joint 2 is at its limit in 0.8 % of the samples.",),
-    )
-    ramps = tuple(
-        Description(name, (("Samples", "2 000 at 200.0 Hz"), ("Length", "10.0 s"), ("Gaps", "none")), (), ())
-        for name in LOGS[1:]
-    )
+    facts = (("Samples", "22 524 at 300.0 Hz"), ("Length", "75.1 s"), ("Motion, joint 1", "-2.10 to 2.94 rad"))
+    warnings = ("Torque of joint 2 is at its limit in 0.8 % of the samples.",)
     methods = (
         method("ols", "Ordinary least squares", 1.21, None, fit=score(LOGS[0], 0.0569, 0.1064),
                parameters=parameters(1.03, -0.0304), consistent=False,
@@ -87,12 +71,9 @@ def example_result(**changes):
     given = {
         "arm": "Double pendulum A.0",
         "simulated": False,
-        "log": description,
-        "validation_logs": ramps,
-        "preparation": Preparation(
-            "zero-phase DCT pair", 5.2, "the recorded position is above its noise up to here",
-            0.0051, 20.0, 60.0, 4470, 0.3,
-        ),
+        "log": Description(LOGS[0], facts, ("Torque was read in N m.", "Positions were unwrapped."), warnings),
+        "validation_logs": (Description(LOGS[1], (("Samples", "2 000 at 200.0 Hz"), ("Gaps", "none")), (), ()),),
+        "preparation": Preparation("zero-phase DCT pair", 5.2, "a reason", 0.0051, 20.0, 60.0, 4470, 0.3),
         "excitation": Excitation(
             9, 41.7, (0.12, 0.051, 0.031, 0.81, 0.33, 0.04, 0.009, 0.11, 0.14), (-0.94, -0.97), ("b2",), NAMES
         ),
@@ -100,27 +81,22 @@ def example_result(**changes):
         "recommended": "consistent",
         "reason": "smallest torque error on the validation logs among the physically consistent methods",
         "warnings": ("Viscous and Coulomb friction are hard to tell apart: the motion is slow.",),
-    }  # fmt: skip
+    }
     return Result(**{**given, **changes})
 
 
-def _signals(name, duration, rate, rng):
-    t = np.arange(0.0, duration, 1.0 / rate)
+def _signals(name, duration, rng):
+    t = np.arange(0.0, duration, 1.0 / 60.0)
     phase = 2.0 * np.pi * t
     tau = np.stack([3.0 * np.sin(0.4 * phase) + 0.5 * np.sin(1.3 * phase), 1.1 * np.sin(0.7 * phase + 0.4)])
     tau += 0.15 * np.sign(np.cos(0.55 * phase))
-    rebuilt = {}
+    torques = {"measured": tau}
     for place, known in enumerate(("ols", "consistent", "cnn")):
         wander = np.cumsum(rng.normal(size=tau.shape), axis=-1) / np.sqrt(t.size)
-        rebuilt[known] = (1.0 + 0.02 * place) * tau + 0.1 * wander
-
-    def amplitude(signal):
-        return 2.0 / t.size * np.abs(np.fft.rfft(signal, axis=-1))
-
-    return Signals(
-        name, t, tau, rebuilt, np.fft.rfftfreq(t.size, 1.0 / rate), amplitude(tau),
-        {known: amplitude(signal) for known, signal in rebuilt.items()},
-    )  # fmt: skip
+        torques[known] = (1.0 + 0.02 * place) * tau + 0.1 * wander
+    spectra = {known: 2.0 / t.size * np.abs(np.fft.rfft(torque, axis=-1)) for known, torque in torques.items()}
+    measured = torques.pop("measured"), spectra.pop("measured")
+    return Signals(name, t, measured[0], torques, np.fft.rfftfreq(t.size, 1.0 / 60.0), measured[1], spectra)
 
 
 def example_curves(duration=12.0):
@@ -129,8 +105,5 @@ def example_curves(duration=12.0):
     frequency = np.arange(400) / 8.0
     position = 1e4 / (1.0 + (frequency / 0.8) ** 4) + rng.random((2, 400))
     coherence = 1.0 / (1.0 + (frequency / 5.2) ** 4) * (0.95 + 0.05 * rng.random((2, 400)))
-    reason = "above 5.2 Hz Eq. 1 explains less than half of the torque's power"
-    return Curves(
-        tuple(_signals(name, length, 60.0, rng) for name, length in zip(LOGS, (duration, 10.0, 10.0), strict=True)),
-        Cutoff(5.2, reason, frequency, coherence, position, 10.0),
-    )
+    signals = tuple(_signals(name, length, rng) for name, length in zip(LOGS, (duration, 10.0), strict=True))
+    return Curves(signals, Cutoff(5.2, "a reason", frequency, coherence, position, 10.0))

@@ -10,12 +10,11 @@ NAMES = ("061157", "060143", "060329")
 
 def folder():
     """Folder of the logs: the environment variable REPRO_REALDATA, or else next to the repository."""
-    given = os.environ.get("REPRO_REALDATA")
-    return Path(given) if given else Path(__file__).parents[2] / "shared" / "realdata" / "double_pendulum_A0"
+    near = Path(__file__).parents[2] / "shared" / "realdata" / "double_pendulum_A0"
+    return Path(os.environ.get("REPRO_REALDATA") or near)
 
 
 def log_file(name):
-    """One log by its number."""
     return folder() / f"{name}.csv"
 
 

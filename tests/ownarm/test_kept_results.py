@@ -1,6 +1,5 @@
 """All that `repro identify` says and writes of three kinds of log, as it was kept."""
 
-import io
 import json
 import logging
 import re
@@ -12,7 +11,7 @@ import pandas as pd
 import pytest
 from kept import blocks, drawn, flat, same
 from log_example import BETA, motion, text
-from PIL import Image
+from ownarm_example import png
 from regression_example import other_motion
 
 import repro
@@ -52,10 +51,10 @@ def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limi
     noise = np.random.default_rng(ord(path.stem)).normal(size=(4, t.size))
     tau += np.array([[0.02], [0.01]]) * noise[:2]
     tau[0] = np.clip(tau[0], -limit, limit)
-    degrees = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3]) + 0.02 * noise[2:]
-    signals = (1e3 * t, *degrees, 1e3 * (0.1 - 0.8 * tau[0]), 1e3 * scale * tau[1])
-    names = ("t [ms]", "shoulder [deg]", "elbow [deg]", "M1 [mN m]", "M2 [mN m]")
-    path.write_text(text(dict(zip(names, signals, strict=True)), 8), encoding="utf-8")
+    shoulder, elbow = np.degrees([q[0] + zero, -(q[0] + q[1]) - 0.3]) + 0.02 * noise[2:]
+    table = {"t [ms]": 1e3 * t, "shoulder [deg]": shoulder, "elbow [deg]": elbow}
+    table |= {"M1 [mN m]": 1e3 * (0.1 - 0.8 * tau[0]), "M2 [mN m]": 1e3 * scale * tau[1]}
+    path.write_text(text(table, 8), encoding="utf-8")
     return path
 
 
@@ -78,21 +77,17 @@ def short(folder):
 
 def capture(folder):
     """The simulated board's recording, which excites little, and one with two frames lost."""
-    whole = CAPTURES / "T4.bin"
-    data = whole.read_bytes()
-    write_capture(
-        folder / whole.name, data[:8000] + bytes(16) + data[8016:], replace(read_capture(whole).metadata, host=None)
-    )
-    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / "T1.bin"), folder / whole.name]}
+    data, metadata = (CAPTURES / "T4.bin").read_bytes(), read_capture(CAPTURES / "T4.bin").metadata
+    write_capture(folder / "T4.bin", data[:8000] + bytes(16) + data[8016:], replace(metadata, host=None))
+    files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / "T1.bin"), folder / "T4.bin"]}
     return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0}
 
 
 @pytest.mark.parametrize("logs", [several, short, capture])
 def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
-    figures, dot = [], io.BytesIO()
-    Image.new("P", (1, 1)).save(dot, "PNG")
+    figures = []
     monkeypatch.setattr("repro.ownarm.figures.MOST_LOGS", 1)
-    monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figures.append(figure) or dot.getvalue())
+    monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figures.append(figure) or png())
     caplog.set_level(logging.INFO, "repro")
     arm = tmp_path / "arm.yaml"
     arm.write_text(ARM, encoding="utf-8")
