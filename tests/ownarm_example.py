@@ -59,7 +59,6 @@ def method(name, title, worse=1.0, position=(0.031, 0.087), **changes):
 def example_result(**changes):
     """A result; `changes` replace fields of `Result`."""
     facts = (("Samples", "22 524 at 300.0 Hz"), ("Length", "75.1 s"), ("Motion, joint 1", "-2.10 to 2.94 rad"))
-    warnings = ("Torque of joint 2 is at its limit in 0.8 % of the samples.",)
     methods = (
         method("ols", "Ordinary least squares", 1.21, None, fit=score(LOGS[0], 0.0569, 0.1064),
                parameters=parameters(1.03, -0.0304), consistent=False,
@@ -71,7 +70,7 @@ def example_result(**changes):
     given = {
         "arm": "Double pendulum A.0",
         "simulated": False,
-        "log": Description(LOGS[0], facts, ("Torque was read in N m.", "Positions were unwrapped."), warnings),
+        "log": Description(LOGS[0], facts, ("Positions were unwrapped.",), ("The torque is at its limit.",)),
         "validation_logs": (Description(LOGS[1], (("Samples", "2 000 at 200.0 Hz"), ("Gaps", "none")), (), ()),),
         "preparation": Preparation("zero-phase DCT pair", 5.2, "a reason", 0.0051, 20.0, 60.0, 4470, 0.3),
         "excitation": Excitation(

@@ -21,7 +21,6 @@ from repro.streams import Stream, stream
 pytestmark = pytest.mark.slow
 
 CONFIG = load_config(Path(__file__).resolve().parents[2] / "config" / "config.yaml")
-OPTIONS = Options(tuple(METHODS), Path("unused"))
 claiming = pytest.mark.parametrize("method", [m for m in METHODS.values() if m.claims_intervals], ids=lambda m: m.name)
 
 
@@ -43,7 +42,7 @@ def arms_and_problems():
     for k in (*range(10, 20), *range(30, 40)):
         logs[k] = replace(logs[k], t=logs[k].t[:n], q=logs[k].q[:, :n], tau=logs[k].tau[:, :n])
     logs[20:] = [badly_set_up(log, wrong) for log in logs[20:]]
-    problems = [make_problem((loaded(log),), (), Arm(), OPTIONS) for log in logs]
+    problems = [make_problem((loaded(log),), (), Arm(), Options(tuple(METHODS), "unused")) for log in logs]
     return arms, [(problem.moving, problem.as_good) for problem in problems]
 
 

@@ -101,8 +101,6 @@ def parameter(estimate, error=None):
         (3.235, 0.021, "3.235 ± 0.021"),
         (-0.0004, 0.02, "0.000 ± 0.020"),
         (12.5, 4321.0, "12 ± 4321"),
-        (0.121345, None, "0.1213"),
-        (0.0, 0.0, "0 ± 0"),
         (1e-3, 0.0, "0.001000 ± 0"),
         (1.234e-7, 2.2e-9, f"(1.234 ± 0.022){TIMES}10⁻⁷"),
         (-5.4321e-9, None, f"-5.432{TIMES}10⁻⁹"),
@@ -126,7 +124,8 @@ def test_print_is_within_a_tenth_of_the_standard_error(estimate, error):
 @pytest.mark.parametrize("name", ["overlay-0", "spectra-0", "cutoff", "parameters"])
 def test_figures_look_as_they_did(monkeypatch, image_regression, name):
     monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figure)
-    figures, file = figures_of(example_result(simulated=True), example_curves()), io.BytesIO()
+    curves, file = example_curves(), io.BytesIO()
+    figures = figures_of(example_result(simulated=True), replace(curves, signals=curves.signals[:1]))
     with style.house_style():
         figures[name].savefig(file, format="png", dpi=75)
     # Percent of all brightness: rounding moves a few pixels by a level; a line a tenth wider moves hundreds by tens.

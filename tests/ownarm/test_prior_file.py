@@ -89,7 +89,8 @@ def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
 
 
 @pytest.mark.slow
-def test_an_arm_in_a_horizontal_plane(tmp_path):
+def test_an_arm_in_a_horizontal_plane(tmp_path, monkeypatch):
+    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda *_: {})
     level = BETA * np.array([1, 1, 1, 0, 0, 1, 1, 1, 1])
     problem = prepared_from_file(tmp_path, LEVEL, beta=level)
     result, curves = solved(problem, ("weighted", "bounded"), LEVEL)

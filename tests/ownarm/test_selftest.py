@@ -87,8 +87,6 @@ def test_where_eq_1_is_right_the_noise_that_was_put_in_is_the_error(clean):
 def test_stribeck_friction_is_distinguished_from_noise():
     test = outcome(problem_of(recorded(stribeck=0.6)))
     assert test.model_wrong
-    assert "The model causes the rest" in self_test_verdict(test)
-    assert max(test.noise) < 0.5
     assert max(test.real) > 2 * max(test.error)
 
 
@@ -103,8 +101,7 @@ def test_a_synthetic_log_is_recorded_as_the_real_one_was():
     assert synthetic.recorded.q[:, inside] == pytest.approx(original.recorded.q[:, inside], abs=20 * STEP)
     # Differences of neighbours are nearly all noise, which is taken a little too large rather than too small.
     made, noise = (np.std(np.diff(one.recorded.tau, 2)[:, inside], axis=-1) for one in (synthetic, original))
-    assert (0.95 * noise < made).all()
-    assert (made < 1.5 * noise).all()
+    assert ((0.95 * noise < made) & (made < 1.5 * noise)).all()
     (again,) = problem_of(synthetic, cutoff=ready.settings.cutoff).logs
     assert [fault.name for fault in again.faults] == ["zero1"]
     assert again.faults[0].value == pytest.approx(ready.faults[0].value, abs=0.005)

@@ -99,8 +99,6 @@ def test_a_log_that_reads_better_otherwise_gets_no_lines_for_the_arm_file():
 
 @pytest.mark.parametrize(("degrees", "words"), [(1.0, "1 degree"), (1.1, "1.1 degrees"), (0.055, "0.055 degrees")])
 def test_one_degree_is_singular(degrees, words):
-    result = SimpleNamespace(
-        fitted_logs=(SimpleNamespace(name="a.csv"),), hidden=({"zero1": np.radians(degrees)},), more_logs=()
-    )
-    (line,) = text.detection_limits(result)
+    log, hidden = SimpleNamespace(name="a.csv"), {"zero1": np.radians(degrees)}
+    (line,) = text.detection_limits(SimpleNamespace(fitted_logs=(log,), hidden=(hidden,), more_logs=()))
     assert line.endswith(f"zero of joint 1 up to {words}")
