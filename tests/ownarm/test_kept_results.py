@@ -70,7 +70,7 @@ def several(folder):
 
 
 def short(folder):
-    """A log with a wrong torque constant, whose friction is left in; synthetic logs beside it."""
+    """A log with a wrong torque constant, whose friction is left in, and synthetic logs."""
     log = write(folder / "c.csv", seconds=8.0, scale=1.5)
     return {"log": log, "method": ["ordinary", "consistent"], "self_test": True, "filter": "butterworth"}
 

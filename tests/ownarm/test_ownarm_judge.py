@@ -155,7 +155,7 @@ def test_a_method_without_intervals_says_so():
     problem = problem_of(noisy(BETA))
     (found,) = fit_all(problem, [plain], 1, silent)
     assert found.spread is None
-    assert found.halves == ()  # each would train a network of its own
+    assert found.halves == ()  # each would train another network
     m = evaluate(found, problem, (None,))
     assert not m.claims_intervals
     assert {p.verdict for p in m.parameters} == {"the method claims no interval"}
