@@ -27,7 +27,6 @@ def parameters(factor=1.0, b2=BETA[6], claims=True):
 
 
 def png(height=10):
-    """A small PNG file."""
     file = io.BytesIO()
     Image.new("RGB", (20, height)).save(file, "PNG")
     return file.getvalue()
@@ -94,8 +93,8 @@ def _signals(name, duration, rng):
         wander = np.cumsum(rng.normal(size=tau.shape), axis=-1) / np.sqrt(t.size)
         torques[known] = (1.0 + 0.02 * place) * tau + 0.1 * wander
     spectra = {known: 2.0 / t.size * np.abs(np.fft.rfft(torque, axis=-1)) for known, torque in torques.items()}
-    measured = torques.pop("measured"), spectra.pop("measured")
-    return Signals(name, t, measured[0], torques, np.fft.rfftfreq(t.size, 1.0 / 60.0), measured[1], spectra)
+    frequency = np.fft.rfftfreq(t.size, 1.0 / 60.0)
+    return Signals(name, t, torques.pop("measured"), torques, frequency, spectra.pop("measured"), spectra)
 
 
 def example_curves(duration=12.0):

@@ -95,8 +95,7 @@ def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog
     result = repro.identify(**logs(tmp_path), **({} if logs is capture else {"arm": arm}))
     out = tmp_path / "out"
     names = result.save(out)
-    files = {name: (out / name).read_text(encoding="utf-8") for name in names}
-    del files["provenance.json"]
+    files = {name: (out / name).read_text(encoding="utf-8") for name in names if name != "provenance.json"}
     lines = [*names, *(message for message in caplog.messages if "%" not in message), *str(result).splitlines()]
     lines += flat(json.loads(files.pop("parameters.json")))
     lines += blocks(files.pop("report.html"))

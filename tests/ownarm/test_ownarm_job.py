@@ -1,4 +1,4 @@
-"""The whole of `repro identify` but its command line, on a known arm."""
+"""The whole of `repro identify` but its command line: on a known arm, on a log with gaps, on logs of a real arm."""
 
 from dataclasses import replace
 
@@ -74,9 +74,6 @@ def test_the_result_of_an_arm_with_a_joint_at_rest_is_what_its_log_shows(tmp_pat
             assert p[one].estimate + p[other].estimate == pytest.approx(true[one] + true[other], rel=0.01), m.method
 
 
-# A log with gaps: all its pieces make one fit, with one cut-off, delay and zero.
-
-
 T = np.arange(6000) / 200.0
 #: Delay of the torque, s, and what the zero of joint 1 is off by, rad.
 DELAY, ZERO = 0.005, 0.08
@@ -130,8 +127,6 @@ def test_no_line_is_drawn_across_a_gap(split):
             assert not np.any(drawn[1:] & drawn[:-1] & (np.diff(x) > 0.5))
     assert all(np.isfinite(line.get_ydata()).sum() > 10 for axes in figure.axes for line in axes.lines)
 
-
-# The logs of a real arm: what ordinary least squares reached on them, and what the arm's owners published.
 
 #: I1, I2, I3, g1, g2 that the arm's owners published.
 OWNERS = [0.1346, 0.0666, 0.0267, 3.425, 1.090]

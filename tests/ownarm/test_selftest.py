@@ -47,8 +47,7 @@ def problem_of(log, **options):
     return make_problem((log,), (), ARM, replace(OPTIONS, **options))
 
 
-def outcome(problem):
-    """The self-test of ordinary least squares."""
+def ordinary_self_test(problem):
     method = METHODS["ordinary"]
     return self_test(problem, method, method.estimate(problem.moving).beta, ARM, OPTIONS, silent)
 
@@ -56,7 +55,7 @@ def outcome(problem):
 @pytest.fixture(scope="module")
 def clean():
     problem = problem_of(recorded())
-    return problem, outcome(problem)
+    return problem, ordinary_self_test(problem)
 
 
 def test_the_estimates_are_the_truth(clean):
@@ -85,7 +84,7 @@ def test_where_eq_1_is_right_the_noise_that_was_put_in_is_the_error(clean):
 
 
 def test_stribeck_friction_is_distinguished_from_noise():
-    test = outcome(problem_of(recorded(stribeck=0.6)))
+    test = ordinary_self_test(problem_of(recorded(stribeck=0.6)))
     assert test.model_wrong
     assert max(test.real) > 2 * max(test.error)
 

@@ -49,8 +49,7 @@ def faults_of(*logs):
     return [{fault.name: fault.value for fault in log.faults} for log in problem_of(*logs).logs]
 
 
-def spread(problem, result):
-    """Each parameter in each log by itself."""
+def spread_of_runs(problem, result):
     return add_runs(result, problem, METHODS.values(), 1, silent).spread
 
 
@@ -76,7 +75,7 @@ def test_logs_have_one_delay_and_one_fit_and_each_its_faults(two):
 def test_logs_of_one_arm_agree_from_run_to_run(two):
     problem, result = two
     assert result.spread == ()
-    for row, truth in zip(spread(problem, result)[:5], BETA, strict=False):
+    for row, truth in zip(spread_of_runs(problem, result)[:5], BETA, strict=False):
         assert row.agree
         assert row.estimates == pytest.approx([truth, truth], rel=0.05)
 
@@ -87,7 +86,7 @@ def test_a_log_of_another_arm_is_named_and_disagrees_from_run_to_run():
     result, _ = solved(problem)
     (line,) = (line for line in result.warnings if "disagrees" in line)
     assert line.startswith("the log odd.csv disagrees with the others")
-    assert {row.name for row in spread(problem, result) if row.agree is False} >= {"I1", "I2", "g1", "g2"}
+    assert {row.name for row in spread_of_runs(problem, result) if row.agree is False} >= {"I1", "I2", "g1", "g2"}
 
 
 def test_logs_whose_delays_differ_do_not_determine_the_common_one_better_than_that():

@@ -24,8 +24,7 @@ ERRORS = (
 )
 
 
-def within(share, estimate=2.0, excited=True):
-    """Verdict on an estimate whose interval reaches this share of it to either side."""
+def verdict_within(share, estimate=2.0, excited=True):
     reach = share * abs(estimate)
     return verdict(estimate, estimate - reach, estimate + reach, excited, at_bound=False)
 
@@ -33,26 +32,26 @@ def within(share, estimate=2.0, excited=True):
 @pytest.mark.parametrize("estimate", [2.0, -1e-6])
 def test_verdicts_at_their_limits(estimate):
     for share, percent in ((0.004, "0.4"), (0.00401, "0.5"), (0.01, "1"), (0.0101, "2"), (0.4999, "50")):
-        assert within(share, estimate) == f"known to {percent} %"
-    assert within(0.51, estimate) == within(0.99, estimate) == "sign known, size only roughly"
-    assert within(1.01, estimate) == within(30.0, estimate) == "cannot be distinguished from zero"
+        assert verdict_within(share, estimate) == f"known to {percent} %"
+    assert verdict_within(0.51, estimate) == verdict_within(0.99, estimate) == "sign known, size only roughly"
+    assert verdict_within(1.01, estimate) == verdict_within(30.0, estimate) == "cannot be distinguished from zero"
 
 
 @pytest.mark.parametrize("excited", [False, True])
 def test_verdicts_depend_on_excitation_only_where_nothing_is_known(excited):
-    unknown = verdict(2.0, None, None, excited, at_bound=False), within(1.1, 2.0, excited)
+    unknown = verdict(2.0, None, None, excited, at_bound=False), verdict_within(1.1, 2.0, excited)
     words = ("the method claims no interval", "cannot be distinguished from zero")
     assert unknown == (words if excited else (NOT_EXCITED, NOT_EXCITED))
     for low, high, at_bound in ((1.99, 2.01, False), (None, None, True), (-1.0, 5.0, False)):
         combined = verdict(2.0, low, high, excited, at_bound, determined=False)
         assert combined == (COMBINED if excited else NOT_EXCITED)
-    assert within(0.03, 1e-7, excited) == "known to 3 %"
+    assert verdict_within(0.03, 1e-7, excited) == "known to 3 %"
     assert verdict(0.0, None, None, excited, at_bound=True).startswith("held at zero")
 
 
 @given(st.floats(0.0, 0.4999), st.floats(1e-9, 1e9))
 def test_percents_are_never_optimistic_and_at_most_a_digit_too_large(share, estimate):
-    printed = float(re.fullmatch(r"known to ([0-9.]+) %", within(share, estimate))[1])
+    printed = float(re.fullmatch(r"known to ([0-9.]+) %", verdict_within(share, estimate))[1])
     actual = 50.0 * ((estimate + share * estimate) - (estimate - share * estimate)) / estimate
     assert printed >= actual - 1e-7
     assert printed <= max(actual + (1.0 if printed > 1.0 else 0.1), 0.1) + 1e-7
