@@ -63,6 +63,7 @@ CONFIG = changed(
     network={"hidden": [4, 3]},
     training={"steps": 2, "batch": 4, "test_samples": 4, "log_every": 1, "checkpoint_every": 1, "warmup": 0},
     algorithm1={"executions": 4, "inner_limit": 3},
+    experiment={"threshold": 0.0},  # which impossible estimates of an untrained network meet
     factorial={"specimens": [4, 9, 6], "plain": {"width": 6, "steps": 2, "batch": 8}},
 )
 LOW, HIGH = CONFIG["factorial"]["back_emf_nm_s_per_rad"]
@@ -189,16 +190,16 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, tmp_path):
         if cell.reader == "plain":
             network = load_posterior(weights, PlainNetwork(signals.samples, CONFIG["factorial"]["plain"]["width"]))
             first = read_torque(network, prepared.alpha)[0]
-            estimate = prepared.torque_scale * first
+            estimate, met = prepared.torque_scale * first, 0
         else:
             network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
             reader = ResidualEstimator(network, data_settings(c).image, prepared)
             found, first = search_under(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, k))
-            estimate = found[formula][0]
+            estimate, met = found[formula]
         row = table.loc[(*BLOCKS[k], formula, motion)]
         totals = similarities(blocks[k], estimate, formula, c)
         assert (row["id"], row["validation"]) == pytest.approx(totals, rel=0, abs=1e-6)
         error = np.sqrt(np.mean((first - blocks[k].true / prepared.torque_scale) ** 2))
         assert row["error"] == pytest.approx(error, rel=1e-5)
         assert (row["reader"], row["training"], row["omega"]) == (cell.reader, "ideal", "index")
-        assert (row["search_seed"], row["training_seed"]) == (seed, 1)
+        assert (row["search_seed"], row["training_seed"], row["met"]) == (seed, 1, met)

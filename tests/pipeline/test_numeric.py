@@ -19,7 +19,7 @@ from repro.pipeline.identifications import (
 )
 from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
-from repro.signals.metric import MetricSettings, metr2ev
+from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
 ARMS = {
@@ -32,8 +32,9 @@ SIGNALS = signal_settings(CONFIG)
 AWARE = ImageSettings("constant", 4.0)
 
 
-def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint():
-    metric, true, estimate = MetricSettings("energy"), ARMS["N1"], ARMS["N1"] * np.linspace(0.97, 1.03, 9)
+@pytest.mark.parametrize("formula", TIME_FORMULAS)
+def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint(formula):
+    metric, true, estimate = MetricSettings(formula), ARMS["N1"], ARMS["N1"] * np.linspace(0.97, 1.03, 9)
     arms = {"N1": {"true": true.tolist(), "methods": {"algorithm1": {"beta": estimate.tolist()}}}}
     runs = [{"variant": "published", "seed": seed, "arms": arms} for seed in (1, 2)]
     scores = score_estimates(runs, CONFIG, metric)
