@@ -181,7 +181,7 @@ def test_what_is_asserted_follows_the_rule(claims):
         expected = "reproduced" if by_kind or name in (*ASSERTED, "section5a/loss") else ""
         assert row["asserted"] == ("differs" if name == CENTRAL else expected), name
         assert row["must"] == (row["asserted"] == "reproduced")
-    cells = ["table08/total/joint1", "table08/total/joint2"]
+    cells = ["table08/ID/total/joint1", "table08/ID/total/joint2"]
     assert claims.loc[cells, "basis"].tolist() == ["simulated arm", "by construction"]
     # Algorithm 1 itself, on the paper's arms and on the simulated one.
     assert {"abstract/numeric/total", CENTRAL} <= set(claims.index[claims["asserted"] != ""])
