@@ -24,12 +24,12 @@ def sinusoids(t, amplitude, frequency, phase):
     return sine.sum(1), (size * omega * np.cos(turn)).sum(1), (-(omega**2) * sine).sum(1)
 
 
-def broadband(t):
-    """Sines up to 12 Hz, their amplitudes falling as 1/f^2."""
+def broadband(t, top=12.0, lines=60):
+    """Sines up to `top` Hz, their amplitudes falling as 1/f^2."""
     rng = np.random.default_rng(11)
-    frequency = np.linspace(0.15, 12.0, 60) + rng.uniform(-0.05, 0.05, (2, 60))
+    frequency = np.linspace(0.15, top, lines) + rng.uniform(-0.05, 0.05, (2, lines))
     amplitude = 0.4 / (1.0 + (frequency / 0.5) ** 2)
-    return sinusoids(t, amplitude, frequency, rng.uniform(0, 2 * np.pi, (2, 60)))
+    return sinusoids(t, amplitude, frequency, rng.uniform(0, 2 * np.pi, (2, lines)))
 
 
 def log_from(motion, rate=200.0, seconds=12.0, beta=BETA, steepness=20.0, delay=0.0):
