@@ -150,14 +150,14 @@ def test_only_what_depends_on_where_masses_are_may_be_negative():
     assert [p.name for p in rows if p.verdict != IMPOSSIBLE] == ["I2", "g1", "g2"]
 
 
-def test_a_method_without_intervals_says_so():
-    plain = Method("algorithm1", "A", "cnn_identification", lambda _: Estimate(BETA), claims_intervals=False)
+def test_a_method_without_intervals_or_consistent_parameters_says_so():
+    coupled = BETA * np.where(np.arange(9) == 1, 3.0, 1.0)  # I2 of no two links
+    plain = Method("algorithm1", "A", "cnn_identification", lambda _: Estimate(coupled), claims_intervals=False)
     problem = problem_of(noisy(BETA))
     (found,) = fit_all(problem, [plain], 1, silent)
-    assert found.spread is None
     assert found.halves == ()  # each would train another network
     m = evaluate(found, problem, (None,))
-    assert not m.claims_intervals
+    assert (m.claims_intervals, m.consistent) == (False, False)
     assert {p.verdict for p in m.parameters} == {"the method claims no interval"}
     assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
 

