@@ -227,7 +227,7 @@ _LIMITS = {
 
 
 class Section(BaseModel):
-    """Keys that are required unless they have a default."""
+    """A section of a file: no other key is allowed, no value is converted, a key without a default is required."""
 
     model_config = ConfigDict(**STRICT, frozen=True)
 

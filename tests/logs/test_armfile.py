@@ -55,7 +55,10 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of 'time', 'q1'"),
         ("units: {position: turns}\n", "units.position: found 'turns', expected 'rad', 'deg' or 'counts'"),
         ("units: deg\n", "units: found 'deg', expected units by kind of signal"),
-        ("columns: {q1: a, q2: a}\n", "columns: found {'q1': 'a', 'q2': 'a'}, expected a column of its own"),
+        (
+            "columns: {q1: a, q2: a}\n",
+            "columns: found {'q1': 'a', 'q2': 'a'}, expected a different column for each signal",
+        ),
         ("counts_per_turn: 8400\n", "counts_per_turn: found 8400, expected two numbers above 0"),
         ("counts_per_turn: [8400, 0]\n", "counts_per_turn[1]: found 0, expected two numbers above 0"),
         ("torque_constant: [0.1, 0]\n", "torque_constant[1]: found 0, expected two numbers other than 0"),

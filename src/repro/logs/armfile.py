@@ -78,7 +78,7 @@ class Units(TypedDict, total=False):
 
 def _columns(headers: dict[Signal, str]) -> dict[Signal, str]:
     if len(set(headers.values())) < len(headers):
-        raise PydanticCustomError("columns", "a column of its own for each signal")
+        raise PydanticCustomError("columns", "a different column for each signal")
     return headers
 
 
