@@ -291,6 +291,6 @@ def _along(section: Any, place: Place) -> tuple[Any, str]:  # noqa: ANN401
         if name not in fields:
             break
         extra = fields[str(name)].json_schema_extra
-        stated = str(extra.get("expected", stated)) if isinstance(extra, dict) else stated
+        stated = str(extra.get("expected", "")) if isinstance(extra, dict) else ""
         section = fields[str(name)].annotation
     return section, stated

@@ -97,6 +97,11 @@ def test_a_capture_is_whole_or_absent(tmp_path):
         ("counts.good", 399, "counts.good: found 399, expected 400"),
         ("mood", "fine", "mood: found an unknown key"),
         ("host", {}, "host.port: found nothing, expected a value"),
+        (
+            "host",
+            {"port": "a", "baud": 9600, "began": "", "chunks": [[1, "b"]]},
+            "host.chunks[0][1]: found 'b', expected a number",
+        ),
         ("host.chunks", [], "host.chunks: found "),
         ("host.chunks", [[800, 0.1], [3201, 0.2]], "host.chunks: found "),
         ("host.chunks", [[-1, 0.1], [3200, 0.2]], "host.chunks: found "),
